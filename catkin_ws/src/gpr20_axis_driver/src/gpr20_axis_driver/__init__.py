@@ -1,0 +1,1 @@
+"""Driver of one axis of the positioner."""

@@ -1,0 +1,33 @@
+"""What can go wrong with an axis."""
+
+from __future__ import annotations
+
+from gpr20_common.mid.errors import Gpr20Error, InvalidValueError
+
+
+class AxisException(Gpr20Error):
+    """An axis refused or failed to do what it was told."""
+
+
+class AxisParameterError(AxisException, InvalidValueError):
+    """A parameter of the axis is not allowed."""
+
+
+class TravelError(AxisException, ValueError):
+    """A target lies outside the axis."""
+
+
+class NotHomedError(AxisException, RuntimeError):
+    """The axis does not know where it is, so it has no legal range."""
+
+
+class AxisBusyError(AxisException, RuntimeError):
+    """The axis is still carrying out something else."""
+
+
+class EndstopError(AxisException, OSError):
+    """The endstop did not behave as a working one does."""
+
+
+class MotionStopped(AxisException):
+    """The motion was ended on request before it was complete."""

@@ -1,0 +1,1 @@
+"""The pins that an axis is wired to."""

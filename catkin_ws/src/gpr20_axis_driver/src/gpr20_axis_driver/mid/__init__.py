@@ -1,0 +1,1 @@
+"""The behaviour of an axis; no ROS."""

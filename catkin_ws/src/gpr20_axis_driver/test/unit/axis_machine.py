@@ -1,0 +1,120 @@
+"""A machine of one axis, at no cost of time, for the tests of its driver."""
+
+from __future__ import annotations
+
+from typing import List, Optional, Tuple
+
+from gpr20_axis_driver.low.endstop_interface import EndstopInterface
+from gpr20_axis_driver.low.stepper_interface import StepperInterface
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_common.low.clock import Clock
+
+X_PARAMETERS = AxisParameters(
+    dir_pin=13,
+    step_pin=15,
+    sensor_pin=16,
+    step_size=0.01,
+    min_step=0.0015,
+    max_step=0.0050,
+    delta_step=0.0001,
+    min_coord=0.0,
+    max_coord=650.0,
+    type="LIN",
+)
+Z_PARAMETERS = AxisParameters(
+    dir_pin=11,
+    step_pin=12,
+    step_size=1.8,
+    min_step=0.010,
+    max_step=0.025,
+    delta_step=0.005,
+    min_coord=-90.0,
+    max_coord=90.0,
+    type="ROT",
+)
+
+
+class SteppedClock(Clock):
+    """Time passes only by being slept."""
+
+    def __init__(self) -> None:
+        self.time_s = 0.0
+
+    def now_s(self) -> float:
+        return self.time_s
+
+    def sleep_until_s(self, deadline_s: float) -> None:
+        self.time_s = max(self.time_s, deadline_s)
+
+
+class Machine:
+    """The pins of RPi.GPIO with a carriage behind them that records every pulse."""
+
+    BOARD, OUT, IN, LOW, HIGH, PUD_UP = 10, 0, 1, 0, 1, 22
+
+    def __init__(self, parameters: AxisParameters, clock: Clock, start_steps: int) -> None:
+        self.parameters = parameters
+        self.clock = clock
+        self.steps = start_steps
+        self.endstop_steps = -100
+        self.stuck: Optional[bool] = None
+        self.lose_steps = False
+        self.levels = {}
+        self.inputs = {}
+        self.numbering = None
+        self.released: List[int] = []
+        self.pulses: List[Tuple[float, int]] = []
+
+    def setmode(self, mode):
+        self.numbering = mode
+
+    def setup(self, channel, direction, initial=None, pull_up_down=20):
+        assert self.numbering == self.BOARD
+        if direction == self.OUT:
+            self.levels[channel] = initial
+        else:
+            self.inputs[channel] = pull_up_down
+
+    def output(self, channel, level):
+        rising = level == self.HIGH and self.levels[channel] == self.LOW
+        self.levels[channel] = level
+        if channel == self.parameters.step_pin and rising:
+            direction = 1 if self.levels[self.parameters.dir_pin] == self.HIGH else -1
+            self.pulses.append((self.clock.now_s(), direction))
+            if not self.lose_steps:
+                self.steps += direction
+
+    def input(self, channel):
+        assert self.inputs[channel] == self.PUD_UP
+        closed = self.steps <= self.endstop_steps if self.stuck is None else self.stuck
+        return self.LOW if closed else self.HIGH
+
+    def cleanup(self, channel=None):
+        self.released += channel
+
+
+class Axis:
+    """A driver and the machine that it drives."""
+
+    def __init__(self, parameters: AxisParameters, start_steps: int = 500) -> None:
+        self.clock = SteppedClock()
+        self.machine = Machine(parameters, self.clock, start_steps)
+        stepper = StepperInterface(
+            self.machine, parameters.dir_pin, parameters.step_pin, self.clock
+        )
+        endstop = None
+        if parameters.sensor_pin is not None:
+            endstop = EndstopInterface(self.machine, parameters.sensor_pin)
+        self.driver = AxisDriver(parameters, stepper, endstop, self.clock)
+
+    @property
+    def pauses_s(self) -> List[float]:
+        """Half of the time between one pulse and the next [s]."""
+        times = [time_s for time_s, _direction in self.machine.pulses]
+        return [(later - earlier) / 2 for earlier, later in zip(times, times[1:])]
+
+
+def never() -> bool:
+    """No stop is requested."""
+    return False

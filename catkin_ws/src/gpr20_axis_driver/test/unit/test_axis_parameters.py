@@ -1,0 +1,59 @@
+"""The parameters of an axis and the coordinates they define."""
+
+import dataclasses
+import math
+
+import pytest
+from axis_machine import X_PARAMETERS, Z_PARAMETERS
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_axis_driver.axis_exceptions import AxisParameterError, TravelError
+
+
+@pytest.mark.parametrize(
+    "field, value, message",
+    [
+        ("dir_pin", 9, "dir_pin is 9"),
+        ("step_pin", 13, "pin of its own"),
+        ("sensor_pin", 15, "pin of its own"),
+        ("step_size", 0.0, "step_size is 0"),
+        ("step_size", math.nan, "step_size is nan"),
+        ("min_step", 0.006, "min_step is 0.006"),
+        ("max_step", math.inf, "max_step is inf"),
+        ("delta_step", -0.1, "delta_step is -0.1"),
+        ("max_coord", -1.0, "max_coord is -1"),
+        ("max_coord", 0.001, "max_coord is 0.001"),
+        ("type", "LINEAR", "type is 'LINEAR'"),
+        ("homing_backoff", 0.0, "homing_backoff is 0"),
+    ],
+)
+def test_a_wrong_parameter_is_refused_by_name(field, value, message):
+    with pytest.raises(AxisParameterError, match=message):
+        dataclasses.replace(X_PARAMETERS, **{field: value})
+
+
+@pytest.mark.parametrize("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])
+def test_a_target_outside_the_axis_is_refused(target):
+    with pytest.raises(TravelError, match="outside the axis, 0 to 650 mm"):
+        X_PARAMETERS.steps_to(target)
+
+
+@given(st.integers(0, 65000))
+def test_every_step_of_x_has_a_coordinate_that_leads_back_to_it(steps):
+    assert X_PARAMETERS.steps_to(X_PARAMETERS.coordinate_of(steps)) == steps
+
+
+@given(st.integers(0, 65000))
+def test_a_coordinate_is_the_float_nearest_to_its_decimal_value(steps):
+    assert X_PARAMETERS.coordinate_of(steps) == float(f"{steps // 100}.{steps % 100:02d}")
+
+
+@pytest.mark.parametrize("target, steps", [(0.29, 29), (0.57, 57), (90.01, 9001), (649.99, 64999)])
+def test_a_target_whose_quotient_is_not_exact_in_binary_loses_no_step(target, steps):
+    assert X_PARAMETERS.steps_to(target) == steps
+
+
+def test_a_quarter_turn_is_a_whole_number_of_steps():
+    assert Z_PARAMETERS.steps_to(90.0) == 50
+    assert Z_PARAMETERS.coordinate_of(-50) == -90.0

@@ -1,0 +1,83 @@
+"""Homing: success, and every way in which it fails."""
+
+import pytest
+from axis_machine import X_PARAMETERS, Axis, never
+
+from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
+
+
+@pytest.mark.parametrize("start_steps", [500, 0, -99, -100, -150, 65000])
+def test_homing_finds_the_same_zero_from_everywhere(start_steps):
+    axis = Axis(X_PARAMETERS, start_steps)
+    axis.driver.home(never)
+    assert axis.driver.homed
+    assert axis.driver.coordinate == 0.0
+    assert axis.machine.steps == 0
+
+
+def test_homing_never_exceeds_the_lowest_speed():
+    axis = Axis(X_PARAMETERS)
+    axis.driver.home(never)
+    assert min(axis.pauses_s) == pytest.approx(X_PARAMETERS.max_step)
+
+
+def test_the_endstop_is_touched_twice():
+    axis = Axis(X_PARAMETERS, start_steps=0)
+    axis.driver.home(never)
+    turns = [direction for _time, direction in axis.machine.pulses]
+    assert turns == [-1] * 100 + [1] * 100 + [-1] * 100 + [1] * 100
+
+
+def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
+    axis = Axis(X_PARAMETERS)
+    axis.machine.stuck = False
+    with pytest.raises(EndstopError, match="not reached within .*stuck open"):
+        axis.driver.home(never)
+    assert not axis.driver.homed
+    assert len(axis.machine.pulses) <= 65000 * 1.06
+
+
+def test_an_endstop_stuck_closed_is_an_error():
+    axis = Axis(X_PARAMETERS)
+    axis.machine.stuck = True
+    with pytest.raises(EndstopError, match="stuck closed"):
+        axis.driver.home(never)
+    assert not axis.driver.homed
+
+
+def test_a_motor_that_does_not_turn_is_not_taken_for_success():
+    axis = Axis(X_PARAMETERS, start_steps=-100)
+    axis.machine.lose_steps = True
+    with pytest.raises(EndstopError, match="motor does not turn"):
+        axis.driver.home(never)
+
+
+def test_an_endstop_that_switches_at_another_place_the_second_time_is_an_error():
+    axis = Axis(X_PARAMETERS)
+
+    def slip():
+        # The switch moves once the carriage has backed off from the first touch.
+        if len(axis.machine.pulses) == 700:
+            axis.machine.endstop_steps = -30
+        return False
+
+    with pytest.raises(EndstopError, match="does not switch at one place"):
+        axis.driver.home(slip)
+    assert not axis.driver.homed
+
+
+def test_homing_can_be_stopped_at_any_step():
+    axis = Axis(X_PARAMETERS)
+    with pytest.raises(MotionStopped, match="not homed"):
+        axis.driver.home(lambda: len(axis.machine.pulses) >= 50)
+    assert len(axis.machine.pulses) == 50
+    assert not axis.driver.homed
+
+
+def test_an_axis_that_fails_homing_is_no_longer_homed():
+    axis = Axis(X_PARAMETERS)
+    axis.driver.home(never)
+    axis.machine.stuck = False
+    with pytest.raises(EndstopError):
+        axis.driver.home(never)
+    assert not axis.driver.homed

@@ -1,0 +1,1 @@
+"""The ROS wiring that every node shares."""

@@ -1,0 +1,38 @@
+"""The 1 Hz report of a node on /diagnostics."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Tuple
+
+import diagnostic_updater
+import rospy
+
+OK = 0
+WARN = 1
+ERROR = 2
+
+# Level, one sentence, and named values.
+Health = Tuple[int, str, Dict[str, Any]]
+
+PERIOD_S = 1.0
+
+
+class Diagnostics:
+    """Publishes what `health` returns once a second, under the node's full name."""
+
+    def __init__(self, hardware_id: str, health: Callable[[], Health]) -> None:
+        self._health = health
+        self._updater = diagnostic_updater.Updater()
+        self._updater.setHardwareID(hardware_id)
+        self._updater.add("state", self._fill)
+        self._timer = rospy.Timer(rospy.Duration(PERIOD_S), self._update)
+
+    def _update(self, _event: rospy.timer.TimerEvent) -> None:
+        self._updater.force_update()
+
+    def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
+        level, sentence, values = self._health()
+        status.summary(level, sentence)
+        for name, value in values.items():
+            status.add(name, str(value))
+        return status

@@ -1,0 +1,65 @@
+"""Calling a service without ever waiting for it for ever."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from typing import Any
+
+import rospy
+
+from gpr20_common.mid.errors import Gpr20Error
+
+
+class ServiceUnavailableError(Gpr20Error, OSError):
+    """A service is not there, died while it was asked, or did not answer in time."""
+
+
+class ServiceClient:
+    """One service of another node; every call has a time limit.
+
+    `rospy.ServiceProxy` has none: a node that hangs would hang its caller.
+    """
+
+    def __init__(self, name: str, service_class: Any) -> None:
+        self._name = name
+        self._service_class = service_class
+
+    @property
+    def name(self) -> str:
+        """The name the service was given, relative to this node's namespace."""
+        return self._name
+
+    def call(self, timeout_s: float, **fields: Any) -> Any:
+        """Call the service and return its response, whatever it says.
+
+        Args:
+            timeout_s: Time limit for the whole call [s].
+            fields: Fields of the request.
+
+        Raises:
+            ServiceUnavailableError: No answer came; the message says why.
+        """
+        answers: queue.Queue = queue.Queue(maxsize=1)
+        # The thread outlives a call that never returns; being a daemon it ends with the node.
+        threading.Thread(target=self._ask, args=(timeout_s, fields, answers), daemon=True).start()
+        try:
+            answer = answers.get(timeout=timeout_s)
+        except queue.Empty:
+            raise ServiceUnavailableError(
+                f"service {self._name} did not answer within {timeout_s:g} s; "
+                "check that its node runs and does not hang"
+            ) from None
+        if isinstance(answer, Exception):
+            raise ServiceUnavailableError(
+                f"service {self._name} could not be called: {answer}; check that its node runs"
+            ) from answer
+        return answer
+
+    def _ask(self, timeout_s: float, fields: Any, answers: queue.Queue) -> None:
+        try:
+            rospy.wait_for_service(self._name, timeout=timeout_s)
+            proxy = rospy.ServiceProxy(self._name, self._service_class)
+            answers.put(proxy(**fields))
+        except (rospy.ROSException, rospy.ServiceException, OSError) as error:
+            answers.put(error)

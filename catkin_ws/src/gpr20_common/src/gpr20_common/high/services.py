@@ -1,0 +1,35 @@
+"""Services that always answer: success and message, never an exception."""
+
+from __future__ import annotations
+
+import traceback
+from typing import Any, Callable
+
+import rospy
+
+from gpr20_common.mid.errors import Gpr20Error
+
+
+def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> rospy.Service:
+    """Advertise a service whose failures become `success=False` and a message.
+
+    Args:
+        name: Relative name of the service.
+        service_class: Generated class; its response has `success` and `message`.
+        handler: Takes the request, returns the response of a success, raises otherwise.
+    """
+
+    def answer(request: Any) -> Any:
+        try:
+            return handler(request)
+        except Gpr20Error as error:
+            rospy.logwarn("%s refused: %s", name, error)
+            return service_class._response_class(success=False, message=str(error))
+        except Exception as error:
+            # A fault in our own code must reach the operator as an answer too:
+            # a caller that waits for a survey step cannot do anything with a dropped call.
+            rospy.logerr("%s failed:\n%s", name, traceback.format_exc())
+            message = f"internal error in {name} ({type(error).__name__}: {error}); see the log"
+            return service_class._response_class(success=False, message=message)
+
+    return rospy.Service(name, service_class, answer)

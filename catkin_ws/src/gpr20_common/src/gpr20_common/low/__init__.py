@@ -1,0 +1,1 @@
+"""External things that every package shares: the clock."""

@@ -1,0 +1,27 @@
+"""The passing of time, as a thing that can be handed in."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+
+class Clock:
+    """Seconds that only go forward, and waiting for them.
+
+    Nothing here is the time of day: that is asked where a time stamp is made.
+    """
+
+    def now_s(self) -> float:
+        """Return the time [s] since some fixed moment."""
+        return time.monotonic()
+
+    def sleep_until_s(self, deadline_s: float) -> None:
+        """Return once `now_s()` has reached the deadline [s]; at once if it is past."""
+        remaining_s = deadline_s - time.monotonic()
+        if remaining_s > 0.0:
+            time.sleep(remaining_s)
+
+    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
+        """Wait for the event for at most `timeout_s` [s]; return whether it is set."""
+        return event.wait(timeout_s)

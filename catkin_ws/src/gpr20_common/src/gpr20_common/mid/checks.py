@@ -1,0 +1,58 @@
+"""Checks of values that come from outside, with messages for people."""
+
+from __future__ import annotations
+
+import math
+
+from gpr20_common.mid.errors import InvalidValueError
+
+
+def number_between(name: str, value: float, lower: float, upper: float, unit: str = "") -> float:
+    """Return the value if it lies within the bounds, both included.
+
+    Args:
+        name: What the value is, for the message.
+        value: The value [unit].
+        lower: Smallest value allowed [unit].
+        upper: Largest value allowed [unit].
+        unit: Unit of the three numbers.
+
+    Raises:
+        InvalidValueError: The value is NaN, infinite or outside the bounds.
+    """
+    # Written so that NaN, which fails every comparison, is refused too.
+    if not (math.isfinite(value) and lower <= value <= upper):
+        suffix = f" {unit}" if unit else ""
+        raise InvalidValueError(
+            f"{name} is {value:.12g}{suffix}; it must lie between "
+            f"{lower:.12g} and {upper:.12g}{suffix}"
+        )
+    return value
+
+
+def positive_number(name: str, value: float, unit: str = "") -> float:
+    """Return the value if it is finite and above zero.
+
+    Raises:
+        InvalidValueError: The value is NaN, infinite, zero or negative.
+    """
+    if not (math.isfinite(value) and value > 0.0):
+        suffix = f" {unit}" if unit else ""
+        raise InvalidValueError(f"{name} is {value:.12g}{suffix}; it must be more than zero")
+    return value
+
+
+def ipv4_address(name: str, address: str) -> str:
+    """Return the address if it is four decimal numbers of 0 to 255.
+
+    Raises:
+        InvalidValueError: The text is anything else.
+    """
+    parts = address.split(".")
+    # isdecimal() accepts digits of other scripts, which no instrument understands.
+    plain = all(part.isascii() and part.isdecimal() and len(part) <= 3 for part in parts)
+    if len(parts) != 4 or not plain or any(int(part) > 255 for part in parts):
+        raise InvalidValueError(
+            f"{name} is '{address[:64]}'; it must be four numbers of 0 to 255, such as 192.168.1.10"
+        )
+    return address

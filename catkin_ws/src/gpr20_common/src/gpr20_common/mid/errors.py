@@ -1,0 +1,13 @@
+"""The root of every error that GPR-20 raises on purpose."""
+
+
+class Gpr20Error(Exception):
+    """Something was refused or failed; the message says what, why and what to do.
+
+    Each package derives one error of its own from this one. The high levels catch
+    this class in one place and hand its text to the operator.
+    """
+
+
+class InvalidValueError(Gpr20Error, ValueError):
+    """A value that came from outside is not allowed."""

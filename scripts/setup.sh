@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Install what is missing: Debian packages, the virtual environment, the catkin build.
+# Safe to run again; quick when nothing is missing.
+#   scripts/setup.sh           what a survey needs
+#   scripts/setup.sh --dev     what the tests need as well
+#   scripts/setup.sh --robot   on the Raspberry Pi: what its pins and its SPI bus need as well
+set -euo pipefail
+# shellcheck source=scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+DEBIAN_PACKAGES=(
+    catkin cmake g++ make python3-dev python3-venv
+    ros-base ros-base-dev python3-actionlib python3-diagnostic-msgs python3-diagnostic-updater
+    python3-numpy python3-pyqt5 python3-rosbag python3-rospy python3-rostest python3-sensor-msgs
+    python3-std-srvs
+)
+DEBIAN_DEV_PACKAGES=(iproute2 procps xvfb)
+
+dev=no robot=no
+for argument in "$@"; do
+    case "$argument" in
+        --dev) dev=yes ;;
+        --robot) robot=yes ;;
+        *) echo "setup.sh: unknown argument '$argument'; allowed are --dev and --robot" >&2; exit 2 ;;
+    esac
+done
+[ "$dev" = no ] || DEBIAN_PACKAGES+=("${DEBIAN_DEV_PACKAGES[@]}")
+
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+install_debian_packages() {
+    local missing=() package
+    for package in "${DEBIAN_PACKAGES[@]}"; do
+        dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+    done
+    [ ${#missing[@]} -gt 0 ] || return 0
+    echo "installing Debian packages: ${missing[*]}"
+    as_root apt-get update -qq
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+install_python_packages() {
+    local files=(requirements.txt) arguments=() file stamp
+    [ "$dev" = no ] || files+=(requirements-dev.txt)
+    [ "$robot" = no ] || files+=(requirements-robot.txt)
+    if [ ! -x "$GPR20_VENV/bin/python" ]; then
+        echo "making the virtual environment $GPR20_VENV"
+        /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
+    fi
+    for file in "${files[@]}"; do
+        stamp="$GPR20_VENV/installed-$file"
+        cmp -s "$GPR20_ROOT/$file" "$stamp" || arguments+=(-r "$GPR20_ROOT/$file")
+    done
+    [ ${#arguments[@]} -gt 0 ] || return 0
+    echo "installing Python packages: ${arguments[*]}"
+    "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check "${arguments[@]}"
+    for file in "${files[@]}"; do cp "$GPR20_ROOT/$file" "$GPR20_VENV/installed-$file"; done
+}
+
+# Python sources run from where they are; only these files decide what the build makes.
+build_inputs() {
+    (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 \( -name package.xml -o -name CMakeLists.txt \
+        -o -name setup.py -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
+        -o -path '*/env-hooks/*' \) -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
+        echo "$GPR20_ROOT")
+}
+
+build_workspace() {
+    local stamp="$GPR20_WORKSPACE/build/inputs.sha256"
+    if [ -f "$stamp" ] && cmp -s <(build_inputs) "$stamp"; then return 0; fi
+    echo "building the catkin workspace"
+    local log
+    log="$(mktemp)"
+    if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
+        -DCATKIN_ENABLE_TESTING=OFF >"$log" 2>&1; then
+        cat "$log" >&2
+        echo "setup.sh: the catkin build failed; the lines above say where" >&2
+        exit 1
+    fi
+    rm -f "$log"
+    build_inputs >"$stamp"
+}
+
+install_debian_packages
+install_python_packages
+build_workspace
