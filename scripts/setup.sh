@@ -68,10 +68,10 @@ build_inputs() {
 }
 
 build_workspace() {
-    local stamp="$GPR20_WORKSPACE/build/inputs.sha256"
-    if [ -f "$stamp" ] && cmp -s <(build_inputs) "$stamp"; then return 0; fi
+    local stamp="$GPR20_WORKSPACE/build/inputs.sha256" inputs log
+    inputs="$(build_inputs)"
+    if [ -f "$stamp" ] && [ "$inputs" = "$(cat "$stamp")" ]; then return 0; fi
     echo "building the catkin workspace"
-    local log
     log="$(mktemp)"
     if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
         -DCATKIN_ENABLE_TESTING=OFF >"$log" 2>&1; then
@@ -80,7 +80,7 @@ build_workspace() {
         exit 1
     fi
     rm -f "$log"
-    build_inputs >"$stamp"
+    printf '%s\n' "$inputs" >"$stamp"
 }
 
 install_debian_packages

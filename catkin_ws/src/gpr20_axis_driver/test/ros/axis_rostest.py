@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""An axis through the real graph: homing, moves, preemption, refusals."""
+
+import threading
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
+from gpr20_simulator.high.world_path import world_path
+from gpr20_simulator.low.world import AxisName, open_world
+from std_srvs.srv import Trigger
+
+LIMIT_S = 20.0
+
+
+class Axis:
+    """One axis as a client sees it, with the truth beside it."""
+
+    def __init__(self, name):
+        self.name = name
+        self.client = actionlib.SimpleActionClient(f"{name.value}_axis/axis", AxisAction)
+        assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
+        rospy.wait_for_service(f"{name.value}_axis/homing", LIMIT_S)
+        self.home = rospy.ServiceProxy(f"{name.value}_axis/homing", Trigger)
+        self.stop = rospy.ServiceProxy(f"{name.value}_axis/stop", Trigger)
+        self._world = open_world(world_path("/"), {})
+        self._changed = threading.Condition()
+        self.readings = []
+        self._subscriber = rospy.Subscriber(
+            f"{name.value}_axis/current_coord", CurrentCoordinate, self._hear
+        )
+
+    def _hear(self, message):
+        with self._changed:
+            self.readings.append(message)
+            self._changed.notify_all()
+
+    @property
+    def true_steps(self):
+        return self._world.steps(self.name)
+
+    def wait_for(self, condition):
+        """Wait for a reading that satisfies the condition and return it."""
+        with self._changed:
+            found = self._changed.wait_for(
+                lambda: self.readings and condition(self.readings[-1]), LIMIT_S
+            )
+            assert found, "no such reading came"
+            return self.readings[-1]
+
+    def move(self, target):
+        """Move and wait; return (terminal state, result)."""
+        self.client.send_goal(AxisGoal(target_coordinate=target))
+        return self.finish()
+
+    def finish(self):
+        assert self.client.wait_for_result(rospy.Duration(LIMIT_S))
+        return self.client.get_state(), self.client.get_result()
+
+
+class AxisTest(unittest.TestCase):
+    """The tests run in the order of their names: the axis is not homed at first."""
+
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("axis_rostest")
+        cls.x = Axis(AxisName.X)
+        cls.z = Axis(AxisName.Z)
+
+    def test_1_a_goal_before_homing_is_aborted_with_the_reason(self):
+        state, result = self.x.move(5.0)
+        self.assertEqual(state, GoalStatus.ABORTED)
+        self.assertFalse(result.success)
+        self.assertIn("not homed", result.message)
+        self.assertEqual(self.x.true_steps, 800)
+
+    def test_2_homing_finds_zero(self):
+        response = self.x.home()
+        self.assertTrue(response.success, response.message)
+        self.assertEqual(self.x.true_steps, 0)
+        reading = self.x.wait_for(lambda reading: reading.homed)
+        self.assertEqual(reading.coordinate, 0.0)
+
+    def test_3_a_goal_ends_where_it_should(self):
+        state, result = self.x.move(12.34)
+        self.assertEqual(state, GoalStatus.SUCCEEDED)
+        self.assertEqual(result.coordinate, 12.34)
+        self.assertEqual(self.x.true_steps, 1234)
+
+    def test_4_goals_outside_the_axis_are_aborted_and_move_nothing(self):
+        steps = self.x.true_steps
+        for target in (-0.01, 650.5, float("nan"), float("inf")):
+            state, result = self.x.move(target)
+            self.assertEqual(state, GoalStatus.ABORTED)
+            self.assertIn("outside the axis, 0 to 650 mm", result.message)
+        self.assertEqual(self.x.true_steps, steps)
+
+    def test_5_a_cancelled_goal_is_preempted_with_an_exact_coordinate(self):
+        self.x.move(0.0)
+        self.x.client.send_goal(AxisGoal(target_coordinate=100.0))
+        self.x.wait_for(lambda reading: reading.moving and reading.coordinate > 3.0)
+        self.x.client.cancel_goal()
+        state, result = self.x.finish()
+        self.assertEqual(state, GoalStatus.PREEMPTED)
+        self.assertFalse(result.success)
+        self.assertLess(result.coordinate, 100.0)
+        self.assertEqual(round(result.coordinate * 100), self.x.true_steps)
+        state, result = self.x.move(2.0)
+        self.assertEqual((state, self.x.true_steps), (GoalStatus.SUCCEEDED, 200))
+
+    def test_6_a_new_goal_replaces_the_one_under_way(self):
+        first = actionlib.SimpleActionClient("x_axis/axis", AxisAction)
+        first.wait_for_server(rospy.Duration(LIMIT_S))
+        first.send_goal(AxisGoal(target_coordinate=100.0))
+        self.x.wait_for(lambda reading: reading.moving)
+        state, result = self.x.move(1.0)
+        self.assertEqual(state, GoalStatus.SUCCEEDED)
+        self.assertEqual(self.x.true_steps, 100)
+        self.assertTrue(first.wait_for_result(rospy.Duration(LIMIT_S)))
+        self.assertEqual(first.get_state(), GoalStatus.PREEMPTED)
+
+    def test_7_the_stop_service_ends_a_move_and_a_homing(self):
+        self.x.client.send_goal(AxisGoal(target_coordinate=100.0))
+        self.x.wait_for(lambda reading: reading.moving)
+        self.x.stop()
+        state, _result = self.x.finish()
+        self.assertEqual(state, GoalStatus.PREEMPTED)
+        self.x.move(20.0)
+        answers = []
+        homing = threading.Thread(target=lambda: answers.append(self.x.home()))
+        homing.start()
+        self.x.wait_for(lambda reading: reading.moving and not reading.homed)
+        refused_state, refused = self.x.move(1.0)
+        self.x.stop()
+        homing.join(LIMIT_S)
+        self.assertEqual(refused_state, GoalStatus.ABORTED)
+        self.assertIn("busy", refused.message)
+        self.assertFalse(answers[0].success)
+        self.assertIn("stopped", answers[0].message)
+        self.assertFalse(self.x.wait_for(lambda reading: not reading.moving).homed)
+
+    def test_8_the_antennas_turn(self):
+        self.assertTrue(self.z.home().success)
+        for target, steps in ((90.0, 50), (-90.0, -50), (0.0, 0)):
+            state, result = self.z.move(target)
+            self.assertEqual((state, self.z.true_steps), (GoalStatus.SUCCEEDED, steps))
+            self.assertEqual(result.coordinate, target)
+
+    def test_9_the_coordinate_is_published_faster_while_moving(self):
+        self.assertTrue(self.x.home().success)
+        self.x.readings.clear()
+        self.x.client.send_goal(AxisGoal(target_coordinate=100.0))
+        self.x.finish()
+        stamps = [r.header.stamp.to_sec() for r in self.x.readings if r.moving]
+        rate_hz = (len(stamps) - 1) / (stamps[-1] - stamps[0])
+        self.assertGreater(rate_hz, 35.0)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20_axis_driver", "axis", AxisTest)

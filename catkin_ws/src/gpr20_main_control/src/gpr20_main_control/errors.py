@@ -1,0 +1,21 @@
+"""What can go wrong with a survey."""
+
+from __future__ import annotations
+
+from gpr20_common.mid.errors import Gpr20Error
+
+
+class SurveyError(Gpr20Error):
+    """A survey was refused or failed."""
+
+
+class RequestRefusedError(SurveyError, RuntimeError):
+    """A request does not fit what the control is doing now."""
+
+
+class DeviceError(SurveyError, OSError):
+    """A part of the robot failed; the survey pauses and can be resumed."""
+
+
+class StopRequested(SurveyError):
+    """The survey was told to stop."""

@@ -1,0 +1,103 @@
+"""One axis of the positioner, over ROS."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from typing import Optional
+
+import actionlib
+import rospy
+from std_srvs.srv import Trigger
+
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
+from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
+
+SERVER_LIMIT_S = 2.0
+STOP_LIMIT_S = 1.0
+
+
+class AxisLink:
+    """Action, topic and services of one axis; implements `gpr20_main_control.mid.robot.Axis`."""
+
+    def __init__(self, group: str) -> None:
+        """Connect to the axis whose names begin with `group`, such as x_axis."""
+        self._group = group
+        self._lock = threading.Lock()
+        self._last: Optional[CurrentCoordinate] = None
+        self._heard_s = 0.0
+        self._outcomes: queue.Queue = queue.Queue()
+        self._client = actionlib.SimpleActionClient(f"{group}/axis", AxisAction)
+        self._homing = ServiceClient(f"{group}/homing", Trigger)
+        self._stop = ServiceClient(f"{group}/stop", Trigger)
+        self._subscriber = rospy.Subscriber(
+            f"{group}/current_coord", CurrentCoordinate, self._hear, queue_size=10
+        )
+
+    def reading(self) -> Optional[AxisReading]:
+        """Return what the axis last said of itself; None if it never did."""
+        with self._lock:
+            last, heard_s = self._last, self._heard_s
+        if last is None:
+            return None
+        # Age by this machine's clock: the two machines' clocks may differ.
+        age_s = rospy.get_time() - heard_s
+        return AxisReading(last.coordinate, last.homed, last.moving, age_s)
+
+    def begin_move(self, target: float) -> None:
+        """Tell the axis to move [mm or deg] and return at once.
+
+        Raises:
+            DeviceError: The axis's node is not there.
+        """
+        if not self._client.wait_for_server(rospy.Duration(SERVER_LIMIT_S)):
+            raise DeviceError(
+                f"{self._group} does not answer; check that its axis_driver node runs"
+            )
+        outcomes: queue.Queue = queue.Queue()
+        self._outcomes = outcomes
+        self._client.send_goal(
+            AxisGoal(target_coordinate=target),
+            done_cb=lambda _status, result: outcomes.put(result),
+        )
+
+    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
+        """Wait up to `wait_s` [s] for the end of the move; None while it goes on."""
+        try:
+            result: Optional[AxisResult] = self._outcomes.get(timeout=wait_s)
+        except queue.Empty:
+            return None
+        if result is None:
+            return MoveOutcome(False, self._client.get_goal_status_text() or "no result came")
+        return MoveOutcome(result.success, result.message)
+
+    def home(self, time_limit_s: float) -> None:
+        """Home the axis and return when it is homed.
+
+        Raises:
+            DeviceError: It failed, or did not end in time.
+        """
+        try:
+            response = self._homing.call(time_limit_s)
+        except ServiceUnavailableError as error:
+            raise DeviceError(str(error)) from error
+        if not response.success:
+            raise DeviceError(response.message)
+
+    def stop(self) -> None:
+        """End any motion; returns at once."""
+        threading.Thread(target=self._stop_now, daemon=True).start()
+
+    def _stop_now(self) -> None:
+        try:
+            self._stop.call(STOP_LIMIT_S)
+        except ServiceUnavailableError as error:
+            # A node that is gone moves nothing; if it lives, this must be seen.
+            rospy.logerr("%s could not be told to stop: %s", self._group, error)
+
+    def _hear(self, message: CurrentCoordinate) -> None:
+        with self._lock:
+            self._last = message
+            self._heard_s = rospy.get_time()

@@ -1,0 +1,214 @@
+"""The three axes moving together."""
+
+from __future__ import annotations
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Optional, Tuple
+
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
+from gpr20_main_control.mid.survey_plan import SurveyPoint
+
+# An axis publishes at 10 Hz at rest; one that was silent for so long is not alive.
+SILENCE_LIMIT_S = 2.0
+# A move may take this many times as long as it should, and some more.
+TIME_LIMIT_FACTOR = 1.5
+TIME_LIMIT_EXTRA_S = 5.0
+# Homing goes the length of the axis at the lowest speed and touches twice.
+HOMING_TIME_FACTOR = 1.3
+# How often a waiting survey looks whether it has been told to stop.
+POLL_S = 0.05
+# An axis that rests at its target for so long has ended its move, whoever lost the result.
+LOST_RESULT_S = 1.0
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where the axes say that they are: x and y [mm], z [deg]."""
+
+    x_mm: float
+    y_mm: float
+    z_deg: float
+
+
+class Positioner:
+    """Homes the axes, moves them together, and knows where they are."""
+
+    def __init__(
+        self,
+        axes: List[Tuple[AxisId, Axis]],
+        parameters: Dict[AxisId, AxisParameters],
+        stop: threading.Event,
+        clock: Clock,
+    ) -> None:
+        self._axes = dict(axes)
+        self._parameters = parameters
+        self._stop = stop
+        self._clock = clock
+
+    def check_alive(self) -> None:
+        """Refuse to go on unless every axis has spoken of late.
+
+        Raises:
+            DeviceError: An axis is silent.
+        """
+        for axis_id in self._axes:
+            self._reading(axis_id)
+
+    def position(self) -> Position:
+        """Return where the axes stand.
+
+        Raises:
+            DeviceError: An axis is silent or not homed.
+        """
+        readings = {axis_id: self._reading(axis_id) for axis_id in self._axes}
+        for axis_id, reading in readings.items():
+            if not reading.homed:
+                raise DeviceError(
+                    f"the {axis_id.value} axis is not homed: its position is unknown; "
+                    "resume the survey to home it"
+                )
+        return Position(
+            readings[AxisId.X].coordinate,
+            readings[AxisId.Y].coordinate,
+            readings[AxisId.Z].coordinate,
+        )
+
+    def home(self) -> None:
+        """Home together every axis that is not homed.
+
+        Raises:
+            DeviceError: An axis could not be homed.
+            StopRequested: The survey was told to stop.
+        """
+        pending = [axis_id for axis_id in self._axes if not self._reading(axis_id).homed]
+        with ThreadPoolExecutor(max_workers=len(self._axes)) as threads:
+            homings = [threads.submit(self._home, axis_id) for axis_id in pending]
+            failures = [one.exception() for one in homings]
+        self._raise_if_stopped()
+        for failure in failures:
+            if failure is not None:
+                raise failure
+        self._wait(lambda: all(self._reading(axis_id).homed for axis_id in pending))
+
+    def move_to(self, point: SurveyPoint) -> None:
+        """Move the axes to a point and return when all of them stand there.
+
+        Raises:
+            DeviceError: An axis failed; the others have been stopped.
+            StopRequested: The survey was told to stop; the axes have been stopped.
+        """
+        targets = {AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}
+        self.position()
+        try:
+            moving = [axis_id for axis_id in self._axes if self._begin(axis_id, targets[axis_id])]
+            for axis_id in moving:
+                self._finish(axis_id, targets[axis_id])
+            for axis_id, target in targets.items():
+                self._wait_for_target(axis_id, target)
+        except BaseException:
+            # Whatever went wrong, nothing keeps moving.
+            self.stop()
+            raise
+
+    def stop(self) -> None:
+        """Stop every axis; returns at once."""
+        for axis in self._axes.values():
+            axis.stop()
+
+    def move_duration_s(self, axis_id: AxisId, distance: float) -> float:
+        """Return how long an axis needs for a distance [mm or deg]."""
+        parameters = self._parameters[axis_id]
+        ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
+        return ramp.duration_s(parameters.distance_steps(abs(distance)))
+
+    def _home(self, axis_id: AxisId) -> None:
+        parameters = self._parameters[axis_id]
+        slow_s = 2.0 * parameters.max_step * parameters.travel_steps
+        limit_s = HOMING_TIME_FACTOR * slow_s + TIME_LIMIT_EXTRA_S
+        try:
+            self._axes[axis_id].home(limit_s)
+        except DeviceError as error:
+            raise DeviceError(f"homing the {axis_id.value} axis failed: {error}") from error
+
+    def _begin(self, axis_id: AxisId, target: float) -> bool:
+        # A move of no length is not sent: actionlib may lose the result of a goal that
+        # ends before its sender has returned.
+        if self._at_target(axis_id, self._reading(axis_id), target):
+            return False
+        self._axes[axis_id].begin_move(target)
+        return True
+
+    def _finish(self, axis_id: AxisId, target: float) -> None:
+        distance = target - self._reading(axis_id).coordinate
+        limit_s = TIME_LIMIT_FACTOR * self.move_duration_s(axis_id, distance) + TIME_LIMIT_EXTRA_S
+        deadline_s = self._clock.now_s() + limit_s
+        arrived_s: Optional[float] = None
+        while True:
+            outcome = self._axes[axis_id].move_outcome(POLL_S)
+            self._raise_if_stopped()
+            if outcome is not None:
+                break
+            now_s = self._clock.now_s()
+            if now_s > deadline_s:
+                raise DeviceError(
+                    f"the {axis_id.value} axis did not end its move to {target:g} "
+                    f"{axis_id.unit} within {limit_s:.0f} s; check its motor and its node"
+                )
+            reading = self._reading(axis_id)
+            if reading.moving or not self._at_target(axis_id, reading, target):
+                arrived_s = None
+            elif arrived_s is None:
+                arrived_s = now_s
+            elif now_s - arrived_s > LOST_RESULT_S:
+                return
+        if not outcome.success:
+            raise DeviceError(
+                f"the {axis_id.value} axis did not reach {target:g} {axis_id.unit}: "
+                f"{outcome.message}"
+            )
+
+    def _wait_for_target(self, axis_id: AxisId, target: float) -> None:
+        """Wait until the axis itself says that it rests at the target."""
+
+        def arrived() -> bool:
+            reading = self._reading(axis_id)
+            return (
+                reading.homed and not reading.moving and self._at_target(axis_id, reading, target)
+            )
+
+        if not self._wait(arrived):
+            raise DeviceError(
+                f"the {axis_id.value} axis stands at {self._reading(axis_id).coordinate:g} "
+                f"{axis_id.unit} instead of {target:g} {axis_id.unit}; home it"
+            )
+
+    def _wait(self, condition: Callable[[], bool]) -> bool:
+        deadline_s = self._clock.now_s() + SILENCE_LIMIT_S
+        while not condition():
+            if self._clock.now_s() > deadline_s:
+                return False
+            self._clock.wait_s(self._stop, POLL_S)
+            self._raise_if_stopped()
+        return True
+
+    def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:
+        return abs(reading.coordinate - target) < 0.5 * self._parameters[axis_id].step_size
+
+    def _reading(self, axis_id: AxisId) -> AxisReading:
+        reading = self._axes[axis_id].reading()
+        if reading is None or reading.age_s > SILENCE_LIMIT_S:
+            raise DeviceError(
+                f"the {axis_id.value} axis is silent: nothing on {axis_id.value}_axis/"
+                f"current_coord for {SILENCE_LIMIT_S:g} s; check that its node runs"
+            )
+        return reading
+
+    def _raise_if_stopped(self) -> None:
+        if self._stop.is_set():
+            raise StopRequested("the survey was told to stop")

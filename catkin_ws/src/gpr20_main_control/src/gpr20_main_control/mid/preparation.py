@@ -1,0 +1,121 @@
+"""The checks before a survey, and again before it goes on after a pause."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Tuple
+
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.positioner import Positioner
+from gpr20_main_control.mid.robot import Robot, SurveyRecord, SweepSetting
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
+
+CALIBRATION_MEANINGS = {
+    0: "no calibration",
+    1: "calibrated, accuracy high",
+    2: "moderate, the power level was changed",
+    3: "moderate, the temperature moved by more than 5 degrees",
+    4: "low, the temperature moved by more than 10 degrees",
+}
+
+
+@dataclass(frozen=True)
+class InstrumentState:
+    """What is known of the analyzer before a survey."""
+
+    identity: str
+    calibration: int
+    setting: SweepSetting
+
+
+class Preparation:
+    """Brings the robot into the state in which the next point can be measured."""
+
+    def __init__(
+        self,
+        parameters: SurveyParameters,
+        settings: SurveySettings,
+        robot: Robot,
+        positioner: Positioner,
+        make_record: Callable[[InstrumentState], SurveyRecord],
+    ) -> None:
+        self._parameters = parameters
+        self._settings = settings
+        self._robot = robot
+        self._positioner = positioner
+        self._make_record = make_record
+        self._instrument = InstrumentState("", 0, SweepSetting(0.0, 0.0, 0))
+        self._folder = ""
+        self._frequencies_hz: Tuple[float, ...] = ()
+
+    @property
+    def survey_is_open(self) -> bool:
+        """Whether the survey has a folder."""
+        return bool(self._folder)
+
+    @property
+    def folder(self) -> str:
+        """The survey's folder; empty before it is made."""
+        return self._folder
+
+    @property
+    def frequencies_hz(self) -> Tuple[float, ...]:
+        """Frequencies of every sweep [Hz]."""
+        return self._frequencies_hz
+
+    def check(self) -> None:
+        """Check everything that the survey needs; nothing moves.
+
+        Raises:
+            DeviceError: Something is missing or not as it should be.
+        """
+        self._positioner.check_alive()
+        self.check_analyzer()
+        if self._settings.on_height_failure == HeightPolicy.PAUSE.value:
+            self._robot.height_sensor.height_m()
+
+    def check_analyzer(self) -> None:
+        """Connect the analyzer, look at its calibration and configure its sweep.
+
+        Raises:
+            DeviceError: It is not there, not calibrated, or refuses the sweep.
+        """
+        analyzer = self._robot.analyzer
+        identity = analyzer.connect(self._parameters.vna_address)
+        calibration = analyzer.calibration()
+        if calibration not in self._settings.accepted_calibrations:
+            meaning = CALIBRATION_MEANINGS.get(calibration, "unknown")
+            accepted = ", ".join(str(one) for one in self._settings.accepted_calibrations)
+            raise DeviceError(
+                f"the VNA's calibration status is {calibration} ({meaning}); calibrate it, or "
+                f"change accepted_calibrations (now {accepted})"
+            )
+        setting = self._configure()
+        frequencies_hz = analyzer.frequencies_hz()
+        if self._frequencies_hz and frequencies_hz != self._frequencies_hz:
+            raise DeviceError(
+                "the VNA's frequencies are no longer those of this survey; stop it and start anew"
+            )
+        self._frequencies_hz = frequencies_hz
+        self._instrument = InstrumentState(identity, calibration, setting)
+
+    def open_survey(self) -> None:
+        """Make the survey's folder and begin its recordings, once.
+
+        Raises:
+            DeviceError: There is no room, or the folder cannot be made.
+        """
+        if not self._folder:
+            self._folder = self._robot.storage.open(self._make_record(self._instrument))
+
+    def _configure(self) -> SweepSetting:
+        asked = SweepSetting(
+            self._parameters.start_frequency_hz,
+            self._parameters.stop_frequency_hz,
+            self._parameters.frequency_points,
+        )
+        accepted = self._robot.analyzer.configure(asked)
+        if accepted != asked:
+            raise DeviceError(f"the VNA accepted {accepted} instead of {asked}")
+        return accepted

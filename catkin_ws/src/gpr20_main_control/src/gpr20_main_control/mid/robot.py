@@ -1,0 +1,184 @@
+"""The parts of the robot as the survey sees them.
+
+Every call returns or raises `DeviceError` within a time limit of its own.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import List, Optional, Protocol, Tuple
+
+
+class AxisId(enum.Enum):
+    """The three axes, with the unit of their coordinates."""
+
+    X = "x"
+    Y = "y"
+    Z = "z"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the coordinates: mm or deg."""
+        return "deg" if self is AxisId.Z else "mm"
+
+
+@dataclass(frozen=True)
+class AxisReading:
+    """What an axis last said of itself.
+
+    Attributes:
+        coordinate: Where it is [mm or deg].
+        homed: Whether the coordinate is referred to the axis's zero.
+        moving: Whether the motor is being stepped.
+        age_s: How long ago it said so [s].
+    """
+
+    coordinate: float
+    homed: bool
+    moving: bool
+    age_s: float
+
+
+@dataclass(frozen=True)
+class MoveOutcome:
+    """How a move ended, in the words of the axis."""
+
+    success: bool
+    message: str
+
+
+class Axis(Protocol):
+    """One axis of the positioner."""
+
+    def reading(self) -> Optional[AxisReading]:
+        """Return what the axis last said of itself; None if it never did."""
+
+    def begin_move(self, target: float) -> None:
+        """Tell the axis to move [mm or deg] and return at once."""
+
+    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
+        """Wait up to `wait_s` [s] for the end of the move; None while it goes on."""
+
+    def home(self, time_limit_s: float) -> None:
+        """Home the axis and return when it is homed."""
+
+    def stop(self) -> None:
+        """End any motion; returns at once."""
+
+
+@dataclass(frozen=True)
+class SweepSetting:
+    """A sweep as the instrument accepted it; frequencies in Hz."""
+
+    start_frequency_hz: float
+    stop_frequency_hz: float
+    points: int
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One S21 sweep.
+
+    Attributes:
+        s21_real: Real part, linear, one per frequency.
+        s21_imag: Imaginary part, linear, one per frequency.
+        started_ns: When it was triggered [ns UTC].
+        ended_ns: When it ended [ns UTC].
+        quality: Remarks; empty means none.
+    """
+
+    s21_real: Tuple[float, ...]
+    s21_imag: Tuple[float, ...]
+    started_ns: int
+    ended_ns: int
+    quality: Tuple[str, ...]
+
+
+class Analyzer(Protocol):
+    """The vector network analyzer."""
+
+    def connect(self, address: str) -> str:
+        """Connect, or connect again, and return the instrument's identity."""
+
+    def calibration(self) -> int:
+        """Return the calibration status on the instrument's own scale."""
+
+    def configure(self, setting: SweepSetting) -> SweepSetting:
+        """Configure the sweep and return what the instrument accepted."""
+
+    def frequencies_hz(self) -> Tuple[float, ...]:
+        """Return the frequencies of the sweep [Hz]."""
+
+    def sweep(self) -> Sweep:
+        """Take one sweep that starts now."""
+
+
+class HeightSensor(Protocol):
+    """The sensor of the antenna height."""
+
+    def height_m(self) -> float:
+        """Measure the height of the antennas above the ground [m] now."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One trace with all that goes on disk with it; units stand in the names."""
+
+    survey_id: str
+    sample_id: str
+    index: int
+    timestamp_ns: int
+    x_coord_mm: float
+    y_coord_mm: float
+    z_coord_deg: float
+    antennae_height_m: float
+    frequency_hz: Tuple[float, ...]
+    sweep: Sweep
+    quality: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SurveyRecord:
+    """What is known of a survey when it begins.
+
+    Attributes:
+        survey_id: UUID.
+        started_ns: When it began [ns UTC].
+        metadata_json: Parameters, instrument and axes, as they go on disk.
+        needed_bytes: Estimate of the whole survey on disk [bytes].
+    """
+
+    survey_id: str
+    started_ns: int
+    metadata_json: str
+    needed_bytes: int
+
+
+class Storage(Protocol):
+    """The place where traces are kept."""
+
+    def open(self, record: SurveyRecord) -> str:
+        """Begin a survey and return its folder."""
+
+    def store(self, sample: Sample) -> None:
+        """Store a trace; returning means that it is durable."""
+
+    def close(self, survey_id: str, outcome: str, reason: str) -> int:
+        """End a survey and return how many traces its folder holds."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """All parts of the robot."""
+
+    x: Axis
+    y: Axis
+    z: Axis
+    analyzer: Analyzer
+    height_sensor: HeightSensor
+    storage: Storage
+
+    def axes(self) -> List[Tuple[AxisId, Axis]]:
+        """Return the three axes with their names."""
+        return [(AxisId.X, self.x), (AxisId.Y, self.y), (AxisId.Z, self.z)]

@@ -1,0 +1,97 @@
+"""What the control says of itself, in one place."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, replace
+from typing import Callable, Optional
+
+from gpr20_main_control.mid.survey_plan import SurveyPoint
+from gpr20_main_control.mid.survey_state import SurveyState, check_transition
+
+
+@dataclass(frozen=True)
+class Status:
+    """A snapshot of the control.
+
+    Attributes:
+        state: What it is doing.
+        message: The same for people, or what went wrong and what to do.
+        survey_id: The current or last survey; empty before the first.
+        target: The point that is being visited; None while no survey runs.
+        total_points: Traces of the plan.
+        visited_points: Traces that are durable.
+        remaining_s: Time to the end [s].
+    """
+
+    state: SurveyState = SurveyState.IDLE
+    message: str = "set the parameters of a survey"
+    survey_id: str = ""
+    target: Optional[SurveyPoint] = None
+    total_points: int = 0
+    visited_points: int = 0
+    remaining_s: float = 0.0
+
+    @property
+    def completion_percent(self) -> float:
+        """Part of the plan that is durable [%]."""
+        return 100.0 * self.visited_points / self.total_points if self.total_points else 0.0
+
+
+class StatusBoard:
+    """Holds the status, lets only legal transitions pass, and tells of every change."""
+
+    def __init__(self, on_change: Callable[[Status, Status], None]) -> None:
+        """Begin idle.
+
+        Args:
+            on_change: Called with the status before and after each change.
+        """
+        self._on_change = on_change
+        self._lock = threading.RLock()
+        self._status = Status()
+
+    @property
+    def status(self) -> Status:
+        """The status now."""
+        return self._status
+
+    def enter(self, state: SurveyState, message: str) -> None:
+        """Go to another state.
+
+        Raises:
+            TransitionError: It cannot follow the present one.
+        """
+        with self._lock:
+            check_transition(self._status.state, state)
+            target = self._status.target if state.running else None
+            self._change(replace(self._status, state=state, message=message, target=target))
+
+    def begin_survey(self, survey_id: str, total_points: int, planned_s: float) -> None:
+        """Begin to count a new survey."""
+        with self._lock:
+            self._change(
+                replace(
+                    self._status,
+                    survey_id=survey_id,
+                    total_points=total_points,
+                    visited_points=0,
+                    remaining_s=planned_s,
+                )
+            )
+
+    def aim(self, target: SurveyPoint) -> None:
+        """Note the point that is being visited."""
+        with self._lock:
+            self._change(replace(self._status, target=target))
+
+    def progress(self, visited_points: int, remaining_s: float) -> None:
+        """Note how far the survey is."""
+        with self._lock:
+            self._change(
+                replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
+            )
+
+    def _change(self, status: Status) -> None:
+        before, self._status = self._status, status
+        self._on_change(before, status)

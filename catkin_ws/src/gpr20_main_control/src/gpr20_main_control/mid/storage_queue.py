@@ -1,0 +1,149 @@
+"""Storing beside the survey: the next move does not wait for the disk."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from typing import Callable, Deque, Optional
+
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.mid.robot import Sample, Storage
+
+# Traces that may wait for the disk; when it is slower than the survey, the survey waits.
+CAPACITY = 4
+ATTEMPTS = 3
+RETRY_S = 1.0
+POLL_S = 0.1
+
+
+class StorageQueue:
+    """Stores samples one after another in a thread of its own.
+
+    A sample leaves the queue only when it is durable. After a failure everything stays
+    where it is until `retry` is called.
+    """
+
+    def __init__(self, storage: Storage, clock: Clock, on_stored: Callable[[int], None]) -> None:
+        """Start the thread.
+
+        Args:
+            storage: Where samples go.
+            clock: Decides how long the wait before another attempt takes.
+            on_stored: Called with the number of samples stored so far.
+        """
+        self._storage = storage
+        self._clock = clock
+        self._on_stored = on_stored
+        self._changed = threading.Condition()
+        self._samples: Deque[Sample] = deque()
+        self._stored = 0
+        self._failure: Optional[DeviceError] = None
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="storage queue", daemon=True)
+        self._thread.start()
+
+    @property
+    def stored(self) -> int:
+        """Number of samples that are durable."""
+        return self._stored
+
+    @property
+    def waiting(self) -> int:
+        """Number of samples that are not durable yet."""
+        return len(self._samples)
+
+    def put(self, sample: Sample, stop: threading.Event) -> None:
+        """Take over a sample; it will be stored whatever the survey does next.
+
+        Args:
+            sample: What to store. It is taken over even if an error is raised.
+            stop: Ends the wait for room.
+
+        Raises:
+            DeviceError: Storing has failed; the sample waits for `retry`.
+            StopRequested: `stop` was set while there was no room.
+        """
+        with self._changed:
+            self._samples.append(sample)
+            self._changed.notify_all()
+            while len(self._samples) > CAPACITY and self._failure is None:
+                self._changed.wait(POLL_S)
+                if stop.is_set():
+                    raise StopRequested("the survey was told to stop")
+            self._raise_failure()
+
+    def drain(self, time_limit_s: Optional[float] = None) -> None:
+        """Return when every sample is durable.
+
+        Raises:
+            DeviceError: Storing has failed, or it takes longer than the limit [s].
+        """
+        with self._changed:
+            done = self._changed.wait_for(
+                lambda: not self._samples or self._failure is not None, time_limit_s
+            )
+            self._raise_failure()
+            if not done:
+                raise DeviceError(
+                    f"{len(self._samples)} traces were not stored within {time_limit_s:g} s; "
+                    "check the disk and the processing node"
+                )
+
+    def check(self) -> None:
+        """Raise the failure of storing, if there is one.
+
+        Raises:
+            DeviceError: Storing has failed.
+        """
+        with self._changed:
+            self._raise_failure()
+
+    def retry(self) -> None:
+        """Forget a failure and try again with the sample that failed."""
+        with self._changed:
+            self._failure = None
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """End the thread; samples that are not durable are given up."""
+        self._closing.set()
+        with self._changed:
+            self._changed.notify_all()
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(
+                    lambda: self._closing.is_set() or (self._samples and self._failure is None)
+                )
+                if self._closing.is_set():
+                    return
+                sample = self._samples[0]
+            failure = self._store(sample)
+            with self._changed:
+                if failure is None:
+                    self._samples.popleft()
+                    self._stored += 1
+                self._failure = failure
+                self._changed.notify_all()
+            if failure is None:
+                self._on_stored(self._stored)
+
+    def _store(self, sample: Sample) -> Optional[DeviceError]:
+        failure: Optional[DeviceError] = None
+        for _attempt in range(ATTEMPTS):
+            try:
+                self._storage.store(sample)
+                return None
+            except DeviceError as error:
+                failure = error
+            if self._clock.wait_s(self._closing, RETRY_S):
+                break
+        return failure
+
+    def _raise_failure(self) -> None:
+        if self._failure is not None:
+            raise DeviceError(
+                f"trace {self._samples[0].index} could not be stored: {self._failure}"
+            ) from self._failure

@@ -1,0 +1,160 @@
+"""What a survey measures, and the checks that the user interface and the control both make."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Callable, Iterable, List, Tuple
+
+from gpr20_common.mid.checks import ipv4_address, number_between
+from gpr20_common.mid.errors import InvalidValueError
+
+# Range of the MS2026C (Anritsu 10580-00306, [SENSe]:FREQuency:STARt).
+MIN_FREQUENCY_HZ = 5.0e3
+MAX_FREQUENCY_HZ = 6.0e9
+MIN_FREQUENCY_POINTS = 2
+MAX_FREQUENCY_POINTS = 4000
+# The area that the parameters of a survey may name; each axis may allow less.
+MIN_COORDINATE_MM = 0.0
+MAX_COORDINATE_MM = 800.0
+MIN_GRID_POINTS = 3
+MAX_TRACES = 1_000_000
+DEFAULT_POLARIZATIONS_DEG = (0.0, 90.0)
+
+
+@dataclass(frozen=True)
+class Travel:
+    """What one axis can do: its range and its step [mm, or deg for a rotary axis]."""
+
+    lower: float
+    upper: float
+    step: float
+
+
+@dataclass(frozen=True)
+class RobotTravel:
+    """What the three axes can do: x and y in mm, z in degrees."""
+
+    x: Travel
+    y: Travel
+    z: Travel
+
+
+@dataclass(frozen=True)
+class SurveyParameters:
+    """What a survey measures; frequencies in Hz, coordinates in mm, rotations in degrees."""
+
+    vna_address: str
+    start_frequency_hz: float
+    stop_frequency_hz: float
+    frequency_points: int
+    x_start_mm: float
+    x_stop_mm: float
+    x_points: int
+    y_start_mm: float
+    y_stop_mm: float
+    y_points: int
+    polarizations_deg: Tuple[float, ...] = DEFAULT_POLARIZATIONS_DEG
+
+    @property
+    def total_points(self) -> int:
+        """Number of traces: one per stop and polarization."""
+        return self.x_points * self.y_points * len(self.polarizations_deg)
+
+
+class SurveyParametersError(InvalidValueError):
+    """One or more parameters of a survey are not allowed; the message names each."""
+
+
+def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
+    """Refuse parameters that the robot cannot or should not carry out.
+
+    Raises:
+        SurveyParametersError: Naming every parameter that is wrong.
+    """
+    found = problems(parameters, travel)
+    if found:
+        raise SurveyParametersError("; ".join(found))
+
+
+def problems(parameters: SurveyParameters, travel: RobotTravel) -> List[str]:
+    """Return one sentence per parameter that is not allowed; empty if all are."""
+    p = parameters
+    checks: List[Callable[[], object]] = [
+        lambda: ipv4_address("VNA address", p.vna_address),
+        lambda: _frequency("start frequency", p.start_frequency_hz),
+        lambda: _frequency("stop frequency", p.stop_frequency_hz),
+        lambda: _ascending_frequencies(p),
+        lambda: number_between(
+            "frequency points", p.frequency_points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS
+        ),
+        lambda: _coordinate("x start", p.x_start_mm, travel.x),
+        lambda: _coordinate("x stop", p.x_stop_mm, travel.x),
+        lambda: _grid("x", p.x_start_mm, p.x_stop_mm, p.x_points, travel.x),
+        lambda: _coordinate("y start", p.y_start_mm, travel.y),
+        lambda: _coordinate("y stop", p.y_stop_mm, travel.y),
+        lambda: _grid("y", p.y_start_mm, p.y_stop_mm, p.y_points, travel.y),
+        lambda: _polarizations(p.polarizations_deg, travel.z),
+        lambda: _size(p),
+    ]
+    return list(_sentences(checks))
+
+
+def _sentences(checks: Iterable[Callable[[], object]]) -> Iterable[str]:
+    for one in checks:
+        try:
+            one()
+        except InvalidValueError as error:
+            yield str(error)
+
+
+def _frequency(name: str, frequency_hz: float) -> None:
+    number_between(name, frequency_hz, MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
+
+
+def _ascending_frequencies(p: SurveyParameters) -> None:
+    if p.start_frequency_hz >= p.stop_frequency_hz:
+        raise InvalidValueError(
+            f"start frequency is {p.start_frequency_hz:.12g} Hz; it must be below the stop "
+            f"frequency, {p.stop_frequency_hz:.12g} Hz"
+        )
+
+
+def _coordinate(name: str, coordinate_mm: float, travel: Travel) -> None:
+    lower = max(MIN_COORDINATE_MM, travel.lower)
+    upper = min(MAX_COORDINATE_MM, travel.upper)
+    number_between(name, coordinate_mm, lower, upper, "mm")
+
+
+def _grid(name: str, start_mm: float, stop_mm: float, points: int, travel: Travel) -> None:
+    if points < MIN_GRID_POINTS:
+        raise InvalidValueError(
+            f"{name} points is {points}; it must be more than {MIN_GRID_POINTS - 1}"
+        )
+    spacing_mm = abs(stop_mm - start_mm) / (points - 1)
+    # Two stops on the same motor step would be the same place measured twice. A span that
+    # is not finite is reported with its coordinate.
+    if math.isfinite(spacing_mm) and spacing_mm < travel.step:
+        raise InvalidValueError(
+            f"{name} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; they "
+            f"must be at least one motor step, {travel.step:g} mm, apart"
+        )
+
+
+def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
+    if not rotations_deg:
+        raise InvalidValueError("polarizations are empty; at least one rotation is needed")
+    for rotation_deg in rotations_deg:
+        number_between("polarization", rotation_deg, travel.lower, travel.upper, "deg")
+    steps = {round(rotation_deg / travel.step) for rotation_deg in rotations_deg}
+    if len(steps) != len(rotations_deg):
+        listed = ", ".join(f"{one:g}" for one in rotations_deg)
+        raise InvalidValueError(
+            f"polarizations are {listed} deg; each must be a rotation of its own, at least "
+            f"{travel.step:g} deg from the others"
+        )
+
+
+def _size(p: SurveyParameters) -> None:
+    if p.x_points >= MIN_GRID_POINTS and p.y_points >= MIN_GRID_POINTS:
+        number_between("number of traces", p.total_points, 1, MAX_TRACES)

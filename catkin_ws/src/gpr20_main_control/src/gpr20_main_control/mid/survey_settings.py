@@ -1,0 +1,50 @@
+"""How the control carries surveys out; set for a robot, not for a survey."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Tuple
+
+from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.errors import InvalidValueError
+
+
+class HeightPolicy(enum.Enum):
+    """What a survey does when the antenna height cannot be measured."""
+
+    PAUSE = "pause"
+    STORE_WITHOUT = "store_without"
+
+
+@dataclass(frozen=True)
+class SurveySettings:
+    """How the control carries surveys out.
+
+    Attributes:
+        settle_s: Time for vibrations to die down between a move and the sweep [s].
+        height_s: Time that the height measurement takes [s]; for the estimate only.
+        attempts: How often a measurement is tried before the survey pauses.
+        on_height_failure: `pause`, or `store_without` to store the trace with no height.
+        accepted_calibrations: Calibration statuses, on the instrument's scale, with which
+            a survey may be made: 0 none, 1 high, 2 and 3 moderate, 4 low.
+    """
+
+    settle_s: float = 0.5
+    height_s: float = 0.4
+    attempts: int = 3
+    on_height_failure: str = HeightPolicy.PAUSE.value
+    accepted_calibrations: Tuple[int, ...] = (1, 2, 3)
+
+    def __post_init__(self) -> None:
+        number_between("settle_s", self.settle_s, 0.0, 60.0, "s")
+        number_between("height_s", self.height_s, 0.0, 60.0, "s")
+        number_between("attempts", self.attempts, 1, 100)
+        policies = [policy.value for policy in HeightPolicy]
+        if self.on_height_failure not in policies:
+            raise InvalidValueError(
+                f"on_height_failure is '{self.on_height_failure}'; it must be one of "
+                f"{', '.join(policies)}"
+            )
+        for status in self.accepted_calibrations:
+            number_between("accepted_calibrations", status, 0, 4)

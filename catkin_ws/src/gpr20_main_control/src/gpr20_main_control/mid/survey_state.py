@@ -1,0 +1,68 @@
+"""The states of a survey and the ways between them."""
+
+from __future__ import annotations
+
+import enum
+from typing import Dict, FrozenSet
+
+from gpr20_main_control.errors import SurveyError
+
+
+class SurveyState(enum.IntEnum):
+    """What the control is doing; the values are those of gpr20_msgs/ControlStatus."""
+
+    IDLE = 0
+    CONFIGURED = 1
+    CHECKING = 2
+    HOMING = 3
+    SURVEYING = 4
+    PAUSED = 5
+    STOPPING = 6
+    FINISHED = 7
+    STOPPED = 8
+    FAILED = 9
+
+    @property
+    def running(self) -> bool:
+        """Whether a survey is under way, be it paused."""
+        return self in RUNNING
+
+
+RUNNING = frozenset(
+    [
+        SurveyState.CHECKING,
+        SurveyState.HOMING,
+        SurveyState.SURVEYING,
+        SurveyState.PAUSED,
+        SurveyState.STOPPING,
+    ]
+)
+AT_REST = frozenset(SurveyState) - RUNNING
+
+_S = SurveyState
+TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
+    _S.IDLE: frozenset([_S.CONFIGURED]),
+    _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
+    _S.HOMING: frozenset([_S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
+    _S.SURVEYING: frozenset([_S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
+    _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
+    _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    _S.STOPPED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    _S.FAILED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+}
+
+
+class TransitionError(SurveyError, RuntimeError):
+    """A state cannot follow another."""
+
+
+def check_transition(before: SurveyState, after: SurveyState) -> None:
+    """Refuse a way between two states that does not exist.
+
+    Raises:
+        TransitionError: The table does not hold it.
+    """
+    if after not in TRANSITIONS[before]:
+        raise TransitionError(f"a survey that is {before.name} cannot become {after.name}")

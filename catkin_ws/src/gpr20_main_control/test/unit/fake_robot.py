@@ -1,0 +1,237 @@
+"""A robot made of plain objects, and a control over it, for the tests of the survey."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import replace
+
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.main_control import MainControl, RobotFacts
+from gpr20_main_control.mid.robot import AxisId, AxisReading, MoveOutcome, Robot, Sweep
+from gpr20_main_control.mid.status_board import StatusBoard
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_main_control.mid.survey_settings import SurveySettings
+
+LIMIT_S = 20.0
+AXES = {
+    AxisId.X: AxisParameters(13, 15, 0.01, 0.0015, 0.005, 0.0001, 0.0, 650.0, "LIN", 16),
+    AxisId.Y: AxisParameters(37, 38, 0.01, 0.0025, 0.005, 0.0001, 0.0, 800.0, "LIN", 40),
+    AxisId.Z: AxisParameters(11, 12, 1.8, 0.010, 0.025, 0.005, -90.0, 90.0, "ROT"),
+}
+TRAVEL = RobotFacts(AXES, simulated=True).travel
+PARAMETERS = SurveyParameters(
+    vna_address="127.0.0.1",
+    start_frequency_hz=600.0e6,
+    stop_frequency_hz=6.0e9,
+    frequency_points=5,
+    x_start_mm=10.0,
+    x_stop_mm=30.0,
+    x_points=3,
+    y_start_mm=5.0,
+    y_stop_mm=35.0,
+    y_points=4,
+)
+
+
+class FastClock(Clock):
+    """A thousand seconds pass in each real one."""
+
+    FACTOR = 1000.0
+
+    def now_s(self):
+        return time.monotonic() * self.FACTOR
+
+    def wait_s(self, event, timeout_s):
+        return event.wait(timeout_s / self.FACTOR)
+
+
+class FakeAxis:
+    """An axis that arrives at once, unless told otherwise."""
+
+    def __init__(self):
+        self.coordinate = 0.0
+        self.homed = False
+        self.silent = False
+        self.moves = []
+        self.homings = 0
+        self.stops = 0
+        self.fail_move = ""
+        self.fail_homing = ""
+        self.lose_result = False
+        self.stay = False
+        self.blocked = threading.Event()
+        self.blocked.set()
+        self.begun = threading.Event()
+        self._outcome = None
+
+    def reading(self):
+        moving = not self.blocked.is_set()
+        age_s = 100.0 if self.silent else 0.0
+        return AxisReading(self.coordinate, self.homed, moving, age_s)
+
+    def begin_move(self, target):
+        self.moves.append(target)
+        self.begun.set()
+        if self.fail_move:
+            self._outcome = MoveOutcome(False, self.fail_move)
+            return
+        if not self.stay and self.blocked.is_set():
+            self.coordinate = target
+        self._outcome = None if self.lose_result else MoveOutcome(True, "")
+
+    def move_outcome(self, wait_s):
+        if not self.blocked.wait(wait_s):
+            return None
+        return self._outcome
+
+    def home(self, time_limit_s):
+        self.homings += 1
+        if self.fail_homing:
+            raise DeviceError(self.fail_homing)
+        self.coordinate, self.homed = 0.0, True
+
+    def stop(self):
+        self.stops += 1
+
+
+class FakeAnalyzer:
+    """An analyzer whose sweeps are numbered."""
+
+    def __init__(self):
+        self.connections = []
+        self.calibration_status = 1
+        self.sweeps = 0
+        self.failures = 0
+        self.on_sweep = lambda: None
+        self._setting = None
+
+    def connect(self, address):
+        self.connections.append(address)
+        return "Anritsu,MS2026C/2,SIMULATED,1.0"
+
+    def calibration(self):
+        return self.calibration_status
+
+    def configure(self, setting):
+        self._setting = setting
+        return setting
+
+    def frequencies_hz(self):
+        span = self._setting.stop_frequency_hz - self._setting.start_frequency_hz
+        step = span / (self._setting.points - 1)
+        return tuple(
+            self._setting.start_frequency_hz + step * number
+            for number in range(self._setting.points)
+        )
+
+    def sweep(self):
+        self.on_sweep()
+        if self.failures:
+            self.failures -= 1
+            raise DeviceError("the VNA did not answer")
+        self.sweeps += 1
+        values = (float(self.sweeps),) * self._setting.points
+        return Sweep(values, values, self.sweeps * 10, self.sweeps * 10 + 5, ())
+
+
+class FakeHeightSensor:
+    """A height sensor that works or does not."""
+
+    def __init__(self):
+        self.failures = 0
+
+    def height_m(self):
+        if self.failures:
+            self.failures -= 1
+            raise DeviceError("the sensor is out of range")
+        return 0.2
+
+
+class FakeStorage:
+    """Keeps samples in memory."""
+
+    def __init__(self):
+        self.records = []
+        self.samples = []
+        self.closed = []
+        self.failures = 0
+        self.fail_open = ""
+        self.lose = 0
+        self.free = threading.Event()
+        self.free.set()
+
+    def open(self, record):
+        if self.fail_open:
+            raise DeviceError(self.fail_open)
+        self.records.append(record)
+        return "/data/survey"
+
+    def store(self, sample):
+        self.free.wait(LIMIT_S)
+        if self.failures:
+            self.failures -= 1
+            raise DeviceError("the disk is full")
+        self.samples.append(sample)
+
+    def close(self, survey_id, outcome, reason):
+        self.closed.append((survey_id, outcome, reason))
+        return sum(sample.survey_id == survey_id for sample in self.samples) - self.lose
+
+
+class Bench:
+    """A control over a fake robot, and what it said."""
+
+    def __init__(self, **settings):
+        self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
+        self.analyzer, self.height = FakeAnalyzer(), FakeHeightSensor()
+        self.storage = FakeStorage()
+        robot = Robot(self.x, self.y, self.z, self.analyzer, self.height, self.storage)
+        self.history = []
+        self._changed = threading.Condition()
+        self.board = StatusBoard(self._note)
+        self.control = MainControl(
+            robot,
+            RobotFacts(AXES, simulated=True),
+            SurveySettings(**{"settle_s": 0.0, **settings}),
+            self.board,
+            FastClock(),
+            time.time_ns,
+        )
+
+    def _note(self, _before, after):
+        with self._changed:
+            self.history.append(after)
+            self._changed.notify_all()
+
+    @property
+    def axes(self):
+        return [self.x, self.y, self.z]
+
+    @property
+    def states(self):
+        """The states in the order in which they were entered."""
+        states = [status.state.name for status in self.history]
+        return [s for s, before in zip(states, [None, *states]) if s != before]
+
+    def start(self, **changes):
+        self.control.set_parameters(replace(PARAMETERS, **changes))
+        return self.control.start()
+
+    def wait_for_visited(self, points):
+        """Wait until so many points are stored."""
+        with self._changed:
+            assert self._changed.wait_for(
+                lambda: self.board.status.visited_points >= points, LIMIT_S
+            ), f"still {self.board.status}"
+
+    def wait_for(self, *states):
+        """Wait until the control is in one of the states and return its status."""
+        names = {state.name for state in states}
+        with self._changed:
+            assert self._changed.wait_for(lambda: self.board.status.state.name in names, LIMIT_S), (
+                f"still {self.board.status}"
+            )
+            return self.board.status

@@ -1,0 +1,346 @@
+"""A whole survey over a fake robot: its order, its failures, its ends."""
+
+import json
+import math
+import threading
+
+import pytest
+from fake_robot import LIMIT_S, PARAMETERS, TRAVEL, Bench
+
+from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+
+@pytest.fixture
+def bench():
+    bench = Bench()
+    yield bench
+    bench.storage.free.set()
+    for axis in bench.axes:
+        axis.blocked.set()
+    bench.control.shut_down(LIMIT_S)
+
+
+@pytest.mark.parametrize("x_points", [3, 4])
+def test_a_survey_stores_every_point_exactly_once_and_finishes(bench, x_points):
+    bench.start(x_points=x_points)
+    status = bench.wait_for(State.FINISHED)
+    total = x_points * 4 * 2
+    assert [sample.index for sample in bench.storage.samples] == list(range(total))
+    places = {(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in bench.storage.samples}
+    assert len(places) == total
+    assert len({sample.sample_id for sample in bench.storage.samples}) == total
+    assert status.completion_percent == 100.0
+    assert status.remaining_s == 0.0
+    assert bench.states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING", "FINISHED"]
+    assert [outcome for _id, outcome, _reason in bench.storage.closed] == ["finished"]
+
+
+def test_every_sample_has_a_sweep_of_its_own_taken_where_it_says(bench):
+    places = []
+    bench.analyzer.on_sweep = lambda: places.append(
+        (bench.x.coordinate, bench.y.coordinate, bench.z.coordinate)
+    )
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    samples = bench.storage.samples
+    assert [sample.sweep.s21_real[0] for sample in samples] == list(range(1, 25))
+    assert [(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in samples] == places
+
+
+def test_each_axis_gets_its_own_targets(bench):
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert set(bench.x.moves) == {10.0, 20.0, 30.0}
+    assert set(bench.y.moves) == {5.0, 15.0, 25.0, 35.0}
+    assert set(bench.z.moves) == {0.0, 90.0}
+
+
+def test_no_move_of_zero_length_is_sent(bench):
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    for axis in bench.axes:
+        assert all(a != b for a, b in zip([0.0, *axis.moves], axis.moves))
+
+
+def test_the_metadata_say_what_was_measured_with_what(bench):
+    survey_id = bench.start()
+    bench.wait_for(State.FINISHED)
+    record = bench.storage.records[0]
+    metadata = json.loads(record.metadata_json)
+    assert record.survey_id == survey_id
+    assert metadata["simulated"] is True
+    assert metadata["parameters"]["x_points"] == 3
+    assert metadata["instrument"]["identity"] == "Anritsu,MS2026C/2,SIMULATED,1.0"
+    assert metadata["axes"]["x"]["max_coord"] == 650.0
+    assert record.needed_bytes > 24 * 5 * 100
+
+
+def test_homed_axes_are_not_homed_again(bench):
+    bench.x.homed = bench.y.homed = bench.z.homed = True
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert [axis.homings for axis in bench.axes] == [0, 0, 0]
+
+
+def test_a_refused_move_is_never_measured_and_pauses_the_survey(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "y axis did not reach 5 mm: the endstop was pressed" in status.message
+    assert bench.analyzer.sweeps == 0
+    bench.y.fail_move = ""
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_a_move_that_ends_elsewhere_is_never_measured(bench):
+    bench.x.stay = True
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "the x axis stands at 0 mm instead of 10 mm" in status.message
+    assert bench.storage.samples == []
+
+
+def test_a_lost_result_is_settled_by_the_axis_own_coordinate(bench):
+    bench.x.lose_result = True
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert len(bench.storage.samples) == 24
+
+
+def test_a_move_that_never_ends_pauses_the_survey_after_its_time_limit(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "did not end its move to 10 mm within" in status.message
+    assert bench.x.stops > 0
+
+
+def test_a_silent_axis_pauses_the_survey_and_it_goes_on_when_it_speaks_again(bench):
+    bench.analyzer.on_sweep = lambda: setattr(bench.z, "silent", bench.analyzer.sweeps == 5)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "z axis is silent" in status.message
+    bench.analyzer.on_sweep = lambda: None
+    bench.z.silent = False
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_an_axis_that_lost_its_zero_is_homed_before_the_survey_goes_on(bench):
+    def lose_zero():
+        if bench.analyzer.sweeps == 5:
+            bench.x.homed = False
+            bench.analyzer.on_sweep = lambda: None
+
+    bench.analyzer.on_sweep = lose_zero
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "x axis is not homed" in status.message
+    assert len(bench.storage.samples) <= 5
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert bench.x.homings == 2
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_a_trace_is_not_stored_if_the_axes_moved_during_its_sweep(bench):
+    def push():
+        bench.x.coordinate += 0.01
+        bench.analyzer.on_sweep = lambda: None
+
+    bench.analyzer.on_sweep = push
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "moved during the sweep at point 0" in status.message
+    assert bench.storage.samples == []
+
+
+def test_a_failed_sweep_is_repeated_after_connecting_again(bench):
+    bench.analyzer.failures = 2
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert len(bench.analyzer.connections) == 3
+    assert len(bench.storage.samples) == 24
+
+
+def test_a_sweep_that_keeps_failing_pauses_the_survey_and_nothing_wrong_is_stored(bench):
+    bench.analyzer.failures = 3
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "the VNA did not answer" in status.message
+    assert bench.storage.samples == []
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert len(bench.storage.samples) == 24
+
+
+@pytest.mark.parametrize("status", [0, 4, 7])
+def test_an_uncalibrated_instrument_is_refused_before_anything_moves(bench, status):
+    bench.analyzer.calibration_status = status
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert f"calibration status is {status}" in final.message
+    assert [axis.homings for axis in bench.axes] == [0, 0, 0]
+    assert bench.storage.records == []
+
+
+@pytest.mark.parametrize("status", [1, 2, 3])
+def test_a_moderate_calibration_is_accepted(bench, status):
+    bench.analyzer.calibration_status = status
+    bench.start()
+    bench.wait_for(State.FINISHED)
+
+
+def test_a_full_disk_at_the_start_is_refused_before_anything_moves(bench):
+    bench.storage.fail_open = "0 bytes are free"
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert "0 bytes are free" in final.message
+    assert [axis.homings for axis in bench.axes] == [0, 0, 0]
+
+
+def test_a_failed_height_pauses_the_survey(bench):
+    bench.analyzer.on_sweep = lambda: setattr(bench.height, "failures", 3)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "height could not be measured" in status.message
+
+
+def test_a_failed_height_is_stored_as_none_where_that_is_the_policy():
+    bench = Bench(on_height_failure="store_without")
+    bench.height.failures = 10**6
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    sample = bench.storage.samples[0]
+    assert math.isnan(sample.antennae_height_m)
+    assert any("no height" in remark for remark in sample.quality)
+
+
+def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
+    bench.storage.failures = 3
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "could not be stored: the disk is full" in status.message
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_a_slow_disk_makes_the_survey_wait(bench):
+    bench.storage.free.clear()
+    fifth, sixth = threading.Event(), threading.Event()
+
+    def note():
+        # Called at the beginning of a sweep, before it is counted.
+        {4: fifth, 5: sixth}.get(bench.analyzer.sweeps, threading.Event()).set()
+
+    bench.analyzer.on_sweep = note
+    bench.start()
+    # One trace is being stored and four wait; a sixth would have no room.
+    assert fifth.wait(LIMIT_S)
+    assert not sixth.wait(0.5)
+    assert bench.board.status.visited_points == 0
+    bench.storage.free.set()
+    bench.wait_for(State.FINISHED)
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
+    def block():
+        if bench.analyzer.sweeps == 2:
+            for axis in bench.axes:
+                axis.blocked.clear()
+
+    bench.analyzer.on_sweep = block
+    bench.start()
+    bench.wait_for_visited(2)
+    message = bench.control.stop()
+    assert "STOPPED" in message
+    for axis in bench.axes:
+        assert axis.stops > 0
+        axis.blocked.set()
+    final = bench.wait_for(State.STOPPED)
+    assert bench.states[-2:] == ["STOPPING", "STOPPED"]
+    assert final.target is None
+    assert len(bench.storage.samples) < 24
+    assert bench.storage.closed[-1][1] == "stopped"
+
+
+def test_a_paused_survey_can_be_stopped(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+
+
+def test_a_folder_that_holds_too_few_traces_is_never_called_finished(bench):
+    bench.storage.lose = 1
+    bench.start()
+    final = bench.wait_for(State.FAILED, State.FINISHED)
+    assert final.state is State.FAILED
+    assert "23 of 24 traces" in final.message
+
+
+def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch):
+    monkeypatch.setattr(threading, "excepthook", lambda arguments: None)
+
+    def break_down():
+        raise ZeroDivisionError("a fault of ours")
+
+    bench.analyzer.on_sweep = break_down
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert "a fault of ours" in final.message
+    assert all(axis.stops > 0 for axis in bench.axes)
+    assert bench.storage.closed[-1][1] == "failed"
+
+
+def test_requests_that_do_not_fit_the_state_are_refused_with_the_reason(bench):
+    with pytest.raises(RequestRefusedError, match="no parameters"):
+        bench.control.start()
+    with pytest.raises(RequestRefusedError, match="nothing to stop"):
+        bench.control.stop()
+    with pytest.raises(RequestRefusedError, match="nothing to resume"):
+        bench.control.resume("")
+    bench.storage.free.clear()
+    bench.start()
+    for request in (bench.control.start, lambda: bench.start(x_points=4)):
+        with pytest.raises(RequestRefusedError, match="a survey is"):
+            request()
+    bench.storage.free.set()
+    bench.wait_for(State.FINISHED)
+
+
+def test_resume_names_the_survey_that_is_paused(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    survey_id = bench.start()
+    bench.wait_for(State.PAUSED)
+    with pytest.raises(RequestRefusedError, match=survey_id):
+        bench.control.resume("another")
+    bench.y.fail_move = ""
+    bench.control.resume(survey_id)
+    bench.wait_for(State.FINISHED)
+
+
+def test_a_second_survey_can_follow_the_first(bench):
+    first = bench.start()
+    bench.wait_for(State.FINISHED)
+    second = bench.start(x_points=5)
+    assert second != first
+    bench.wait_for(State.FINISHED)
+    assert len(bench.storage.samples) == 24 + 40
+
+
+def test_the_target_is_shown_while_a_survey_runs_and_only_then(bench):
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    planned = survey_points(PARAMETERS, TRAVEL)
+    shown = [status.target for status in bench.history if status.target is not None]
+    assert set(planned) == set(shown)
+    assert bench.board.status.target is None

@@ -1,0 +1,52 @@
+"""The table of states."""
+
+import pytest
+
+from gpr20_main_control.mid.status_board import StatusBoard
+from gpr20_main_control.mid.survey_state import (
+    AT_REST,
+    RUNNING,
+    TRANSITIONS,
+    SurveyState,
+    TransitionError,
+    check_transition,
+)
+
+
+def test_every_state_has_a_row_in_the_table():
+    assert set(TRANSITIONS) == set(SurveyState)
+
+
+@pytest.mark.parametrize("before", SurveyState)
+@pytest.mark.parametrize("after", SurveyState)
+def test_a_transition_that_is_not_in_the_table_is_refused(before, after):
+    if after in TRANSITIONS[before]:
+        check_transition(before, after)
+    else:
+        with pytest.raises(TransitionError, match=f"{before.name} cannot become {after.name}"):
+            check_transition(before, after)
+
+
+@pytest.mark.parametrize("state", sorted(RUNNING))
+def test_every_running_survey_can_fail(state):
+    assert SurveyState.FAILED in TRANSITIONS[state]
+
+
+@pytest.mark.parametrize("state", sorted(RUNNING - {SurveyState.STOPPING}))
+def test_every_running_survey_can_be_stopped(state):
+    assert SurveyState.STOPPING in TRANSITIONS[state]
+
+
+@pytest.mark.parametrize("state", sorted(AT_REST - {SurveyState.IDLE}))
+def test_after_every_end_new_parameters_and_a_new_start_are_possible(state):
+    assert SurveyState.CHECKING in TRANSITIONS[state]
+    assert SurveyState.CONFIGURED in TRANSITIONS[state]
+
+
+def test_an_illegal_transition_changes_nothing_and_tells_nobody():
+    told = []
+    board = StatusBoard(lambda before, after: told.append(after))
+    with pytest.raises(TransitionError):
+        board.enter(SurveyState.SURVEYING, "out of nowhere")
+    assert board.status.state is SurveyState.IDLE
+    assert told == []

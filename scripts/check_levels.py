@@ -1,0 +1,53 @@
+"""Check that imports point downwards: high may use mid and low, mid low, and neither ROS.
+
+Usage: check_levels.py FOLDER_OF_PACKAGES
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from pathlib import Path
+from typing import Iterator, List, Tuple
+
+RANK = {"low": 0, "mid": 1, "high": 2}
+# What only the ROS interface may know. The rosbag module is a file format, so a low
+# module about the bag file may use it.
+ROS_MODULES = {"rospy", "actionlib", "tf2_ros", "diagnostic_updater", "genpy"}
+ROS_SUFFIXES = ("_msgs", "_srvs")
+
+
+def imported_names(source: Path) -> Iterator[Tuple[int, str]]:
+    """Yield (line, module) of every import in a file."""
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield node.lineno, alias.name
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.lineno, node.module
+
+
+def complaints(source: Path, package: str, level: str) -> Iterator[str]:
+    """Yield what is wrong with the imports of one file."""
+    for line, module in imported_names(source):
+        root = module.split(".")[0]
+        if level != "high" and (root in ROS_MODULES or root.endswith(ROS_SUFFIXES)):
+            yield f"{source}:{line}: {level} level imports {module}; only high may know ROS"
+        parts = module.split(".")
+        if parts[0] == package and len(parts) > 1 and RANK.get(parts[1], -1) > RANK[level]:
+            yield f"{source}:{line}: {level} level imports {module}; imports must point down"
+
+
+def main(folder: Path) -> int:
+    """Check all packages; return the exit status."""
+    found: List[str] = []
+    for level in RANK:
+        for source in sorted(folder.glob(f"*/src/*/{level}/**/*.py")):
+            package = source.relative_to(folder).parts[2]
+            found.extend(complaints(source, package, level))
+    print("\n".join(found), end="\n" if found else "")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))
