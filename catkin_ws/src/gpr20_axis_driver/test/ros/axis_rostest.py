@@ -8,10 +8,11 @@ import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from std_srvs.srv import Trigger
+
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
 from gpr20_simulator.high.world_path import world_path
 from gpr20_simulator.low.world import AxisName, open_world
-from std_srvs.srv import Trigger
 
 LIMIT_S = 20.0
 

@@ -17,6 +17,7 @@ from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.high import diagnostics
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
@@ -45,7 +46,7 @@ class AxisNode:
             advertise("stop", Trigger, self._stop),
         ]
         self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
-        self._timer = rospy.Timer(rospy.Duration(1.0 / MOVING_RATE_HZ), self._tick)
+        self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
 
@@ -94,7 +95,7 @@ class AxisNode:
         stops = self._stops
         return lambda: self._stops != stops
 
-    def _tick(self, _event: rospy.timer.TimerEvent) -> None:
+    def _tick(self) -> None:
         self._ticks += 1
         if self._driver.moving or self._ticks % RESTING_TICKS == 0:
             self._publish()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Tuple
 
 import diagnostic_updater
-import rospy
+
+from gpr20_common.high.periodic import Periodic
 
 OK = 0
 WARN = 1
@@ -25,10 +26,7 @@ class Diagnostics:
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
         self._updater.add("state", self._fill)
-        self._timer = rospy.Timer(rospy.Duration(PERIOD_S), self._update)
-
-    def _update(self, _event: rospy.timer.TimerEvent) -> None:
-        self._updater.force_update()
+        self._periodic = Periodic(PERIOD_S, self._updater.force_update)
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
         level, sentence, values = self._health()

@@ -29,7 +29,10 @@ class AxisLink:
         self._last: Optional[CurrentCoordinate] = None
         self._heard_s = 0.0
         self._outcomes: queue.Queue = queue.Queue()
-        self._client = actionlib.SimpleActionClient(f"{group}/axis", AxisAction)
+        # Not a SimpleActionClient: that one drops whatever it hears of a goal before
+        # send_goal() has returned, so the result of a very short move could be lost.
+        self._client = actionlib.ActionClient(f"{group}/axis", AxisAction)
+        self._goal: Optional[actionlib.ClientGoalHandle] = None
         self._homing = ServiceClient(f"{group}/homing", Trigger)
         self._stop = ServiceClient(f"{group}/stop", Trigger)
         self._subscriber = rospy.Subscriber(
@@ -57,21 +60,21 @@ class AxisLink:
                 f"{self._group} does not answer; check that its axis_driver node runs"
             )
         outcomes: queue.Queue = queue.Queue()
+
+        def note(goal: actionlib.ClientGoalHandle) -> None:
+            if goal.get_comm_state() == actionlib.CommState.DONE:
+                outcomes.put(_outcome(goal))
+
         self._outcomes = outcomes
-        self._client.send_goal(
-            AxisGoal(target_coordinate=target),
-            done_cb=lambda _status, result: outcomes.put(result),
-        )
+        # Kept, because a goal whose handle is gone is no longer followed.
+        self._goal = self._client.send_goal(AxisGoal(target_coordinate=target), note)
 
     def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
         """Wait up to `wait_s` [s] for the end of the move; None while it goes on."""
         try:
-            result: Optional[AxisResult] = self._outcomes.get(timeout=wait_s)
+            return self._outcomes.get(timeout=wait_s)
         except queue.Empty:
             return None
-        if result is None:
-            return MoveOutcome(False, self._client.get_goal_status_text() or "no result came")
-        return MoveOutcome(result.success, result.message)
 
     def home(self, time_limit_s: float) -> None:
         """Home the axis and return when it is homed.
@@ -101,3 +104,10 @@ class AxisLink:
         with self._lock:
             self._last = message
             self._heard_s = rospy.get_time()
+
+
+def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
+    result: Optional[AxisResult] = goal.get_result()
+    if result is None:
+        return MoveOutcome(False, goal.get_goal_status_text() or "it ended without a result")
+    return MoveOutcome(result.success, result.message)

@@ -12,6 +12,7 @@ from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.high import diagnostics
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import number_between
@@ -85,9 +86,9 @@ class MainControlNode:
             advertise("stop_survey", Trigger, self._stop),
             advertise("resume_survey", ResumeSurvey, self._resume),
         ]
-        self._timers = [
-            rospy.Timer(rospy.Duration(1.0 / COORDINATE_RATE_HZ), self._publish_current),
-            rospy.Timer(rospy.Duration(1.0 / PROGRESS_RATE_HZ), self._repeat_progress),
+        self._periodics = [
+            Periodic(1.0 / COORDINATE_RATE_HZ, self._publish_current),
+            Periodic(1.0 / PROGRESS_RATE_HZ, self._repeat_progress),
         ]
         self._diagnostics = diagnostics.Diagnostics(
             "simulated robot" if facts.simulated else "GPR-20", self._health
@@ -152,7 +153,7 @@ class MainControlNode:
         message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
         self._progress.publish(message)
 
-    def _publish_current(self, _event: rospy.timer.TimerEvent) -> None:
+    def _publish_current(self) -> None:
         readings = [axis.reading() for _axis_id, axis in self._robot.axes()]
         if any(reading is None for reading in readings):
             return
@@ -163,7 +164,7 @@ class MainControlNode:
         )
         self._current.publish(message)
 
-    def _repeat_progress(self, _event: rospy.timer.TimerEvent) -> None:
+    def _repeat_progress(self) -> None:
         status = self._board.status
         self._publish_target(status)
         self._publish_progress(status)

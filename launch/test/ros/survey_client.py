@@ -1,0 +1,98 @@
+"""The control of a running robot, and the folders of its surveys, for the tests."""
+
+import json
+import threading
+from pathlib import Path
+
+import rospy
+from std_srvs.srv import Trigger
+
+from gpr20_msgs.msg import ControlStatus, SurveyData, SurveyParameters
+from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
+
+LIMIT_S = 120.0
+PARAMETERS = {
+    "vna_address": "127.0.0.1",
+    "start_frequency_hz": 600.0e6,
+    "stop_frequency_hz": 6.0e9,
+    "frequency_points": 51,
+    "x_start_mm": 10.0,
+    "x_stop_mm": 20.0,
+    "x_points": 3,
+    "y_start_mm": 10.0,
+    "y_stop_mm": 20.0,
+    "y_points": 3,
+    "polarizations_deg": [0.0, 90.0],
+}
+
+
+class SurveyClient:
+    """Requests to main_control, and everything it has said."""
+
+    def __init__(self):
+        self._changed = threading.Condition()
+        self.statuses = []
+        self.progress = []
+        for name in ("set_survey_parameters", "start_survey", "stop_survey", "resume_survey"):
+            rospy.wait_for_service(name, LIMIT_S)
+        self.set_parameters = rospy.ServiceProxy("set_survey_parameters", SetSurveyParameters)
+        self.start = rospy.ServiceProxy("start_survey", StartSurvey)
+        self.stop = rospy.ServiceProxy("stop_survey", Trigger)
+        self.resume = rospy.ServiceProxy("resume_survey", ResumeSurvey)
+        self._subscribers = [
+            rospy.Subscriber("control_status", ControlStatus, self._note, self.statuses),
+            rospy.Subscriber("control_survey_data", SurveyData, self._note, self.progress),
+        ]
+        self.data = Path(rospy.get_param("vna_processing/data"))
+
+    def _note(self, message, kept):
+        with self._changed:
+            kept.append(message)
+            self._changed.notify_all()
+
+    def wait(self, condition, limit_s=LIMIT_S):
+        """Wait until a condition on what was said holds."""
+        with self._changed:
+            assert self._changed.wait_for(condition, limit_s), (
+                f"still {self.statuses[-1:]} {self.progress[-1:]}"
+            )
+
+    def set(self, **changes):
+        """Set parameters that differ from the usual ones; return the answer."""
+        return self.set_parameters(SurveyParameters(**{**PARAMETERS, **changes}))
+
+    def begin(self, **changes):
+        """Set parameters and start; return the survey's id."""
+        answer = self.set(**changes)
+        assert answer.success, answer.message
+        with self._changed:
+            self.statuses.clear()
+            self.progress.clear()
+        started = self.start()
+        assert started.success, started.message
+        return started.survey_id
+
+    def wait_for_status(self, *codes):
+        """Wait for one of the codes and return that status."""
+        self.wait(lambda: self.statuses and self.statuses[-1].code in codes)
+        return self.statuses[-1]
+
+    def run_to_end(self, **changes):
+        """Run a survey; return (its id, the last status)."""
+        survey_id = self.begin(**changes)
+        return survey_id, self.wait_for_status(
+            ControlStatus.FINISHED,
+            ControlStatus.STOPPED,
+            ControlStatus.FAILED,
+            ControlStatus.PAUSED,
+        )
+
+    def folder(self, survey_id):
+        """Return the folder of a survey."""
+        (folder,) = self.data.glob(f"*_{survey_id[:8]}")
+        return folder
+
+
+def json_traces(folder):
+    """Return the JSON traces of a survey, in the order of their index."""
+    return [json.loads(path.read_text()) for path in sorted((folder / "traces").glob("*.json"))]

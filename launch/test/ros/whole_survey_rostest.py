@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""A survey through the whole graph: what is stored, what is refused, what a stop does."""
+
+import json
+import math
+import shutil
+import struct
+import subprocess
+import unittest
+
+import rosbag
+import rosgraph
+import rospy
+import rostest
+from mcap_ros1.reader import read_ros1_messages
+from rosbags.highlevel import AnyReader
+from survey_client import LIMIT_S, SurveyClient, json_traces
+
+from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate
+from gpr20_simulator.high.world_path import world_path
+from gpr20_simulator.low.world import AxisName, open_world
+
+AXIS_TOPICS = ["current_coord", "axis/goal", "axis/cancel", "axis/status", "axis/result"]
+GRAPH_NODES = {
+    "/x_axis/axis_driver",
+    "/y_axis/axis_driver",
+    "/z_axis/axis_driver",
+    "/height_sensor",
+    "/vna_acquisition",
+    "/vna_processing",
+    "/main_control",
+    "/simulator",
+}
+GRAPH_TOPICS = {
+    *(f"/{axis}_axis/{topic}" for axis in "xyz" for topic in AXIS_TOPICS),
+    "/measured_height",
+    "/trace",
+    "/survey_metadata",
+    "/control_status",
+    "/control_target_coordinate",
+    "/control_current_coordinate",
+    "/control_survey_data",
+    "/diagnostics",
+}
+GRAPH_SERVICES = {
+    *(f"/{axis}_axis/{service}" for axis in "xyz" for service in ("homing", "stop")),
+    "/get_height",
+    "/connection",
+    "/freq_sweep_setup",
+    "/get_freq",
+    "/get_data",
+    "/get_calibration_status",
+    "/open_survey",
+    "/store_data",
+    "/close_survey",
+    "/set_survey_parameters",
+    "/start_survey",
+    "/stop_survey",
+    "/resume_survey",
+    "/simulator/set_fault",
+}
+NUMBERS = ("frequency_hz", "s21_real", "s21_imag")
+SCALARS = ("index", "x_coord_mm", "y_coord_mm", "z_coord_deg", "antennae_height_m")
+
+
+def bits(values):
+    """Return float64 numbers as their bits, so that equal means equal to the last one."""
+    return struct.pack(f"<{len(values)}d", *values)
+
+
+class WholeSurveyTest(unittest.TestCase):
+    """The tests run in the order of their names; the robot keeps its state between them."""
+
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("whole_survey_rostest")
+        cls.client = SurveyClient()
+        cls.world = open_world(world_path("/"), {})
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.client.data)
+
+    def true_steps(self):
+        return [self.world.steps(axis) for axis in AxisName]
+
+    def assert_same_numbers(self, stored, message):
+        for name in SCALARS:
+            self.assertEqual(stored[name], getattr(message, name))
+        for name in NUMBERS:
+            self.assertEqual(bits(stored[name]), bits(list(getattr(message, name))))
+        for name in ("survey_id", "sample_id", "format", "quality"):
+            self.assertEqual(stored[name], getattr(message, name))
+
+    def test_1_wrong_parameters_are_refused_with_their_limits_and_nothing_moves(self):
+        before = self.true_steps()
+        refusals = [
+            ({"x_start_mm": math.nan}, "x start is nan mm; it must lie between 0 and 650 mm"),
+            ({"start_frequency_hz": 6.0e9}, "must be below the stop frequency, 6000000000 Hz"),
+            ({"x_points": 2}, "x points is 2; it must be more than 2"),
+            ({"y_points": 2}, "y points is 2; it must be more than 2"),
+            ({"x_stop_mm": 700.0}, "x stop is 700 mm; it must lie between 0 and 650 mm"),
+            ({"y_stop_mm": 801.0}, "y stop is 801 mm; it must lie between 0 and 800 mm"),
+            ({"frequency_points": 4001}, "4001; it must lie between 2 and 4000"),
+            ({"vna_address": "192.168.1"}, "'192.168.1'; it must be four numbers"),
+        ]
+        for change, message in refusals:
+            answer = self.client.set(**change)
+            self.assertFalse(answer.success)
+            self.assertIn(message, answer.message)
+        self.assertFalse(self.client.start().success)
+        self.assertEqual(self.true_steps(), before)
+
+    def test_2_an_odd_number_of_columns(self):
+        self.check_survey(x_points=3)
+
+    def test_3_an_even_number_of_columns(self):
+        self.check_survey(x_points=4, x_stop_mm=25.0)
+
+    def check_survey(self, **changes):
+        survey_id, status = self.client.run_to_end(**changes)
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.assertTrue(status.simulated)
+        folder = self.client.folder(survey_id)
+        self.assertIn(str(folder), status.message)
+        stored = json_traces(folder)
+        self.check_points(stored, changes["x_points"], changes.get("x_stop_mm", 20.0))
+        self.check_recordings(folder, stored)
+        self.check_metadata(folder, survey_id, len(stored))
+        self.assertEqual(self.client.progress[-1].completion_percent, 100.0)
+        self.assertEqual(self.client.progress[-1].remaining_points, 0)
+        with rosbag.Bag(str(folder / "survey.bag")) as bag:
+            recorded = set(bag.get_type_and_topic_info().topics)
+        # Nothing is cancelled in a survey that runs to its end.
+        self.assertEqual(GRAPH_TOPICS - recorded, {f"/{axis}_axis/axis/cancel" for axis in "xyz"})
+
+    def check_points(self, stored, x_points, x_stop_mm):
+        spacing_mm = (x_stop_mm - 10.0) / (x_points - 1)
+        planned = {
+            (10.0 + spacing_mm * column, 10.0 + 5.0 * row, z)
+            for column in range(x_points)
+            for row in range(3)
+            for z in (0.0, 90.0)
+        }
+        visited = [(one["x_coord_mm"], one["y_coord_mm"], one["z_coord_deg"]) for one in stored]
+        self.assertEqual(len(visited), len(planned))
+        self.assertEqual(set(visited), planned)
+        for one in stored:
+            self.assertEqual(len(one["s21_real"]), 51)
+            # A trap of earlier software: the imaginary part was a copy of the real one.
+            self.assertNotEqual(one["s21_real"], one["s21_imag"])
+            self.assertAlmostEqual(one["antennae_height_m"], 0.20, delta=0.01)
+
+    def check_recordings(self, folder, stored):
+        with rosbag.Bag(str(folder / "survey.bag")) as bag:
+            traces = [message for _topic, message, _time in bag.read_messages(["/trace"])]
+            topics = set(bag.get_type_and_topic_info().topics)
+        self.assertEqual(len(traces), len(stored))
+        for one, message in zip(stored, sorted(traces, key=lambda trace: trace.index)):
+            self.assert_same_numbers(one, message)
+        self.assertLessEqual({"/trace", "/control_status", "/survey_metadata"}, topics)
+        recorded = read_ros1_messages(str(folder / "survey.mcap"), topics=["/trace"])
+        traces = sorted((one.ros_msg for one in recorded), key=lambda trace: trace.index)
+        self.assertEqual(len(traces), len(stored))
+        for one, message in zip(stored, traces):
+            self.assert_same_numbers(one, message)
+        with AnyReader([folder / "survey.bag"]) as reader:
+            connections = [one for one in reader.connections if one.topic == "/trace"]
+            traces = [
+                reader.deserialize(raw, connection.msgtype)
+                for connection, _time, raw in reader.messages(connections)
+            ]
+        self.assertEqual(len(traces), len(stored))
+        for one, message in zip(stored, sorted(traces, key=lambda trace: trace.index)):
+            self.assert_same_numbers(one, message)
+        info = subprocess.run(
+            ["rosbag", "info", str(folder / "survey.bag")],
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        self.assertRegex(info, rf"/trace +{len(stored)} msgs +: gpr20_msgs/Trace")
+
+    def check_metadata(self, folder, survey_id, traces):
+        metadata = json.loads((folder / "survey.json").read_text())
+        text = json.dumps(metadata)
+        self.assertIn(survey_id, text)
+        self.assertIn("Anritsu,MS2026C/2,SIMULATED", text)
+        self.assertIs(metadata["simulated"], True)
+        self.assertEqual(metadata["outcome"], "finished")
+        self.assertEqual(metadata["stored_traces"], traces)
+
+    def test_4_the_graph_during_a_survey_is_the_documented_one(self):
+        targets, currents = [], []
+        subscribers = [
+            rospy.Subscriber("control_target_coordinate", Coordinates, targets.append),
+            rospy.Subscriber("control_current_coordinate", Coordinates, currents.append),
+        ]
+        self.client.begin()
+        self.client.wait_for_status(ControlStatus.SURVEYING)
+        state = rosgraph.Master(rospy.get_name()).getSystemState()
+        listed = {
+            command: set(subprocess.check_output([command, "list"], text=True).split())
+            for command in ("rosnode", "rostopic", "rosservice")
+        }
+        self.client.wait_for_status(ControlStatus.FINISHED)
+        own = {rospy.get_name(), "/rosout"}
+        self.assertEqual(listed["rosnode"] - own, GRAPH_NODES)
+        topics = {topic for topic in listed["rostopic"] if not topic.startswith("/rosout")}
+        self.assertEqual(topics - {f"/{axis}_axis/axis/feedback" for axis in "xyz"}, GRAPH_TOPICS)
+        loggers = ("/get_loggers", "/set_logger_level")
+        services = {one for one in listed["rosservice"] if not one.endswith(loggers)}
+        self.assertEqual(services, GRAPH_SERVICES)
+        published = {topic for topic, _nodes in state[0]}
+        self.assertLessEqual(GRAPH_TOPICS, published)
+        self.assertTrue({(t.x_mm, t.y_mm, t.z_deg) for t in targets} >= {(20.0, 20.0, 90.0)})
+        self.client.wait(lambda: targets[-1].x_mm == targets[-1].y_mm == targets[-1].z_deg == -1)
+        self.assertTrue(any(current.x_mm > 10.0 for current in currents))
+        for subscriber in subscribers:
+            subscriber.unregister()
+
+    def test_5_a_stop_ends_the_survey_and_the_motion_and_keeps_what_was_measured(self):
+        survey_id = self.client.begin(x_stop_mm=600.0)
+        self.client.wait(
+            lambda: self.client.progress and self.client.progress[-1].visited_points >= 2
+        )
+        self.assertTrue(self.client.stop().success)
+        status = self.client.wait_for_status(ControlStatus.STOPPED)
+        steps = self.true_steps()
+        resting = rospy.wait_for_message("x_axis/current_coord", CurrentCoordinate, LIMIT_S)
+        self.assertFalse(resting.moving)
+        self.assertEqual(round(resting.coordinate * 100), steps[0])
+        folder = self.client.folder(survey_id)
+        stored = json_traces(folder)
+        self.assertGreaterEqual(len(stored), 2)
+        self.assertLess(len(stored), 18)
+        self.assertIn(f"{len(stored)} of 18 traces", status.message)
+        self.check_recordings(folder, stored)
+        metadata = json.loads((folder / "survey.json").read_text())
+        self.assertEqual(metadata["outcome"], "stopped")
+        self.assertFalse(self.client.stop().success)
+
+    def test_6_an_instrument_that_is_not_there_fails_the_survey_before_anything_moves(self):
+        before = self.true_steps()
+        _survey_id, status = self.client.run_to_end(vna_address="127.0.0.77")
+        self.assertEqual(status.code, ControlStatus.FAILED)
+        self.assertIn("127.0.0.77", status.message)
+        self.assertEqual(self.true_steps(), before)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20", "whole_survey", WholeSurveyTest)

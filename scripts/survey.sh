@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Install what is missing, then run a small survey on the simulated robot to its end.
+# Options are handed to the terminal client (see: scripts/survey.sh --help).
+#   GPR20_DATA         where surveys are kept (default ~/gpr20_data)
+#   GPR20_TIME_SCALE   how many times faster than the real robot it runs (default 50)
+set -euo pipefail
+# shellcheck source=scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+"$GPR20_ROOT/scripts/setup.sh"
+gpr20_use_workspace
+
+data="${GPR20_DATA:-$HOME/gpr20_data}"
+time_scale="${GPR20_TIME_SCALE:-50}"
+log="$(mktemp -d)/roslaunch.log"
+# A master of its own, so that this never meets a robot that is already running here.
+port="$(gpr20_free_port)"
+export ROS_MASTER_URI="http://127.0.0.1:$port"
+
+setsid roslaunch --wait=false -p "$port" gpr20 survey.launch ui:=false "data:=$data" "time_scale:=$time_scale" >"$log" 2>&1 &
+launch=$!
+shut_down() {
+    trap - EXIT
+    kill -INT "$launch" 2>/dev/null || true
+    wait "$launch" 2>/dev/null || true
+}
+trap shut_down EXIT
+
+status=0
+rosrun gpr20_user_interface run_survey \
+    --x-start 100 --x-stop 120 --x-points 3 --y-start 100 --y-stop 120 --y-points 3 "$@" || status=$?
+shut_down
+if [ "$status" -ne 0 ]; then
+    echo "the survey did not finish (status $status); the log of the nodes is $log" >&2
+    exit "$status"
+fi
+
+survey="$(ls -dt "$data"/*/ | head -n 1)"
+survey="${survey%/}"
+cat <<END
+
+The survey is in $survey
+  traces, one JSON file each:  $survey/traces/  ($(find "$survey/traces" -name '*.json' | wc -l) files)
+  ROS bag:                     $survey/survey.bag
+  MCAP:                        $survey/survey.mcap
+Replay it:
+  source $GPR20_WORKSPACE/devel/setup.bash
+  roscore &
+  rosbag play $survey/survey.bag
+END

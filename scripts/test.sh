@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Install what is missing, then run every check of the project:
+# lint, the unit tests (under Python 3.8 too where it is present), the rostests, the commands of the README.
+#   scripts/test.sh            everything
+#   scripts/test.sh lint|unit|unit38|ros|commands ...   only these parts
+set -uo pipefail
+# shellcheck source=scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+cd "$GPR20_ROOT" || exit 1
+"$GPR20_ROOT/scripts/setup.sh" --dev || exit 1
+gpr20_use_workspace
+
+parts=("$@")
+[ ${#parts[@]} -gt 0 ] || parts=(lint unit unit38 ros commands)
+results="$(mktemp -d)"
+passed=0 failed=0
+
+# Run one check, show its output if it fails, and count it.
+check() {
+    local name="$1" log
+    shift
+    log="$results/${name//\//_}.log"
+    printf '%-58s' "$name"
+    local begin=$SECONDS
+    if "$@" >"$log" 2>&1; then
+        echo "passed   $((SECONDS - begin)) s  $(summary_of "$log")"
+        passed=$((passed + 1))
+    else
+        echo "FAILED   $((SECONDS - begin)) s"
+        cat "$log"
+        failed=$((failed + 1))
+    fi
+}
+
+# How many tests a log of pytest or rostest speaks of.
+summary_of() {
+    grep -hoE '[0-9]+ passed.*in|\* TESTS: [0-9]+' "$1" | tail -n 1 | sed -E 's/ in$//; s/\* TESTS: ([0-9]+)/\1 passed/'
+}
+
+unit_tests() {
+    PYTHONPATH="$(printf '%s:' "$GPR20_ROOT"/catkin_ws/src/*/src)" "$@" -m pytest -q catkin_ws/src/*/test/unit
+}
+
+# The interpreter of ROS Noetic, if this machine has one.
+python38() {
+    local candidate
+    for candidate in python3.8 "$HOME"/.pyenv/versions/3.8.*/bin/python; do
+        if command -v "$candidate" >/dev/null; then command -v "$candidate"; return; fi
+    done
+}
+
+unit_tests_38() {
+    local venv="$GPR20_ROOT/.venv38"
+    if ! cmp -s requirements-unit.txt "$venv/installed-requirements"; then
+        rm -rf "$venv"
+        "$1" -m venv "$venv" &&
+            "$venv/bin/pip" install --quiet --disable-pip-version-check -r requirements-unit.txt &&
+            cp requirements-unit.txt "$venv/installed-requirements" || return 1
+    fi
+    # ROS's own packages belong to the other interpreter.
+    (unset PYTHONPATH; unit_tests "$venv/bin/python")
+}
+
+ros_test() {
+    ROS_IP=127.0.0.1 ROS_TEST_RESULTS_DIR="$results" rostest "$1" "$2"
+}
+
+for part in "${parts[@]}"; do
+    case "$part" in
+        lint) check lint scripts/lint.sh ;;
+        unit) check "unit tests, $(python --version)" unit_tests python ;;
+        unit38)
+            if [ -n "$(python38)" ]; then
+                check "unit tests, $("$(python38)" --version)" unit_tests_38 "$(python38)"
+            else
+                echo "no Python 3.8 here: the unit tests run under $(python --version) alone"
+            fi
+            ;;
+        ros)
+            for file in catkin_ws/src/*/test/ros/*.test; do
+                package="$(basename "$(dirname "$(dirname "$(dirname "$file")")")")"
+                check "$package/$(basename "$file")" ros_test "$package" "$(basename "$file")"
+            done
+            ;;
+        commands) check "commands of the README" python -m pytest -q scripts/test ;;
+        *) echo "test.sh: unknown part '$part'; allowed are lint, unit, unit38, ros, commands" >&2; exit 2 ;;
+    esac
+done
+
+echo
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
