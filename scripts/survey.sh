@@ -16,7 +16,7 @@ log="$(mktemp -d)/roslaunch.log"
 port="$(gpr20_free_port)"
 export ROS_MASTER_URI="http://127.0.0.1:$port"
 
-setsid roslaunch --wait=false -p "$port" gpr20 survey.launch ui:=false "data:=$data" "time_scale:=$time_scale" >"$log" 2>&1 &
+setsid roslaunch -p "$port" gpr20 survey.launch ui:=false "data:=$data" "time_scale:=$time_scale" >"$log" 2>&1 &
 launch=$!
 shut_down() {
     trap - EXIT
@@ -25,17 +25,20 @@ shut_down() {
 }
 trap shut_down EXIT
 
-status=0
+status=0 survey=
 rosrun gpr20_user_interface run_survey \
     --x-start 100 --x-stop 120 --x-points 3 --y-start 100 --y-stop 120 --y-points 3 "$@" || status=$?
+if [ "$status" -eq 0 ]; then
+    # The control's last word names the folder; it is latched, so it comes at once.
+    survey="$(timeout 20 rostopic echo -n 1 /control_status/message | sed -n 's/.* traces in \([^"]*\)"*$/\1/p')"
+fi
 shut_down
 if [ "$status" -ne 0 ]; then
-    echo "the survey did not finish (status $status); the log of the nodes is $log" >&2
+    tail -n 20 "$log" >&2
+    echo "the survey did not finish (status $status); the whole log of the nodes is $log" >&2
     exit "$status"
 fi
 
-survey="$(ls -dt "$data"/*/ | head -n 1)"
-survey="${survey%/}"
 cat <<END
 
 The survey is in $survey

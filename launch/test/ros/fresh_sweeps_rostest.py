@@ -81,8 +81,8 @@ class FreshSweepsTest(unittest.TestCase):
         survey_id, status = self.client.run_to_end()
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         stored = json_traces(self.client.folder(survey_id))
-        # It was sweeping continuously since it was switched on.
-        self.assertGreater(stored[0]["s21_real"][0], 100.0)
+        # It has been sweeping by itself since it was switched on.
+        self.assertGreater(stored[0]["s21_real"][0], 10.0)
         self.check_traces(stored)
 
     def test_2_what_the_instrument_sent_is_what_is_stored_bit_for_bit(self):

@@ -55,6 +55,7 @@ class FakeAxis:
         self.coordinate = 0.0
         self.homed = False
         self.silent = False
+        self.silent_readings = 0
         self.moves = []
         self.homings = 0
         self.stops = 0
@@ -69,7 +70,8 @@ class FakeAxis:
 
     def reading(self):
         moving = not self.blocked.is_set()
-        age_s = 100.0 if self.silent else 0.0
+        self.silent_readings -= 1
+        age_s = 100.0 if self.silent or self.silent_readings >= 0 else 0.0
         return AxisReading(self.coordinate, self.homed, moving, age_s)
 
     def begin_move(self, target):

@@ -344,3 +344,17 @@ def test_the_target_is_shown_while_a_survey_runs_and_only_then(bench):
     shown = [status.target for status in bench.history if status.target is not None]
     assert set(planned) == set(shown)
     assert bench.board.status.target is None
+
+
+def test_an_axis_whose_node_is_still_starting_is_waited_for(bench):
+    bench.z.silent_readings = 3
+    bench.start()
+    bench.wait_for(State.FINISHED)
+
+
+def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench):
+    bench.z.silent = True
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert "z axis is silent" in final.message
+    assert bench.x.moves == []

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-import typing
-from typing import Any, Collection, Type, TypeVar
+from typing import Collection, Type, TypeVar
 
 import rospy
 
 from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
 
 Record = TypeVar("Record")
 
@@ -33,45 +32,5 @@ def read_parameters(
     values = rospy.get_param(place, {})
     if not isinstance(values, dict):
         raise InvalidValueError(f"{place} must be a group of parameters, but is {values!r}")
-    return record_from_values(record_class, values, place, others)
-
-
-def record_from_values(
-    record_class: Type[Record], values: Any, place: str, others: Collection[str] = ()
-) -> Record:
-    """Make a dataclass from a dictionary, naming whatever does not fit.
-
-    Raises:
-        InvalidValueError: A value is missing, unknown or of the wrong type.
-    """
-    fields = {field.name: field for field in dataclasses.fields(record_class) if field.init}  # type: ignore[arg-type]
-    unknown = sorted(set(values) - set(fields) - set(others))
-    if unknown:
-        raise InvalidValueError(
-            f"unknown parameter {place}/{unknown[0]}; known are {', '.join(sorted(fields))}"
-        )
-    hints = typing.get_type_hints(record_class)
-    arguments = {}
-    for name, field in fields.items():
-        if name in values:
-            arguments[name] = _converted(f"{place}/{name}", values[name], hints[name])
-        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
-            raise InvalidValueError(f"parameter {place}/{name} is missing")
-    return record_class(**arguments)
-
-
-def _converted(name: str, value: Any, hint: Any) -> Any:
-    if typing.get_origin(hint) is typing.Union:  # Optional[...]
-        hint = next(one for one in typing.get_args(hint) if one is not type(None))
-    if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    origin = typing.get_origin(hint)
-    if origin is tuple and isinstance(value, (list, tuple)):
-        item_hint = typing.get_args(hint)[0]
-        return tuple(_converted(f"{name}[{i}]", item, item_hint) for i, item in enumerate(value))
-    expected = origin or hint
-    if not isinstance(value, expected) or (isinstance(value, bool) and expected is not bool):
-        raise InvalidValueError(
-            f"parameter {name} is {value!r}; it must be of type {expected.__name__}"
-        )
-    return value
+    own = {name: value for name, value in values.items() if name not in others}
+    return record_from(record_class, own, place)

@@ -49,8 +49,8 @@ def ipv4_address(name: str, address: str) -> str:
         InvalidValueError: The text is anything else.
     """
     parts = address.split(".")
-    # isdecimal() accepts digits of other scripts, which no instrument understands.
-    plain = all(part.isascii() and part.isdecimal() and len(part) <= 3 for part in parts)
+    # int() accepts digits of other scripts, and 010 is 8 to some and 10 to others.
+    plain = all(part.isascii() and part.isdecimal() and str(int(part)) == part for part in parts)
     if len(parts) != 4 or not plain or any(int(part) > 255 for part in parts):
         raise InvalidValueError(
             f"{name} is '{address[:64]}'; it must be four numbers of 0 to 255, such as 192.168.1.10"

@@ -16,6 +16,8 @@ from gpr20_main_control.mid.survey_plan import SurveyPoint
 
 # An axis publishes at 10 Hz at rest; one that was silent for so long is not alive.
 SILENCE_LIMIT_S = 2.0
+# Nodes that were launched together need so long until the last of them speaks.
+START_LIMIT_S = 10.0
 # A move may take this many times as long as it should, and some more.
 TIME_LIMIT_FACTOR = 1.5
 TIME_LIMIT_EXTRA_S = 5.0
@@ -52,11 +54,13 @@ class Positioner:
         self._clock = clock
 
     def check_alive(self) -> None:
-        """Refuse to go on unless every axis has spoken of late.
+        """Refuse to go on unless every axis speaks; one that is starting gets some time.
 
         Raises:
             DeviceError: An axis is silent.
+            StopRequested: The survey was told to stop.
         """
+        self._wait(lambda: not self._silent(), START_LIMIT_S)
         for axis_id in self._axes:
             self._reading(axis_id)
 
@@ -188,8 +192,8 @@ class Positioner:
                 f"{axis_id.unit} instead of {target:g} {axis_id.unit}; home it"
             )
 
-    def _wait(self, condition: Callable[[], bool]) -> bool:
-        deadline_s = self._clock.now_s() + SILENCE_LIMIT_S
+    def _wait(self, condition: Callable[[], bool], limit_s: float = SILENCE_LIMIT_S) -> bool:
+        deadline_s = self._clock.now_s() + limit_s
         while not condition():
             if self._clock.now_s() > deadline_s:
                 return False
@@ -200,9 +204,13 @@ class Positioner:
     def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:
         return abs(reading.coordinate - target) < 0.5 * self._parameters[axis_id].step_size
 
+    def _silent(self) -> List[AxisId]:
+        readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
+        return [axis_id for axis_id, reading in readings.items() if not _is_fresh(reading)]
+
     def _reading(self, axis_id: AxisId) -> AxisReading:
         reading = self._axes[axis_id].reading()
-        if reading is None or reading.age_s > SILENCE_LIMIT_S:
+        if reading is None or not _is_fresh(reading):
             raise DeviceError(
                 f"the {axis_id.value} axis is silent: nothing on {axis_id.value}_axis/"
                 f"current_coord for {SILENCE_LIMIT_S:g} s; check that its node runs"
@@ -212,3 +220,7 @@ class Positioner:
     def _raise_if_stopped(self) -> None:
         if self._stop.is_set():
             raise StopRequested("the survey was told to stop")
+
+
+def _is_fresh(reading: Optional[AxisReading]) -> bool:
+    return reading is not None and reading.age_s <= SILENCE_LIMIT_S

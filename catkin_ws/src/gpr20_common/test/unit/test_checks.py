@@ -1,0 +1,59 @@
+"""Checks of values from outside."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.mid.checks import ipv4_address, number_between, positive_number
+from gpr20_common.mid.errors import Gpr20Error, InvalidValueError
+
+
+@pytest.mark.parametrize("value", [0.0, 5.0, 10.0])
+def test_a_value_within_the_bounds_is_returned(value):
+    assert number_between("speed", value, 0.0, 10.0, "m/s") == value
+
+
+@pytest.mark.parametrize("value", [-1e-9, 10.1, math.nan, math.inf, -math.inf])
+def test_a_value_outside_the_bounds_is_refused_with_name_value_bounds_and_unit(value):
+    with pytest.raises(InvalidValueError, match="speed is .* between 0 and 10 m/s"):
+        number_between("speed", value, 0.0, 10.0, "m/s")
+
+
+def test_infinity_is_refused_even_where_a_bound_is_infinite():
+    with pytest.raises(InvalidValueError):
+        number_between("speed", math.inf, 0.0, math.inf)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_what_is_not_positive_is_refused(value):
+    with pytest.raises(InvalidValueError, match="must be more than zero"):
+        positive_number("size", value, "mm")
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "192.168.1.10", "255.255.255.255"])
+def test_four_numbers_are_an_address(address):
+    assert ipv4_address("address", address) == address
+
+
+@pytest.mark.parametrize("address", ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4"])
+def test_what_could_be_misread_is_no_address(address):
+    with pytest.raises(InvalidValueError, match="four numbers"):
+        ipv4_address("address", address)
+
+
+@given(st.text(max_size=20))
+def test_a_text_is_an_address_or_refused(text):
+    try:
+        ipv4_address("address", text)
+    except InvalidValueError as error:
+        assert "four numbers" in str(error)
+    else:
+        assert [0 <= int(part) <= 255 for part in text.split(".")] == [True] * 4
+
+
+def test_every_error_is_one_of_ours_and_a_builtin():
+    assert issubclass(InvalidValueError, (Gpr20Error,)) and issubclass(
+        InvalidValueError, ValueError
+    )

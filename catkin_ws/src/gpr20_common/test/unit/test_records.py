@@ -1,0 +1,84 @@
+"""Records from mappings."""
+
+import enum
+import math
+from dataclasses import dataclass, field
+from typing import Optional, Tuple
+
+import pytest
+
+from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.mid.records import bounded, record_from
+
+
+class Colour(enum.Enum):
+    RED = "red"
+    BLUE = "blue"
+
+
+@dataclass(frozen=True)
+class Wheel:
+    radius: float = bounded(0.1, 2.0)
+    spokes: int = 8
+
+
+@dataclass(frozen=True)
+class Cart:
+    name: str
+    load: Optional[float] = None
+    colour: Colour = Colour.RED
+    numbers: Tuple[int, ...] = ()
+    spare: Wheel = field(default_factory=lambda: Wheel(0.5, 6))
+    wheels: Tuple[Wheel, ...] = ()
+    open: bool = False
+
+
+def test_what_is_left_out_has_its_default():
+    assert record_from(Cart, {"name": "a"}, "cart") == Cart("a")
+
+
+def test_everything_can_be_given():
+    values = {
+        "name": "a",
+        "load": 3,
+        "colour": "blue",
+        "numbers": [1, 2],
+        "spare": {"radius": 1},
+        "wheels": [{"radius": 0.2, "spokes": 4}],
+        "open": True,
+    }
+    cart = record_from(Cart, values, "cart")
+    assert cart == Cart("a", 3.0, Colour.BLUE, (1, 2), Wheel(1.0, 6), (Wheel(0.2, 4),), True)
+    assert isinstance(cart.load, float)
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"nmae": "a"}, "cart/nmae is unknown; known are colour, load"),
+        ({"name": 3}, "cart/name is 3; it must be of type str"),
+        ({"load": True}, "cart/load is True; it must be a number"),
+        ({"load": "3"}, "cart/load is '3'"),
+        ({"colour": "green"}, "cart/colour is 'green'; allowed are red, blue"),
+        ({"numbers": 3}, "cart/numbers is 3; it must be a list"),
+        ({"numbers": [1, 2.5]}, r"cart/numbers\[1\] is 2.5"),
+        ({"spare": {"radius": 3}}, "cart/spare/radius is 3; it must lie between 0.1 and 2"),
+        ({"spare": {"radius": math.nan}}, "cart/spare/radius is nan"),
+        ({"spare": 4}, "cart/spare must be a group"),
+        ({"wheels": [{}]}, r"cart/wheels\[0\]/radius is missing"),
+        ({"open": 1}, "cart/open is 1; it must be of type bool"),
+    ],
+)
+def test_what_does_not_fit_is_named(change, message):
+    with pytest.raises(InvalidValueError, match=message):
+        record_from(Cart, {"name": "a", **change}, "cart")
+
+
+def test_a_value_that_must_be_there_is_named():
+    with pytest.raises(InvalidValueError, match="cart/name is missing"):
+        record_from(Cart, {}, "cart")
+
+
+def test_what_is_not_a_mapping_is_refused():
+    with pytest.raises(InvalidValueError, match="cart must be a group"):
+        record_from(Cart, ["name"], "cart")
