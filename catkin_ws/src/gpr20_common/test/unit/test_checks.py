@@ -37,7 +37,9 @@ def test_four_numbers_are_an_address(address):
     assert ipv4_address("address", address) == address
 
 
-@pytest.mark.parametrize("address", ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4"])
+@pytest.mark.parametrize(
+    "address", ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4", "1.2.3." + "9" * 5000]
+)
 def test_what_could_be_misread_is_no_address(address):
     with pytest.raises(InvalidValueError, match="four numbers"):
         ipv4_address("address", address)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from gpr20_common.mid.errors import InvalidValueError
 
@@ -49,8 +50,8 @@ def ipv4_address(name: str, address: str) -> str:
         InvalidValueError: The text is anything else.
     """
     parts = address.split(".")
-    # int() accepts digits of other scripts, and 010 is 8 to some and 10 to others.
-    plain = all(part.isascii() and part.isdecimal() and str(int(part)) == part for part in parts)
+    # Not int() alone: it accepts digits of other scripts, and 010 is 8 to some readers.
+    plain = all(re.fullmatch("0|[1-9][0-9]{0,2}", part) for part in parts)
     if len(parts) != 4 or not plain or any(int(part) > 255 for part in parts):
         raise InvalidValueError(
             f"{name} is '{address[:64]}'; it must be four numbers of 0 to 255, such as 192.168.1.10"

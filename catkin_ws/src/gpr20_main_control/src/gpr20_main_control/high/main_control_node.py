@@ -52,7 +52,7 @@ NO_TARGET = -1.0
 class TimeLimits:
     """How long the control waits for the answers of other nodes [s]."""
 
-    analyzer_limit_s: float = 60.0
+    analyzer_limit_s: float = 90.0
     height_limit_s: float = 10.0
     storage_limit_s: float = 60.0
 

@@ -1,0 +1,1 @@
+"""From readings of the converter to a height; no ROS."""

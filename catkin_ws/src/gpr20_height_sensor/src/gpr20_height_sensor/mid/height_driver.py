@@ -1,0 +1,138 @@
+"""One filtered height from several readings of the sensor."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import Callable, List
+
+import numpy as np
+
+from gpr20_common.low.clock import Clock
+from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
+from gpr20_height_sensor.mid.height_errors import (
+    HeightStoppedError,
+    SensorNoiseError,
+    SensorRangeError,
+    SensorStuckError,
+)
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+
+# Makes the median absolute deviation of normally distributed readings their standard deviation.
+NORMAL_MAD_SCALE = 1.4826
+# What the sensor shows now was measured in the period before the last one at the earliest.
+PERIODS_UNTIL_FRESH = 2
+
+
+@dataclass(frozen=True)
+class HeightMeasurement:
+    """A height and how well it is known.
+
+    Attributes:
+        height_m: Antenna above ground [m].
+        spread_m: Scaled median absolute deviation of the readings [m].
+        samples: How many readings it rests on.
+        measured_us: When the last reading was taken [microseconds since 1970, UTC].
+    """
+
+    height_m: float
+    spread_m: float
+    samples: int
+    measured_us: int
+
+
+class HeightDriver:
+    """Takes fresh readings and makes a robust height of them, or says why it cannot.
+
+    Several measurements may run at the same time; none waits for another.
+    """
+
+    def __init__(
+        self,
+        adc: AdcInterface,
+        parameters: HeightParameters,
+        clock: Clock,
+        time_of_day_us: Callable[[], int],
+    ) -> None:
+        """Make a driver of the sensor behind a converter.
+
+        Args:
+            adc: The converter.
+            parameters: The sensor and the estimate.
+            clock: Spaces the readings.
+            time_of_day_us: Gives the time [microseconds since 1970, UTC].
+        """
+        self._adc = adc
+        self._parameters = parameters
+        self._clock = clock
+        self._time_of_day_us = time_of_day_us
+        self._stop = threading.Event()
+
+    @property
+    def parameters(self) -> HeightParameters:
+        """The sensor and the estimate."""
+        return self._parameters
+
+    def measure(self) -> HeightMeasurement:
+        """Return one height from readings that the sensor made after this call.
+
+        Raises:
+            HeightError: The sensor is stuck, out of its range, too noisy, or does not answer.
+        """
+        codes = np.array(self._fresh_codes(), dtype=np.float64)
+        measured_us = self._time_of_day_us()
+        self._check_not_stuck(codes)
+        # The converter's result is code / 1024 of its reference (data sheet, equation 4-2).
+        voltages_v = codes * (self._parameters.reference_voltage_v / (LARGEST_CODE + 1))
+        distances_m = self._parameters.curve.distances_m(voltages_v)
+        distance_m = float(np.median(distances_m))
+        self._check_in_range(distance_m)
+        spread_m = NORMAL_MAD_SCALE * float(np.median(np.abs(distances_m - distance_m)))
+        self._check_quiet(spread_m, distances_m)
+        height_m = distance_m + self._parameters.height_offset_m
+        return HeightMeasurement(height_m, spread_m, len(codes), measured_us)
+
+    def shut_down(self) -> None:
+        """End the measurements that run, refuse others, and give the bus back."""
+        self._stop.set()
+        self._adc.close()
+
+    def _fresh_codes(self) -> List[int]:
+        period_s = self._parameters.update_period_s
+        next_s = self._clock.now_s() + PERIODS_UNTIL_FRESH * period_s
+        codes = []
+        for _ in range(self._parameters.samples):
+            if self._clock.wait_s(self._stop, max(0.0, next_s - self._clock.now_s())):
+                raise HeightStoppedError("the height sensor's node is being shut down")
+            codes.append(self._adc.read_code())
+            # From now, not from the plan: a reading that came late must not be followed by
+            # one of the same period of the sensor.
+            next_s = self._clock.now_s() + period_s
+        return codes
+
+    def _check_not_stuck(self, codes: np.ndarray) -> None:
+        for rail, cause in ((0, "the sensor is off or unplugged"), (LARGEST_CODE, "short circuit")):
+            at_rail = int(np.count_nonzero(codes == rail))
+            if 2 * at_rail >= len(codes):
+                raise SensorStuckError(
+                    f"the height sensor is stuck: {at_rail} of {len(codes)} readings are {rail}, "
+                    f"the end of the converter's scale ({cause}); check its plug and supply"
+                )
+
+    def _check_in_range(self, distance_m: float) -> None:
+        curve = self._parameters.curve
+        if not curve.min_distance_m <= distance_m <= curve.max_distance_m:
+            raise SensorRangeError(
+                f"the height sensor reads {distance_m:.3f} m; it measures from "
+                f"{curve.min_distance_m:g} to {curve.max_distance_m:g} m; check that it sees "
+                "the ground and how high the antennas hang"
+            )
+
+    def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:
+        limit_m = self._parameters.max_spread_m
+        if spread_m > limit_m:
+            raise SensorNoiseError(
+                f"the height readings scatter by {spread_m:.4f} m (from {distances_m.min():.3f} to "
+                f"{distances_m.max():.3f} m); at most {limit_m:g} m is allowed; check the sensor's "
+                "supply and that the antennas stand still"
+            )

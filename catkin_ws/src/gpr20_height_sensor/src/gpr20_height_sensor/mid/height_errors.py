@@ -1,0 +1,33 @@
+"""What can go wrong with the height sensor."""
+
+from __future__ import annotations
+
+from gpr20_common.mid.errors import Gpr20Error, InvalidValueError
+
+
+class HeightError(Gpr20Error):
+    """The height could not be measured."""
+
+
+class HeightParameterError(HeightError, InvalidValueError):
+    """A parameter of the height sensor is not allowed."""
+
+
+class SpiError(HeightError, OSError):
+    """The SPI bus cannot be used, or the converter on it does not answer properly."""
+
+
+class SensorStuckError(HeightError):
+    """The converter reads one end of its scale: the sensor is off, unplugged or broken."""
+
+
+class SensorRangeError(HeightError, ValueError):
+    """What the sensor sees is nearer or farther than it can measure."""
+
+
+class SensorNoiseError(HeightError):
+    """The readings scatter too much for a height."""
+
+
+class HeightStoppedError(HeightError):
+    """The measurement was ended because the node shuts down."""

@@ -1,0 +1,75 @@
+"""The parameters of the height sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.errors import InvalidValueError
+from gpr20_height_sensor.mid.height_errors import HeightParameterError
+from gpr20_height_sensor.mid.range_curve import RangeCurve
+
+
+@dataclass(frozen=True)
+class HeightParameters:
+    """The sensor, its converter and the estimate.
+
+    Attributes:
+        spi_bus: Number of the SPI bus.
+        spi_device: Chip-select line of the converter.
+        spi_speed_hz: Clock of the bus [Hz]; the MCP3008 allows 1.35 MHz at 2.7 V and more
+            at higher supplies.
+        channel: Channel of the converter.
+        reference_voltage_v: Reference of the converter [V]; the robot feeds it with 3.3 V.
+        scale_m: See RangeCurve [m].
+        exponent: See RangeCurve.
+        min_distance_m: Shortest valid distance of the sensor [m].
+        max_distance_m: Longest valid distance of the sensor [m].
+        height_offset_m: Height of the antennas above the sensor [m], negative if they hang
+            lower; added to the distance.
+        samples: Readings per height.
+        update_period_s: Longest time the sensor takes for a new value [s]; the data sheet
+            says 38.3 ms with 9.6 ms more or less.
+        max_spread_m: Largest scaled median absolute deviation of the readings [m].
+        publish_rate_hz: Heights published per second [1/s].
+        frame_id: Frame of the sensor in the published message.
+        field_of_view_rad: Opening of the sensor's beam in the published message [rad]; for
+            display only.
+    """
+
+    spi_bus: int = 0
+    spi_device: int = 0
+    spi_speed_hz: int = 1_000_000
+    channel: int = 0
+    reference_voltage_v: float = 3.3
+    scale_m: float = RangeCurve.scale_m
+    exponent: float = RangeCurve.exponent
+    min_distance_m: float = RangeCurve.min_distance_m
+    max_distance_m: float = RangeCurve.max_distance_m
+    height_offset_m: float = 0.0
+    samples: int = 5
+    update_period_s: float = 0.048
+    max_spread_m: float = 0.010
+    publish_rate_hz: float = 2.0
+    frame_id: str = "height_sensor"
+    field_of_view_rad: float = 0.05
+
+    def __post_init__(self) -> None:
+        try:
+            positive_number("reference_voltage_v", self.reference_voltage_v, "V")
+            positive_number("spi_speed_hz", self.spi_speed_hz, "Hz")
+            positive_number("update_period_s", self.update_period_s, "s")
+            positive_number("max_spread_m", self.max_spread_m, "m")
+            number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
+            # With fewer than three readings a single bad one decides.
+            number_between("samples", self.samples, 3, 1000)
+            number_between("height_offset_m", self.height_offset_m, -2.0, 2.0, "m")
+        except InvalidValueError as error:
+            raise HeightParameterError(str(error)) from error
+        # A curve that makes no sense stops the node at its start.
+        _ = self.curve
+
+    @property
+    def curve(self) -> RangeCurve:
+        """From voltage to distance."""
+        return RangeCurve(self.scale_m, self.exponent, self.min_distance_m, self.max_distance_m)

@@ -1,0 +1,209 @@
+"""A height is a robust value of fresh readings, or there is none and the reason is said."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.low.clock import Clock
+from gpr20_height_sensor.mid.height_driver import HeightDriver
+from gpr20_height_sensor.mid.height_errors import (
+    HeightError,
+    HeightStoppedError,
+    SensorNoiseError,
+    SensorRangeError,
+    SensorStuckError,
+    SpiError,
+)
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+
+PARAMETERS = HeightParameters(samples=5)
+NOW_US = 1_700_000_000_000_000
+
+
+class FakeClock(Clock):
+    def __init__(self):
+        self.time_s = 10.0
+
+    def now_s(self):
+        return self.time_s
+
+    def wait_s(self, event, timeout_s):
+        if not event.is_set():
+            self.time_s += timeout_s
+        return event.is_set()
+
+
+class FakeAdc:
+    """Gives codes in turn and notes when it was asked."""
+
+    def __init__(self, codes, clock):
+        self.codes = list(codes)
+        self.clock = clock
+        self.times_s = []
+        self.closed = False
+
+    def read_code(self):
+        self.times_s.append(self.clock.time_s)
+        code = self.codes.pop(0)
+        if isinstance(code, Exception):
+            raise code
+        return code
+
+    def close(self):
+        self.closed = True
+
+
+def code_at(distance_m):
+    """The code of a typical sensor, from the data sheet's two points and not from the driver."""
+    exponent = np.log(2.3 / 0.4) / np.log(0.8 / 0.1)
+    return round(0.4 * (distance_m / 0.8) ** -exponent / 3.3 * 1024)
+
+
+def driver_with(codes, parameters=PARAMETERS):
+    clock = FakeClock()
+    adc = FakeAdc(codes, clock)
+    return HeightDriver(adc, parameters, clock, lambda: NOW_US), adc
+
+
+@pytest.mark.parametrize("distance_m", [0.11, 0.15, 0.20, 0.30, 0.50, 0.75])
+def test_measures_the_distance_within_the_converters_resolution(distance_m):
+    driver, _ = driver_with([code_at(distance_m)] * 5)
+    measured = driver.measure()
+    assert measured.height_m == pytest.approx(distance_m, abs=0.0005 + 0.008 * distance_m**2)
+    assert (measured.spread_m, measured.samples, measured.measured_us) == (0.0, 5, NOW_US)
+
+
+def test_the_offset_between_sensor_and_antennas_is_added():
+    parameters = HeightParameters(height_offset_m=-0.05)
+    driver, _ = driver_with([code_at(0.25)] * 5, parameters)
+    assert driver.measure().height_m == pytest.approx(0.20, abs=0.001)
+
+
+def test_every_reading_is_of_another_period_that_began_after_the_request():
+    driver, adc = driver_with([code_at(0.2)] * 5)
+    requested_s = adc.clock.time_s
+    driver.measure()
+    period_s = PARAMETERS.update_period_s
+    assert adc.times_s[0] - requested_s >= 2 * period_s - 1e-9
+    assert (np.diff(adc.times_s) >= period_s - 1e-9).all()
+
+
+@pytest.mark.parametrize("bad", [1, 400, 900, 1022])
+def test_one_bad_reading_does_not_move_the_height(bad):
+    good = code_at(0.2)
+    driver, _ = driver_with([good, good, bad, good, good])
+    assert driver.measure().height_m == pytest.approx(0.2, abs=0.001)
+
+
+def test_readings_of_zero_in_the_minority_are_outvoted():
+    good = code_at(0.2)
+    driver, _ = driver_with([good, 0, good, 0, good])
+    assert driver.measure().height_m == pytest.approx(0.2, abs=0.001)
+
+
+@pytest.mark.parametrize("rail", [0, 1023])
+@pytest.mark.parametrize("others", [0, 1, 2])
+def test_a_reading_stuck_at_a_rail_is_no_height(rail, others):
+    driver, _ = driver_with([rail] * (5 - others) + [code_at(0.2)] * others)
+    with pytest.raises(SensorStuckError, match="stuck"):
+        driver.measure()
+
+
+@pytest.mark.parametrize("distance_m", [0.085, 0.09, 0.85, 1.6])
+def test_a_distance_that_the_sensor_cannot_measure_is_no_height(distance_m):
+    driver, _ = driver_with([code_at(distance_m)] * 5)
+    with pytest.raises(SensorRangeError, match="it measures from 0.1 to 0.8 m"):
+        driver.measure()
+
+
+def test_scattered_readings_are_no_height_however_few_agree():
+    driver, _ = driver_with([code_at(d) for d in (0.15, 0.2, 0.3, 0.45, 0.6)])
+    with pytest.raises(SensorNoiseError, match="scatter"):
+        driver.measure()
+
+
+def test_two_heights_in_one_measurement_are_refused():
+    driver, _ = driver_with(
+        [code_at(0.2), code_at(0.3)] * 3, HeightParameters(samples=6, max_spread_m=0.01)
+    )
+    with pytest.raises(SensorNoiseError):
+        driver.measure()
+
+
+def test_the_spread_of_normal_noise_is_its_standard_deviation():
+    samples = 999
+    random = np.random.default_rng(1)
+    distances_m = 0.2 + random.normal(0.0, 0.004, samples)
+    parameters = HeightParameters(samples=samples)
+    driver, _ = driver_with([code_at(d) for d in distances_m], parameters)
+    measured = driver.measure()
+    assert measured.spread_m == pytest.approx(0.004, rel=0.1)
+    assert measured.height_m == pytest.approx(0.2, abs=0.0005)
+
+
+def test_a_converter_that_does_not_answer_is_no_height():
+    driver, _ = driver_with([code_at(0.2), SpiError("nothing there")])
+    with pytest.raises(SpiError):
+        driver.measure()
+
+
+@given(st.lists(st.integers(0, 1023), min_size=5, max_size=5))
+def test_any_readings_give_a_height_in_range_or_our_error(codes):
+    driver, _ = driver_with(codes)
+    try:
+        measured = driver.measure()
+    except HeightError:
+        return
+    assert 0.10 <= measured.height_m <= 0.80
+    assert 0.0 <= measured.spread_m <= PARAMETERS.max_spread_m
+
+
+def test_a_shutdown_ends_a_measurement_and_gives_the_bus_back():
+    class RealWait(FakeClock):
+        def wait_s(self, event, timeout_s):
+            waiting.set()
+            return event.wait(5.0)
+
+    waiting = threading.Event()
+    clock = RealWait()
+    adc = FakeAdc([], clock)
+    driver = HeightDriver(adc, PARAMETERS, clock, lambda: NOW_US)
+    errors = []
+
+    def measure():
+        try:
+            driver.measure()
+        except HeightStoppedError as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=measure)
+    thread.start()
+    assert waiting.wait(5.0)
+    driver.shut_down()
+    thread.join(5.0)
+    assert len(errors) == 1 and adc.closed and not adc.times_s
+
+
+def test_two_measurements_at_once_do_not_wait_for_each_other():
+    both_reading = threading.Barrier(2, timeout=5.0)
+
+    class MeetingAdc:
+        def read_code(self):
+            both_reading.wait()
+            return code_at(0.2)
+
+    driver = HeightDriver(MeetingAdc(), PARAMETERS, FakeClock(), lambda: NOW_US)
+    heights = []
+    threads = [
+        threading.Thread(target=lambda: heights.append(driver.measure().height_m)) for _ in range(2)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(10.0)
+    assert len(heights) == 2

@@ -1,0 +1,52 @@
+"""The curve passes through the data sheet's values and falls with the voltage."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_height_sensor.mid.height_errors import HeightParameterError
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.range_curve import RangeCurve
+
+
+@pytest.mark.parametrize("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
+def test_passes_through_the_typical_values_of_the_data_sheet(voltage_v, distance_m):
+    assert RangeCurve().distances_m(np.array([voltage_v]))[0] == pytest.approx(distance_m, 1e-4)
+
+
+@given(st.floats(0.01, 3.3), st.floats(0.01, 3.3))
+def test_a_higher_voltage_is_nearer(one_v, other_v):
+    low, high = sorted((one_v, other_v))
+    distances_m = RangeCurve().distances_m(np.array([low, high]))
+    assert distances_m[0] >= distances_m[1]
+
+
+def test_zero_volts_is_infinitely_far():
+    assert RangeCurve().distances_m(np.array([0.0]))[0] == math.inf
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("scale_m", 0.0),
+        ("scale_m", math.nan),
+        ("exponent", -1.0),
+        ("min_distance_m", 0.0),
+        ("min_distance_m", 0.9),
+        ("max_distance_m", math.inf),
+        ("samples", 2),
+        ("reference_voltage_v", 0.0),
+        ("update_period_s", -0.1),
+        ("max_spread_m", math.nan),
+        ("publish_rate_hz", 0.0),
+        ("height_offset_m", 5.0),
+    ],
+)
+def test_parameters_that_make_no_sense_are_refused(name, value):
+    with pytest.raises(HeightParameterError):
+        HeightParameters(**{name: value})

@@ -1,0 +1,158 @@
+"""The ROS interface of the network analyzer."""
+
+from __future__ import annotations
+
+from typing import Callable, Collection, Optional
+
+import rospy
+
+from gpr20_common.high import diagnostics
+from gpr20_common.high.node import run_node
+from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.services import advertise
+from gpr20_common.low.clock import Clock
+from gpr20_msgs.srv import (
+    Connection,
+    ConnectionRequest,
+    ConnectionResponse,
+    FreqSweepSetup,
+    FreqSweepSetupRequest,
+    FreqSweepSetupResponse,
+    GetCalibrationStatus,
+    GetCalibrationStatusRequest,
+    GetCalibrationStatusResponse,
+    GetData,
+    GetDataRequest,
+    GetDataResponse,
+    GetFreq,
+    GetFreqRequest,
+    GetFreqResponse,
+)
+from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+# Gives the TCP port of the core channel at an address, or None to ask the portmapper there.
+PortLookup = Callable[[str], Optional[int]]
+
+
+class VNANode:
+    """The five services of the network analyzer."""
+
+    def __init__(self, driver: VNADriver, hardware_id: str) -> None:
+        self._driver = driver
+        self._services = [
+            advertise("connection", Connection, self._connect),
+            advertise("freq_sweep_setup", FreqSweepSetup, self._configure),
+            advertise("get_freq", GetFreq, self._get_freq),
+            advertise("get_data", GetData, self._get_data),
+            advertise("get_calibration_status", GetCalibrationStatus, self._get_calibration),
+        ]
+        self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
+        rospy.on_shutdown(driver.shut_down)
+
+    def _connect(self, request: ConnectionRequest) -> ConnectionResponse:
+        if not request.connect:
+            self._driver.disconnect()
+            return ConnectionResponse(success=True, message="disconnected")
+        identity = self._driver.connect(request.address)
+        message = f"connected to {identity} at {request.address}"
+        return ConnectionResponse(success=True, message=message, identity=identity)
+
+    def _configure(self, request: FreqSweepSetupRequest) -> FreqSweepSetupResponse:
+        accepted = self._driver.configure(
+            SweepSettings(request.start_frequency_hz, request.stop_frequency_hz, request.points)
+        )
+        return FreqSweepSetupResponse(
+            success=True,
+            message="the instrument confirmed every setting",
+            start_frequency_hz=accepted.start_frequency_hz,
+            stop_frequency_hz=accepted.stop_frequency_hz,
+            points=accepted.points,
+        )
+
+    def _get_freq(self, _request: GetFreqRequest) -> GetFreqResponse:
+        frequency_hz = self._driver.frequencies_hz()
+        return GetFreqResponse(success=True, frequency_hz=frequency_hz.tolist())
+
+    def _get_data(self, _request: GetDataRequest) -> GetDataResponse:
+        sweep = self._driver.sweep()
+        return GetDataResponse(
+            success=True,
+            s21_real=sweep.s21_real.tolist(),
+            s21_imag=sweep.s21_imag.tolist(),
+            sweep_started=_ros_time(sweep.started_us),
+            sweep_ended=_ros_time(sweep.ended_us),
+            quality=list(sweep.quality),
+        )
+
+    def _get_calibration(
+        self, _request: GetCalibrationStatusRequest
+    ) -> GetCalibrationStatusResponse:
+        status = self._driver.calibration_status()
+        return GetCalibrationStatusResponse(success=True, message=status.name, status=int(status))
+
+    def _health(self) -> diagnostics.Health:
+        state = self._driver.state
+        values = {
+            "address": state.address,
+            "identity": state.identity,
+            "linked": state.linked,
+            "sweep": state.sweep or "not configured",
+            "sweeps": state.sweeps,
+            "repeated attempts": state.repeats,
+            "last sweep [s]": f"{state.last_sweep_s:.6f}",
+            "last error": state.last_error,
+        }
+        if not state.address:
+            return diagnostics.WARN, "not connected", values
+        if state.last_error:
+            return diagnostics.ERROR, state.last_error, values
+        return diagnostics.OK, f"connected to {state.identity}", values
+
+
+def _ros_time(time_us: int) -> rospy.Time:
+    return rospy.Time(time_us // 1_000_000, time_us % 1_000_000 * 1000)
+
+
+def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: str) -> VNANode:
+    """Build the node from the bottom up.
+
+    Args:
+        parameters: Parameters of the driver.
+        port_of: Tells where the VXI-11 core channel of an address listens.
+        hardware_id: What the diagnostics call the hardware.
+    """
+    limits = LinkLimits(parameters.connect_timeout_s, parameters.answer_timeout_s)
+
+    def open_link(address: str) -> Vxi11Transport:
+        return connect(address, limits, port_of(address))
+
+    driver = VNADriver(open_link, parameters, Clock(), TimeOfDay(), rospy.logwarn)
+    return VNANode(driver, hardware_id)
+
+
+def read_vna_parameters(others: Collection[str] = ()) -> VnaParameters:
+    """Return the node's parameters.
+
+    Args:
+        others: Parameters of the node that are not the driver's.
+
+    Raises:
+        Gpr20Error: A parameter is not allowed.
+    """
+    return read_parameters(VnaParameters, others=others)
+
+
+def main() -> None:
+    """Run the driver of the real network analyzer."""
+
+    def build() -> VNANode:
+        parameters = read_vna_parameters()
+        return build_vna_node(
+            parameters, lambda _address: parameters.vxi11_port or None, parameters.model
+        )
+
+    run_node("vna_acquisition", build)

@@ -1,0 +1,238 @@
+"""The VXI-11 link to an instrument: python-vxi11 0.9 with its faults fenced in.
+
+The library connects without a time limit, raises exceptions of five families, cannot close
+a dead link, and reuses a stream that is out of step. Here a link has time limits from the
+first byte, raises `VnaConnectionError` alone, and after any failure is dead for good.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import Any, Callable, Optional, TypeVar
+
+from vxi11 import rpc, vxi11
+
+from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
+from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
+
+Answer = TypeVar("Answer")
+
+PORTMAPPER_PORT = 111
+DEVICE_NAME = "inst0"
+# VXI-11 rule B.6.3: a server takes at least so much at once.
+SMALLEST_RECEIVE_SIZE_BYTES = 1024
+# The server's own time limit must end first, so that its error arrives before ours.
+SERVER_MARGIN_S = 1.0
+# A block of 4001 complex numbers in ASCII with 20 characters each is 168 kB.
+LONGEST_ANSWER_BYTES = 1 << 20
+CLOSE_TIMEOUT_S = 0.5
+
+# All that python-vxi11 was seen to raise on lost, hanging and babbling peers.
+LIBRARY_ERRORS = (
+    vxi11.Vxi11Exception,
+    rpc.RPCError,
+    rpc.xdrlib.Error,
+    struct.error,
+    EOFError,
+    OSError,
+)
+
+
+@dataclass(frozen=True)
+class LinkLimits:
+    """Time limits of a link [s]."""
+
+    connect_s: float = 3.0
+    answer_s: float = 5.0
+
+
+class _Portmapper(rpc.TCPPortMapperClient):
+    """Asks the instrument which TCP port its VXI-11 core channel has."""
+
+    def __init__(self, address: str, port: int, timeout_s: float) -> None:
+        self._asked_port = port
+        self._timeout_s = timeout_s
+        super().__init__(address)
+
+    def connect(self) -> None:
+        self.sock = DeadlineSocket(
+            self.host, self._asked_port, self._timeout_s, LONGEST_ANSWER_BYTES
+        )
+
+
+class _CoreChannel(vxi11.CoreClient):
+    """The core channel on a known port, connected with a time limit."""
+
+    def __init__(self, address: str, port: int, timeout_s: float) -> None:
+        self._timeout_s = timeout_s
+        super().__init__(address, port)
+
+    def connect(self) -> None:
+        # Twice the longest answer leaves room for the RPC headers of its pieces.
+        self.sock = DeadlineSocket(self.host, self.port, self._timeout_s, 2 * LONGEST_ANSWER_BYTES)
+
+
+class _Instrument(vxi11.Instrument):
+    """The library's client without its destructor, which would talk to a dead link."""
+
+    def __del__(self) -> None:
+        pass
+
+
+class Vxi11Transport:
+    """One VXI-11 link. Made by `connect`; dead after the first failure."""
+
+    def __init__(self, address: str, instrument: Any, limits: LinkLimits) -> None:
+        self._address = address
+        self._instrument: Optional[Any] = instrument
+        self._limits = limits
+
+    def write(self, command: str) -> None:
+        """Send a command that has no answer.
+
+        Raises:
+            VnaConnectionError: It could not be sent.
+        """
+        self._call(f"sending '{command}'", lambda link: link.write_raw(_encoded(command)))
+
+    def ask_raw(self, query: str) -> bytes:
+        """Send a query and return its answer, byte for byte.
+
+        Raises:
+            VnaConnectionError: No complete answer came in time.
+        """
+        answer: bytes = self._call(f"asking '{query}'", lambda link: link.ask_raw(_encoded(query)))
+        return answer
+
+    def ask(self, query: str) -> str:
+        """Send a query and return its answer as text without white space around it.
+
+        Raises:
+            VnaConnectionError: No complete answer came in time.
+        """
+        # Latin-1 takes every byte; some answers hold characters beyond ASCII.
+        return self.ask_raw(query).decode("latin-1").strip()
+
+    def clear(self) -> None:
+        """Empty the instrument's input and output, where it supports that.
+
+        Raises:
+            VnaConnectionError: The link failed.
+        """
+        self._call("clearing the instrument", _clear)
+
+    def close(self) -> None:
+        """End the link. Never fails; closing a dead or closed link does nothing."""
+        self._abandon()
+
+    def _call(self, what: str, function: Callable[[Any], Answer]) -> Answer:
+        if self._instrument is None:
+            raise VnaConnectionError(f"{what} failed: the link to {self._address} is closed")
+        try:
+            self._instrument.client.sock.settimeout(self._limits.answer_s + SERVER_MARGIN_S)
+            return function(self._instrument)
+        except LIBRARY_ERRORS as error:
+            # A late answer would be taken for that of the next question, so the link ends.
+            self._abandon()
+            raise VnaConnectionError(
+                f"{what} at {self._address} failed: {_reason(error)}; "
+                "check the instrument and its network cable"
+            ) from error
+
+    def _abandon(self) -> None:
+        instrument, self._instrument = self._instrument, None
+        if instrument is not None:
+            _end(instrument)
+
+
+def connect(
+    address: str,
+    limits: LinkLimits,
+    core_port: Optional[int] = None,
+    portmapper_port: int = PORTMAPPER_PORT,
+) -> Vxi11Transport:
+    """Open a link to the instrument at an address.
+
+    Args:
+        address: Four decimal numbers.
+        limits: Time limits of the link.
+        core_port: TCP port of the core channel; without it the portmapper is asked.
+        portmapper_port: TCP port of the portmapper.
+
+    Raises:
+        VnaConnectionError: No link was made within the time limit.
+    """
+    instrument = _Instrument(address, DEVICE_NAME)
+    instrument.timeout = limits.connect_s
+    try:
+        port = core_port or _mapped_port(address, portmapper_port, limits.connect_s)
+        # An instrument that has a client does not make one of its own, which would block.
+        instrument.client = _CoreChannel(address, port, limits.connect_s)
+        instrument.open()
+        _check_receive_size(instrument.max_recv_size)
+        instrument.timeout = limits.answer_s
+    except LIBRARY_ERRORS as error:
+        _end(instrument)
+        raise VnaConnectionError(
+            f"no connection to a VXI-11 instrument at {address}: {_reason(error)}; "
+            "check the address, the cable and that the instrument is on"
+        ) from error
+    return Vxi11Transport(address, instrument, limits)
+
+
+def _mapped_port(address: str, portmapper_port: int, timeout_s: float) -> int:
+    portmapper = _Portmapper(address, portmapper_port, timeout_s)
+    try:
+        port: int = portmapper.get_port(
+            (vxi11.DEVICE_CORE_PROG, vxi11.DEVICE_CORE_VERS, rpc.IPPROTO_TCP, 0)
+        )
+    finally:
+        portmapper.close()
+    if not 0 < port < 65536:
+        raise rpc.RPCError("its portmapper knows no VXI-11 core channel")
+    return port
+
+
+def _check_receive_size(size_bytes: int) -> None:
+    if size_bytes < SMALLEST_RECEIVE_SIZE_BYTES:
+        raise rpc.RPCError(
+            f"it takes {size_bytes} bytes at once; VXI-11 demands at least "
+            f"{SMALLEST_RECEIVE_SIZE_BYTES}"
+        )
+
+
+def _clear(instrument: Any) -> None:
+    try:
+        instrument.clear()
+    except vxi11.Vxi11Exception as error:
+        if error.err != vxi11.ERR_OPERATION_NOT_SUPPORTED:
+            raise
+
+
+def _end(instrument: Any) -> None:
+    link, client = instrument.link, instrument.client
+    instrument.link = instrument.client = None
+    if client is None:
+        return
+    try:
+        if link is not None:
+            # The instrument has few links; a closed socket alone may not free this one.
+            client.sock.settimeout(CLOSE_TIMEOUT_S)
+            client.destroy_link(link)
+    except LIBRARY_ERRORS:
+        # The link is given up because it failed or is not needed: there is nothing to tell.
+        pass
+    finally:
+        client.close()
+
+
+def _encoded(message: str) -> bytes:
+    # The end of a message is marked by VXI-11 itself; this instrument needs no newline.
+    return message.encode("ascii")
+
+
+def _reason(error: BaseException) -> str:
+    if isinstance(error, EOFError):
+        return "the connection was closed by the other side"
+    return str(error) or type(error).__name__

@@ -1,0 +1,1 @@
+"""What it takes to get one fresh sweep from the instrument; no ROS."""

@@ -1,0 +1,264 @@
+"""What one connected MS2026C can be told and asked."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import List, Sequence, Tuple
+
+import numpy as np
+
+from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_vna_acquisition.mid import settings
+from gpr20_vna_acquisition.mid.block_parser import parse_frequencies, parse_numbers
+from gpr20_vna_acquisition.mid.patience import Patience
+from gpr20_vna_acquisition.mid.settings import Setting
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.transport import Transport
+from gpr20_vna_acquisition.mid.vna_errors import (
+    VnaDataError,
+    VnaIdentityError,
+    VnaSettingError,
+    VnaSweepError,
+)
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+SWEEP_COMPLETE_BIT = 256
+IDENTITY_FIELDS = 4
+# Options stand behind the model, "MS2026C/2"; this one transforms traces to the time domain.
+TIME_DOMAIN_OPTION = "2"
+# A start above the former stop may be refused until the new stop is there: say all twice.
+SETTING_PASSES = 2
+SETTING_POLL_S = 0.05
+# Looking more often than this loads the instrument and wins nothing.
+SHORTEST_POLL_S = 0.0005
+POLL_FRACTION = 0.1
+
+
+class CalibrationStatus(enum.IntEnum):
+    """The calibration by the instrument's own scale; its order is not one of quality."""
+
+    NONE = 0
+    HIGH = 1
+    MODERATE_POWER = 2
+    MODERATE_TEMPERATURE = 3
+    LOW = 4
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One complete sweep.
+
+    Attributes:
+        s21_real: Real part, linear [float64].
+        s21_imag: Imaginary part, linear [float64], same length.
+        started_us: Just before it was triggered [microseconds since 1970, UTC].
+        ended_us: When its end was seen [microseconds since 1970, UTC].
+        quality: Remarks on the quality; empty means none.
+    """
+
+    s21_real: np.ndarray
+    s21_imag: np.ndarray
+    started_us: int
+    ended_us: int
+    quality: Tuple[str, ...] = ()
+
+    @property
+    def duration_s(self) -> float:
+        """How long it took [s]."""
+        return (self.ended_us - self.started_us) * 1e-6
+
+    def same_data(self, other: Sweep) -> bool:
+        """Return whether every bit of the measured data is the same."""
+        return (
+            self.s21_real.tobytes() == other.s21_real.tobytes()
+            and self.s21_imag.tobytes() == other.s21_imag.tobytes()
+        )
+
+
+class Ms2026c:
+    """The vocabulary of the instrument, spoken over one link.
+
+    It never sends `*RST`, which would reset the instrument's network settings.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        parameters: VnaParameters,
+        patience: Patience,
+        time_of_day: TimeOfDay,
+    ) -> None:
+        """Speak over a link.
+
+        Args:
+            transport: The link.
+            parameters: What is expected of the instrument.
+            patience: Ends what takes too long.
+            time_of_day: Gives the time stamps.
+        """
+        self._transport = transport
+        self._parameters = parameters
+        self._patience = patience
+        self._time_of_day = time_of_day
+        self._has_time_domain = False
+
+    def close(self) -> None:
+        """End the link."""
+        self._transport.close()
+
+    def identify(self) -> str:
+        """Return the identification: maker, model/options, serial number, firmware.
+
+        Raises:
+            VnaIdentityError: It is another instrument than the expected one.
+        """
+        if self._parameters.clear_on_connect:
+            self._transport.clear()
+        identity = settings.unquoted(self._ask("*IDN?"))
+        fields = [field.strip() for field in identity.split(",")]
+        expected = (self._parameters.maker, self._parameters.model)
+        model, *options = fields[1].split("/") if len(fields) == IDENTITY_FIELDS else [""]
+        if (fields[0], model) != expected:
+            raise VnaIdentityError(
+                f"the instrument says it is '{identity[:80]}'; expected is {expected[0]} "
+                f"{expected[1]}; check the address, or the parameters maker and model"
+            )
+        self._has_time_domain = TIME_DOMAIN_OPTION in options
+        return identity
+
+    def configure(self, sweep: SweepSettings) -> SweepSettings:
+        """Set up the sweep and return what the instrument says it will measure.
+
+        Raises:
+            VnaSettingError: The instrument did not take a setting.
+            VnaDataError: It took them, but measures other frequencies.
+        """
+        transfer = self._parameters.transfer
+        self._apply(settings.survey_settings(sweep, transfer, self._has_time_domain))
+        ask = self._ask
+        accepted = SweepSettings(
+            settings.number(ask(settings.start_frequency(sweep.start_frequency_hz).query)),
+            settings.number(ask(settings.stop_frequency(sweep.stop_frequency_hz).query)),
+            settings.whole_number(ask(settings.points(sweep.points).query)),
+        )
+        if accepted.points != sweep.points:
+            raise VnaSettingError(f"the number of points changed to {accepted.points} by itself")
+        answer = self._ask_raw(":SENSE1:FREQ:DATA?")
+        accepted.check_reported(parse_frequencies(answer, accepted.points))
+        return accepted
+
+    def calibration_status(self) -> CalibrationStatus:
+        """Return the state of the calibration.
+
+        Raises:
+            VnaDataError: The answer is not on the documented scale.
+        """
+        status = settings.whole_number(self._ask(":SENS:CORR:COLL:STAT:ACC?"))
+        try:
+            return CalibrationStatus(status)
+        except ValueError as error:
+            raise VnaDataError(
+                f"the instrument gives calibration status {status}; known are 0 to 4"
+            ) from error
+
+    def sweep(self, sweep: SweepSettings) -> Sweep:
+        """Trigger one sweep, wait for its end and return its data.
+
+        Args:
+            sweep: What `configure` returned.
+
+        Raises:
+            VnaSweepError: It did not end in time.
+            VnaDataError: The data are incomplete or not finite.
+            VnaSettingError: A setting was changed by someone else.
+        """
+        # A sweep that runs now began before the request and must not be taken for ours.
+        self._apply([settings.HOLD])
+        interval = self._time_of_day.begin()
+        self._write(":INIT:IMM")
+        self._wait_for_end(sweep.points)
+        ended_us = interval.now_us()
+        answer = self._ask_raw(":CALC1:DATA? SDAT")
+        # Asked after the data are here, so that a change before or during their way is seen.
+        self._check_unchanged(sweep)
+        numbers = parse_numbers(answer, self._parameters.transfer, 2 * sweep.points)
+        return Sweep(numbers[0::2].copy(), numbers[1::2].copy(), interval.started_us, ended_us)
+
+    def _wait_for_end(self, points: int) -> None:
+        begun_s = self._patience.now_s()
+        seen_running = False
+        while True:
+            elapsed_s = self._patience.now_s() - begun_s
+            complete = self._sweep_is_complete()
+            seen_running = seen_running or not complete
+            # INIT:IMM clears the bit, says the manual, but not how soon. A bit that was never
+            # seen cleared may still be that of the sweep before; it is believed only when
+            # the sweep must have ended anyway.
+            if complete and (seen_running or elapsed_s >= self._parameters.nominal_sweep_s(points)):
+                return
+            limit_s = self._parameters.sweep_limit_s(points)
+            if elapsed_s >= limit_s:
+                raise VnaSweepError(
+                    f"the sweep of {points} points did not end within {limit_s:.3g} s; "
+                    "check that the instrument is in VNA mode and not operated by hand"
+                )
+            longest_s = self._parameters.poll_interval_s
+            self._patience.pause_s(min(longest_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)))
+
+    def _sweep_is_complete(self) -> bool:
+        status = settings.whole_number(self._ask(":STAT:OPER?"))
+        return bool(status & SWEEP_COMPLETE_BIT)
+
+    def _check_unchanged(self, sweep: SweepSettings) -> None:
+        changed = self._differing(settings.watched_settings(sweep))
+        if changed:
+            raise VnaSettingError(
+                "the instrument was changed during the sweep: " + _described(changed)
+            )
+
+    def _apply(self, wanted: Sequence[Setting]) -> None:
+        refused: List[Tuple[Setting, str]] = []
+        for _ in range(SETTING_PASSES):
+            for setting in wanted:
+                self._write(setting.command)
+            refused = self._unconfirmed(wanted)
+            if not refused:
+                return
+        raise VnaSettingError(
+            "the instrument did not take a setting: "
+            + _described(refused)
+            + "; check that it is in VNA mode and not operated by hand"
+        )
+
+    def _unconfirmed(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
+        deadline_s = self._patience.now_s() + self._parameters.settle_s
+        while True:
+            # All of them each time: setting one may move another.
+            refused = self._differing(wanted)
+            if not refused or self._patience.now_s() >= deadline_s:
+                return refused
+            self._patience.pause_s(SETTING_POLL_S)
+
+    def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
+        answers = [(setting, self._ask(setting.query)) for setting in wanted]
+        return [(setting, answer) for setting, answer in answers if not setting.agrees(answer)]
+
+    def _write(self, command: str) -> None:
+        self._patience.check()
+        self._transport.write(command)
+
+    def _ask(self, query: str) -> str:
+        self._patience.check()
+        return self._transport.ask(query)
+
+    def _ask_raw(self, query: str) -> bytes:
+        self._patience.check()
+        return self._transport.ask_raw(query)
+
+
+def _described(differing: Sequence[Tuple[Setting, str]]) -> str:
+    return ", ".join(
+        f"{setting.name} shall be {setting.value} and is {answer[:40]}"
+        for setting, answer in differing
+    )

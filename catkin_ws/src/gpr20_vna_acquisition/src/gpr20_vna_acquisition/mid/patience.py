@@ -1,0 +1,52 @@
+"""How long a request may go on, and the end of all requests."""
+
+from __future__ import annotations
+
+import threading
+
+from gpr20_common.low.clock import Clock
+from gpr20_vna_acquisition.mid.vna_errors import VnaClosedError, VnaTimeoutError
+
+
+class Patience:
+    """Bounds a request as a whole: an instrument that is slow at every step is one that hangs."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._closed = threading.Event()
+        self._limit_s = 0.0
+        self._deadline_s = 0.0
+
+    def begin(self, limit_s: float) -> None:
+        """Begin a request that may take `limit_s` [s]."""
+        self._limit_s = limit_s
+        self._deadline_s = self._clock.now_s() + limit_s
+
+    def close(self) -> None:
+        """End the running request at its next step, and every later one at its first."""
+        self._closed.set()
+
+    def now_s(self) -> float:
+        """Return the time [s] since some fixed moment."""
+        return self._clock.now_s()
+
+    def check(self) -> None:
+        """Do nothing, unless the request must end.
+
+        Raises:
+            VnaClosedError: The driver is being shut down.
+            VnaTimeoutError: The request takes too long.
+        """
+        self.pause_s(0.0)
+
+    def pause_s(self, duration_s: float) -> None:
+        """Wait [s], unless the request must end.
+
+        Raises:
+            VnaClosedError: The driver is being shut down.
+            VnaTimeoutError: The request takes too long.
+        """
+        if self._clock.wait_s(self._closed, duration_s):
+            raise VnaClosedError("the driver is being shut down")
+        if self._clock.now_s() > self._deadline_s:
+            raise VnaTimeoutError(f"it takes longer than {self._limit_s:g} s in all")

@@ -1,0 +1,147 @@
+"""The instrument's settings that a survey needs: command, query, and how to compare.
+
+The spellings are those of the MS20xxC programming manual, chapter 3. It has no error
+queue: reading back is the only way to know whether a setting was taken.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Callable, List
+
+from gpr20_vna_acquisition.mid.block_parser import TransferFormat
+from gpr20_vna_acquisition.mid.sweep_settings import RESOLUTION_HZ, SweepSettings
+from gpr20_vna_acquisition.mid.vna_errors import VnaDataError
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One setting with the value it shall have.
+
+    Attributes:
+        name: What it is, for people.
+        header: The command without value; with a question mark it is the query.
+        value: What is sent behind the header.
+        agrees: Whether an answer to the query says that the value is set.
+    """
+
+    name: str
+    header: str
+    value: str
+    agrees: Callable[[str], bool]
+
+    @property
+    def command(self) -> str:
+        """The command that makes the setting."""
+        return f"{self.header} {self.value}"
+
+    @property
+    def query(self) -> str:
+        """The query that reads it back."""
+        return f"{self.header}?"
+
+
+def unquoted(answer: str) -> str:
+    """Return a text answer without the quotation marks that some come in."""
+    return answer.strip().strip('"').strip()
+
+
+def number(answer: str) -> float:
+    """Return a numeric answer.
+
+    Raises:
+        VnaDataError: It is not a finite number.
+    """
+    try:
+        value = float(answer)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise VnaDataError(f"the instrument answers '{answer[:40]}' where a number is expected")
+    return value
+
+
+def whole_number(answer: str) -> int:
+    """Return a numeric answer that must be whole.
+
+    Raises:
+        VnaDataError: It is anything else.
+    """
+    value = number(answer)
+    if value != int(value):
+        raise VnaDataError(f"the instrument answers '{answer[:40]}' where a whole number must be")
+    return int(value)
+
+
+def _word(name: str, header: str, value: str, answer: str = "") -> Setting:
+    expected = answer or value
+    return Setting(name, header, value, lambda text: unquoted(text).upper() == expected)
+
+
+def _count(name: str, header: str, value: int) -> Setting:
+    return Setting(name, header, str(value), lambda text: number(text) == value)
+
+
+def _frequency(name: str, header: str, value_hz: float) -> Setting:
+    # Twelve digits hold any frequency of the instrument to 0.01 Hz without an exponent.
+    return Setting(
+        name, header, f"{value_hz:.12g}", lambda text: abs(number(text) - value_hz) <= RESOLUTION_HZ
+    )
+
+
+# In hold, nothing sweeps until it is triggered. `INIT:CONT?` answers 0 in hold.
+HOLD = _word("hold", ":INIT:CONT", "OFF", answer="0")
+S21 = _word("S-parameter of trace 1", ":SENS:TRACE1:SPAR", "S21")
+
+
+def start_frequency(value_hz: float) -> Setting:
+    """Return the setting of the first frequency [Hz]."""
+    return _frequency("start frequency", ":SENS:FREQ:STAR", value_hz)
+
+
+def stop_frequency(value_hz: float) -> Setting:
+    """Return the setting of the last frequency [Hz]."""
+    return _frequency("stop frequency", ":SENS:FREQ:STOP", value_hz)
+
+
+def points(value: int) -> Setting:
+    """Return the setting of the number of points."""
+    return _count("number of points", ":SENS:SWE:POIN", value)
+
+
+def survey_settings(
+    sweep: SweepSettings, transfer: TransferFormat, has_time_domain: bool
+) -> List[Setting]:
+    """Return all that a survey sets, in the order in which it is sent.
+
+    Args:
+        sweep: What shall be measured.
+        transfer: How the numbers shall travel.
+        has_time_domain: Whether the instrument has the option that transforms traces.
+    """
+    # Without the option the instrument does not know the command and would not answer.
+    domain = [_word("domain of trace 1", ":SENS:TRACE1:DOM", "FREQ")] if has_time_domain else []
+    return [
+        HOLD,
+        start_frequency(sweep.start_frequency_hz),
+        stop_frequency(sweep.stop_frequency_hz),
+        points(sweep.points),
+        # More traces on the display could only make the sweep slower.
+        _count("number of traces", ":SENS:TRAC:TOT", 1),
+        S21,
+        *domain,
+        # An average would mix sweeps taken before and after a move.
+        _count("number of averages", ":SENS:AVER:COUN", 1),
+        _word("transfer format", ":FORM", transfer.value),
+    ]
+
+
+def watched_settings(sweep: SweepSettings) -> List[Setting]:
+    """Return what is looked at after each sweep: a hand at the instrument may change it."""
+    return [
+        HOLD,
+        start_frequency(sweep.start_frequency_hz),
+        stop_frequency(sweep.stop_frequency_hz),
+        S21,
+    ]

@@ -1,0 +1,273 @@
+"""The network analyzer as the survey needs it: one fresh sweep, or a clear error."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, replace
+from typing import Callable, Optional, Tuple, Type, TypeVar
+
+import numpy as np
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.mid.checks import ipv4_address
+from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus, Ms2026c, Sweep
+from gpr20_vna_acquisition.mid.patience import Patience
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.transport import Connector
+from gpr20_vna_acquisition.mid.vna_errors import (
+    VnaClosedError,
+    VnaDataError,
+    VnaError,
+    VnaIdentityError,
+    VnaNotReadyError,
+    VnaSettingError,
+    VnaSweepError,
+    VnaTimeoutError,
+)
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class VnaState:
+    """What the driver knows, for reports.
+
+    Attributes:
+        address: Where it shall be connected; empty if nowhere.
+        identity: What answered there.
+        linked: Whether a link is open now. After a failure there is none until the next use.
+        sweep: The configured sweep, as the instrument confirmed it.
+        sweeps: How many good sweeps were taken.
+        repeats: How many attempts of any kind had to be repeated.
+        last_sweep_s: How long the last sweep took [s].
+        last_error: Why the last attempt failed; empty if it did not.
+    """
+
+    address: str = ""
+    identity: str = ""
+    linked: bool = False
+    sweep: Optional[SweepSettings] = None
+    sweeps: int = 0
+    repeats: int = 0
+    last_sweep_s: float = 0.0
+    last_error: str = ""
+
+
+class VNADriver:
+    """Connects, configures and sweeps; repeats and reconnects within limits.
+
+    All calls may come from any thread; the link carries one exchange at a time.
+    """
+
+    def __init__(
+        self,
+        connector: Connector,
+        parameters: VnaParameters,
+        clock: Clock,
+        time_of_day: TimeOfDay,
+        warn: Callable[[str], None],
+    ) -> None:
+        """Make a driver that is not connected.
+
+        Args:
+            connector: Opens a link to an address.
+            parameters: Which instrument is expected and how patiently it is treated.
+            clock: Measures waiting.
+            time_of_day: Gives the time stamps.
+            warn: Told of every attempt that is repeated.
+        """
+        self._connector = connector
+        self._parameters = parameters
+        self._patience = Patience(clock)
+        self._time_of_day = time_of_day
+        self._warn = warn
+        self._lock = threading.RLock()
+        self._instrument: Optional[Ms2026c] = None
+        self._previous: Optional[Sweep] = None
+        self._state = VnaState()
+
+    @property
+    def state(self) -> VnaState:
+        """What the driver knows now; never waits for a running exchange."""
+        return self._state
+
+    def connect(self, address: str) -> str:
+        """Connect to the instrument at an address and return its identification.
+
+        A former connection is closed, and with it the configuration is forgotten.
+
+        Raises:
+            InvalidValueError: The address is not four numbers.
+            VnaError: Nothing, or another instrument, answers there.
+        """
+        ipv4_address("VNA address", address)
+        with self._lock:
+            self.disconnect()
+            self._patience.begin(self._parameters.request_limit_s())
+            self._instrument, identity = self._open(address)
+            self._state = VnaState(address, identity, linked=True)
+            return identity
+
+    def disconnect(self) -> None:
+        """Close the link and forget the address; does nothing without one."""
+        with self._lock:
+            self._drop()
+            self._state = VnaState()
+
+    def shut_down(self) -> None:
+        """End whatever waits, refuse what comes, close the link."""
+        self._patience.close()
+        self.disconnect()
+
+    def configure(self, sweep: SweepSettings) -> SweepSettings:
+        """Set up the sweep and return what the instrument confirmed.
+
+        Raises:
+            VnaError: A value is not allowed, or the instrument did not take it.
+        """
+        sweep.check(self._parameters.instrument_range)
+        with self._lock:
+            # If this fails, nobody knows what the instrument would measure.
+            self._state = replace(self._state, sweep=None)
+            self._patience.begin(self._parameters.request_limit_s())
+            accepted = self._repeated(
+                "setting up the sweep", lambda instrument: instrument.configure(sweep),
+                final=(VnaSettingError,),
+            )  # fmt: skip
+            self._state = replace(self._state, sweep=accepted)
+            return accepted
+
+    def frequencies_hz(self) -> np.ndarray:
+        """Return the frequencies of the configured sweep [Hz, float64].
+
+        Raises:
+            VnaNotReadyError: No sweep is configured.
+        """
+        return self._configured_sweep().frequencies_hz()
+
+    def calibration_status(self) -> CalibrationStatus:
+        """Return the state of the instrument's calibration.
+
+        Raises:
+            VnaError: It could not be read.
+        """
+        with self._lock:
+            self._patience.begin(self._parameters.request_limit_s())
+            return self._repeated("reading the calibration", Ms2026c.calibration_status)
+
+    def sweep(self) -> Sweep:
+        """Return one sweep that was triggered after this call.
+
+        Raises:
+            VnaError: None of the attempts gave complete, finite, new data.
+        """
+        with self._lock:
+            points = self._configured_sweep().points
+            self._patience.begin(self._parameters.request_limit_s(points))
+            sweep = self._repeated("the sweep", self._fresh_sweep)
+            self._previous = sweep
+            self._state = replace(
+                self._state, sweeps=self._state.sweeps + 1, last_sweep_s=sweep.duration_s
+            )
+            return sweep
+
+    def _fresh_sweep(self, instrument: Ms2026c) -> Sweep:
+        sweep = instrument.sweep(self._configured_sweep())
+        # Noise makes every sweep differ; the same bits again are an old buffer.
+        if self._previous is not None and sweep.same_data(self._previous):
+            raise VnaDataError("the instrument gave the very same data as for the sweep before")
+        return sweep
+
+    def _configured_sweep(self) -> SweepSettings:
+        state = self._state
+        if not state.address:
+            raise VnaNotReadyError("the VNA is not connected; call the service connection first")
+        if state.sweep is None:
+            raise VnaNotReadyError(
+                "no sweep is configured; call the service freq_sweep_setup first"
+            )
+        return state.sweep
+
+    def _repeated(
+        self,
+        what: str,
+        action: Callable[[Ms2026c], Result],
+        final: Tuple[Type[VnaError], ...] = (),
+    ) -> Result:
+        """Do something with the instrument, again after a failure, each time on a new link.
+
+        A failed exchange leaves it open which answers are still on their way; on a new link
+        with emptied buffers there are none.
+        """
+        failure = VnaError("nothing")
+        for attempt in range(1, self._parameters.attempts + 1):
+            try:
+                if attempt > 1:
+                    self._warn_of_repetition(what, failure)
+                    self._patience.pause_s(self._parameters.retry_pause_s)
+                result = action(self._linked_instrument())
+            except (VnaClosedError, VnaNotReadyError):
+                raise
+            except VnaTimeoutError as error:
+                text = f"{what} was given up: {error}; it failed before with: {failure}"
+                raise self._failed(VnaTimeoutError(text)) from error
+            except VnaError as error:
+                failure = self._failed(error)
+                if isinstance(error, final):
+                    raise
+            else:
+                self._state = replace(self._state, last_error="")
+                return result
+        raise VnaSweepError(f"{what} failed {self._parameters.attempts} times: {failure}")
+
+    def _failed(self, error: VnaError) -> VnaError:
+        self._drop()
+        self._state = replace(self._state, last_error=str(error))
+        return error
+
+    def _warn_of_repetition(self, what: str, failure: VnaError) -> None:
+        self._state = replace(self._state, repeats=self._state.repeats + 1)
+        self._warn(f"{what} failed and is repeated: {failure}")
+
+    def _linked_instrument(self) -> Ms2026c:
+        if self._instrument is None:
+            self._instrument = self._reopened()
+            self._state = replace(self._state, linked=True)
+        return self._instrument
+
+    def _reopened(self) -> Ms2026c:
+        state = self._state
+        if not state.address:
+            raise VnaNotReadyError("the VNA is not connected; call the service connection first")
+        instrument, identity = self._open(state.address)
+        try:
+            if identity != state.identity:
+                raise VnaIdentityError(
+                    f"the instrument at {state.address} is now '{identity}' and was "
+                    f"'{state.identity}'; call the service connection again"
+                )
+            if state.sweep is not None and instrument.configure(state.sweep) != state.sweep:
+                raise VnaSettingError("the instrument does not repeat the former sweep exactly")
+        except VnaError:
+            instrument.close()
+            raise
+        return instrument
+
+    def _open(self, address: str) -> Tuple[Ms2026c, str]:
+        self._patience.check()
+        instrument = Ms2026c(
+            self._connector(address), self._parameters, self._patience, self._time_of_day
+        )
+        try:
+            return instrument, instrument.identify()
+        except VnaError:
+            instrument.close()
+            raise
+
+    def _drop(self) -> None:
+        instrument, self._instrument = self._instrument, None
+        self._state = replace(self._state, linked=False)
+        if instrument is not None:
+            instrument.close()

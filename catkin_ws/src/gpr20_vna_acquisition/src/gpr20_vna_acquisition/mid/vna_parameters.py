@@ -1,0 +1,97 @@
+"""The parameters of the network analyzer's driver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.errors import InvalidValueError
+from gpr20_vna_acquisition.mid.block_parser import TransferFormat
+from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange
+
+# A sweep may take this many times its nominal duration before it counts as hanging.
+SLOWEST_SWEEP_FACTOR = 10.0
+
+
+@dataclass(frozen=True)
+class VnaParameters:
+    """Which instrument is expected and how patiently it is treated.
+
+    Attributes:
+        maker: First field of the identification.
+        model: Second field of the identification, without the options after its slash.
+        vxi11_port: TCP port of the VXI-11 core channel; 0 asks the portmapper.
+        connect_timeout_s: Time limit for each step of connecting [s].
+        answer_timeout_s: Time limit for one command or answer [s].
+        clear_on_connect: Empty the instrument's buffers on each new link, because they may
+            hold the late answer to a question of the former one.
+        settle_s: How long a setting may take until it can be read back [s]; the manual of
+            the MS20xxC says up to 2 s.
+        poll_interval_s: Longest pause between two looks at a sweep [s].
+        seconds_per_point: Nominal duration of a sweep per point [s]; 350 us is what the
+            robot's group states for its unit.
+        sweep_timeout_s: Time limit of a sweep beyond ten times its nominal duration [s].
+        request_timeout_s: Time limit of a whole request with its repetitions, beyond ten
+            times the nominal duration of a sweep [s].
+        attempts: How often something is tried before it is given up.
+        retry_pause_s: Pause before trying again [s].
+        transfer_format: "REAL,32" or "ASC".
+        min_frequency_hz: Lowest frequency of the instrument [Hz].
+        max_frequency_hz: Highest frequency of the instrument [Hz].
+    """
+
+    maker: str = "Anritsu"
+    model: str = "MS2026C"
+    vxi11_port: int = 0
+    connect_timeout_s: float = 3.0
+    answer_timeout_s: float = 5.0
+    clear_on_connect: bool = True
+    settle_s: float = 2.0
+    poll_interval_s: float = 0.01
+    seconds_per_point: float = 350e-6
+    sweep_timeout_s: float = 10.0
+    request_timeout_s: float = 40.0
+    attempts: int = 3
+    retry_pause_s: float = 0.5
+    transfer_format: str = TransferFormat.REAL32.value
+    min_frequency_hz: float = InstrumentRange.min_frequency_hz
+    max_frequency_hz: float = InstrumentRange.max_frequency_hz
+
+    def __post_init__(self) -> None:
+        for name in ("connect_timeout_s", "answer_timeout_s", "settle_s", "poll_interval_s"):
+            positive_number(name, getattr(self, name), "s")
+        positive_number("sweep_timeout_s", self.sweep_timeout_s, "s")
+        positive_number("request_timeout_s", self.request_timeout_s, "s")
+        positive_number("min_frequency_hz", self.min_frequency_hz, "Hz")
+        number_between("max_frequency_hz", self.max_frequency_hz, self.min_frequency_hz, 1e12, "Hz")
+        number_between("seconds_per_point", self.seconds_per_point, 0.0, 10.0, "s")
+        number_between("retry_pause_s", self.retry_pause_s, 0.0, 60.0, "s")
+        number_between("attempts", self.attempts, 1, 100)
+        number_between("vxi11_port", self.vxi11_port, 0, 65535)
+        if self.transfer_format not in [one.value for one in TransferFormat]:
+            raise InvalidValueError(
+                f"transfer_format is '{self.transfer_format}'; it must be one of "
+                f"{', '.join(one.value for one in TransferFormat)}"
+            )
+
+    @property
+    def transfer(self) -> TransferFormat:
+        """The format in which numbers travel."""
+        return TransferFormat(self.transfer_format)
+
+    @property
+    def instrument_range(self) -> InstrumentRange:
+        """What sweeps the instrument can make."""
+        return InstrumentRange(self.min_frequency_hz, self.max_frequency_hz)
+
+    def nominal_sweep_s(self, points: int) -> float:
+        """Return how long a sweep takes [s]."""
+        return points * self.seconds_per_point
+
+    def sweep_limit_s(self, points: int) -> float:
+        """Return how long a sweep may take [s]."""
+        return self.sweep_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)
+
+    def request_limit_s(self, points: int = 0) -> float:
+        """Return how long a request may take [s] that sweeps so many points."""
+        return self.request_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)

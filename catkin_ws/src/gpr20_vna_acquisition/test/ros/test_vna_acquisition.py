@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""The services of the network analyzer against the simulated instrument's real port.
+
+The simulated medium answers with the number of the sweep in every real part.
+"""
+
+from __future__ import annotations
+
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+
+from gpr20_msgs.srv import (
+    Connection,
+    FreqSweepSetup,
+    GetCalibrationStatus,
+    GetCalibrationStatusRequest,
+    GetData,
+    GetFreq,
+)
+from gpr20_simulator.srv import SetFault
+
+SERVICES = {
+    "connection": Connection,
+    "freq_sweep_setup": FreqSweepSetup,
+    "get_freq": GetFreq,
+    "get_data": GetData,
+    "get_calibration_status": GetCalibrationStatus,
+    "simulator/set_fault": SetFault,
+}
+START_HZ, STOP_HZ, POINTS = 600e6, 6e9, 101
+FIND_LIMIT_S = 20.0
+
+
+class VnaAcquisitionTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("test_vna_acquisition")
+        cls.services = {}
+        for name, service_class in SERVICES.items():
+            rospy.wait_for_service(name, FIND_LIMIT_S)
+            cls.services[name] = rospy.ServiceProxy(name, service_class)
+
+    def setUp(self):
+        self.fault("none")
+
+    def call(self, name, *arguments):
+        return self.services[name](*arguments)
+
+    def fault(self, name, count=0):
+        answer = self.call("simulator/set_fault", "vna", name, count)
+        self.assertTrue(answer.success, answer.message)
+
+    def connect(self):
+        answer = self.call("connection", True, "127.0.0.1")
+        self.assertTrue(answer.success, answer.message)
+        return answer
+
+    def set_up_sweep(self, points=POINTS):
+        self.connect()
+        answer = self.call("freq_sweep_setup", START_HZ, STOP_HZ, points)
+        self.assertTrue(answer.success, answer.message)
+        return answer
+
+    def assert_refused(self, answer, words):
+        self.assertFalse(answer.success)
+        self.assertIn(words, answer.message)
+
+    def test_connecting_tells_who_is_there(self):
+        self.assertTrue(self.connect().identity.startswith("Anritsu,MS2026C/2,SIMULATED"))
+
+    def test_set_up_answers_what_the_instrument_took(self):
+        answer = self.set_up_sweep()
+        taken = (answer.start_frequency_hz, answer.stop_frequency_hz, answer.points)
+        self.assertEqual(taken, (START_HZ, STOP_HZ, POINTS))
+
+    def test_frequencies_are_exact(self):
+        self.set_up_sweep()
+        answer = self.call("get_freq")
+        self.assertTrue(answer.success)
+        self.assertEqual(list(answer.frequency_hz), np.linspace(START_HZ, STOP_HZ, POINTS).tolist())
+
+    def test_each_request_gets_one_new_sweep_that_began_after_it(self):
+        self.set_up_sweep()
+        numbers = []
+        for _ in range(4):
+            requested = rospy.Time.from_sec(time.time())
+            answer = self.call("get_data")
+            self.assertTrue(answer.success, answer.message)
+            self.assertEqual((len(answer.s21_real), len(answer.s21_imag)), (POINTS, POINTS))
+            self.assertEqual(len(set(answer.s21_real)), 1, "points of two sweeps are mixed")
+            self.assertGreaterEqual(answer.sweep_started, requested - rospy.Duration(0, 1000))
+            took_s = (answer.sweep_ended - answer.sweep_started).to_sec()
+            self.assertGreaterEqual(took_s, POINTS * 350e-6)
+            self.assertEqual(answer.sweep_started.nsecs % 1000, 0)
+            numbers.append(answer.s21_real[0])
+        self.assertEqual(numbers, sorted(set(numbers)))
+
+    def test_the_whole_number_of_points_is_transferred(self):
+        self.set_up_sweep(points=4000)
+        self.assertEqual(len(self.call("get_data").s21_imag), 4000)
+
+    def test_calibration_status_is_named(self):
+        self.connect()
+        answer = self.call("get_calibration_status")
+        self.assertTrue(answer.success)
+        self.assertEqual(
+            (answer.status, answer.message), (GetCalibrationStatusRequest.HIGH, "HIGH")
+        )
+
+    def test_refused_values_are_named_with_their_limit(self):
+        self.set_up_sweep()
+        for values, words in (
+            ((float("nan"), STOP_HZ, POINTS), "start frequency is nan"),
+            ((0.0, STOP_HZ, POINTS), "start frequency is 0 Hz"),
+            ((STOP_HZ, START_HZ, POINTS), "must be below the stop frequency"),
+            ((START_HZ, 7e9, POINTS), "6000000000"),
+            ((START_HZ, STOP_HZ, 4001), "4000"),
+            ((START_HZ, STOP_HZ, 1), "is 1"),
+        ):
+            self.assert_refused(self.call("freq_sweep_setup", *values), words)
+        # What was refused changed nothing.
+        self.assertEqual(len(self.call("get_data").s21_real), POINTS)
+
+    def test_an_address_that_is_none_is_refused(self):
+        for address in ("", "192.168.1", "1.2.3.256", "example.org"):
+            self.assert_refused(self.call("connection", True, address), "four numbers")
+
+    def test_nothing_works_before_its_time(self):
+        self.assertTrue(self.call("connection", False, "").success)
+        self.assert_refused(self.call("get_data"), "call the service connection first")
+        self.assert_refused(self.call("get_freq"), "call the service connection first")
+        self.connect()
+        self.assert_refused(self.call("get_data"), "call the service freq_sweep_setup first")
+
+    def test_a_silent_address_is_answered_in_time(self):
+        # The port lookup serves 127.x.x.x, so the silence comes from a network without hosts:
+        # 192.0.2.0/24 is reserved for documentation.
+        begun_s = time.monotonic()
+        answer = self.call("connection", True, "192.0.2.1")
+        self.assertLess(time.monotonic() - begun_s, 2.0)
+        self.assert_refused(answer, "no connection to a VXI-11 instrument at 192.0.2.1")
+
+    def test_another_instrument_is_refused(self):
+        self.fault("wrong_identity")
+        self.assert_refused(self.call("connection", True, "127.0.0.1"), "expected is Anritsu")
+
+    def test_a_refused_setting_is_told_and_nothing_is_measured(self):
+        self.set_up_sweep()
+        self.fault("refuse_settings")
+        answer = self.call("freq_sweep_setup", START_HZ, STOP_HZ, POINTS + 1)
+        self.assert_refused(answer, f"number of points shall be {POINTS + 1} and is")
+        self.assert_refused(self.call("get_data"), "freq_sweep_setup")
+
+    def test_a_single_failure_is_repeated_and_never_becomes_data(self):
+        self.set_up_sweep()
+        for fault in ("hang", "drop", "silent", "truncate", "nan", "garbage", "stale"):
+            # The data of a stale sweep can only be known as those of the sweep before.
+            self.assertTrue(self.call("get_data").success)
+            self.fault(fault, 1)
+            answer = self.call("get_data")
+            self.assertTrue(answer.success, f"{fault}: {answer.message}")
+            self.assertEqual(len(answer.s21_real), POINTS)
+            self.assertEqual(len(set(answer.s21_real)), 1, fault)
+
+    def test_a_lasting_failure_is_told_and_the_next_sweep_is_good(self):
+        self.set_up_sweep()
+        for fault, words in (("truncate", "is cut"), ("nan", "not finite"), ("drop", "closed")):
+            self.fault(fault)
+            self.assert_refused(self.call("get_data"), words)
+            self.fault("none")
+            answer = self.call("get_data")
+            self.assertTrue(answer.success, f"after {fault}: {answer.message}")
+
+    def test_diagnostics_tell_the_instrument_and_the_last_sweep(self):
+        self.set_up_sweep()
+        self.assertTrue(self.call("get_data").success)
+        deadline_s = time.monotonic() + 5.0
+        while time.monotonic() < deadline_s:
+            report = rospy.wait_for_message("/diagnostics", DiagnosticArray, 5.0)
+            for status in report.status:
+                values = {pair.key: pair.value for pair in status.values}
+                if "vna_acquisition" in status.name and values["address"] == "127.0.0.1":
+                    self.assertIn("MS2026C", values["identity"])
+                    self.assertGreaterEqual(float(values["last sweep [s]"]), POINTS * 350e-6)
+                    return
+        self.fail("the diagnostics did not tell of the instrument")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20_vna_acquisition", "test_vna_acquisition", VnaAcquisitionTest)

@@ -1,0 +1,178 @@
+"""An instrument without a network, and a clock that nobody waits for."""
+
+from __future__ import annotations
+
+import struct
+import threading
+from typing import Callable, Dict, List
+
+from gpr20_common.low.clock import Clock
+from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
+
+IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
+EXCHANGE_S = 0.001
+
+
+class FakeClock(Clock):
+    """Time passes only when someone waits or `pass_s` is called."""
+
+    def __init__(self) -> None:
+        self.time_s = 100.0
+
+    def pass_s(self, duration_s: float) -> None:
+        self.time_s += duration_s
+
+    def now_s(self) -> float:
+        return self.time_s
+
+    def now_ns(self) -> int:
+        return int(self.time_s * 1e9)
+
+    def sleep_until_s(self, deadline_s: float) -> None:
+        self.time_s = max(self.time_s, deadline_s)
+
+    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
+        if not event.is_set():
+            self.time_s += timeout_s
+        return event.is_set()
+
+
+class FakeVna:
+    """The instrument: keeps settings, sweeps in fake time, and can be made to misbehave.
+
+    The real part of every point is the number of the sweep, the imaginary part that of the point.
+    """
+
+    def __init__(self, clock: FakeClock) -> None:
+        self.clock = clock
+        self.identity = f'"{IDENTITY}"'
+        self.settings: Dict[str, str] = {
+            ":INIT:CONT": "1",
+            ":SENS:FREQ:STAR": "5000",
+            ":SENS:FREQ:STOP": "6000000000",
+            ":SENS:SWE:POIN": "201",
+            ":SENS:TRAC:TOT": "4",
+            ":SENS:TRACE1:SPAR": "S11",
+            ":SENS:TRACE1:DOM": "TIME",
+            ":SENS:AVER:COUN": "1",
+            ":FORM": "ASC",
+        }
+        self.refused: List[str] = []
+        # Whether a start above the present stop is refused.
+        self.keeps_order = False
+        self.settling_s = 0.0
+        self.sweep_s = 0.05
+        self.stale_bit_s = 0.0
+        self.sweep_number = 0
+        self.sweep_begun_s = -1.0
+        self.calibration = "1"
+        # Called with each query or command; may change the fake or raise.
+        self.before: Callable[[str], None] = lambda message: None
+        # Called with each data answer; returns what is sent instead.
+        self.spoil: Callable[[bytes], bytes] = lambda answer: answer
+        self.sent: List[str] = []
+        self.links = 0
+        self.open_links = 0
+        self._pending: Dict[str, tuple[float, str]] = {}
+
+    def connect(self, address: str) -> FakeLink:
+        self.links += 1
+        self.open_links += 1
+        return FakeLink(self)
+
+    def take(self, command: str) -> None:
+        header, _, value = command.partition(" ")
+        if header == ":INIT:IMM":
+            self.sweep_number += 1
+            self.sweep_begun_s = self.clock.time_s
+        elif header in self.settings and header not in self.refused:
+            value = "0" if value == "OFF" else value
+            if header.endswith("STAR") and self._refuses_start(float(value)):
+                return
+            self._pending[header] = (self.clock.time_s + self.settling_s, value)
+
+    def _refuses_start(self, start_hz: float) -> bool:
+        return self.keeps_order and start_hz >= float(self.settings[":SENS:FREQ:STOP"])
+
+    def answer(self, query: str) -> bytes:
+        header, _, _ = query.partition("?")
+        for name, (when_s, value) in list(self._pending.items()):
+            if self.clock.time_s >= when_s:
+                self.settings[name] = value
+                del self._pending[name]
+        if header in self.settings:
+            return self.settings[header].encode()
+        return self._answers()[header]()
+
+    def _answers(self) -> Dict[str, Callable[[], bytes]]:
+        return {
+            "*IDN": lambda: self.identity.encode(),
+            ":STAT:OPER": lambda: b"256" if self._bit() else b"0",
+            ":SENS:CORR:COLL:STAT:ACC": self.calibration.encode,
+            ":SENSE1:FREQ:DATA": lambda: self.block(self._frequencies()),
+            ":CALC1:DATA": lambda: self.spoil(self.block(self.points_data())),
+        }
+
+    def _bit(self) -> bool:
+        elapsed_s = self.clock.time_s - self.sweep_begun_s
+        return elapsed_s < self.stale_bit_s or elapsed_s >= self.sweep_s
+
+    def _frequencies(self) -> List[float]:
+        start = float(self.settings[":SENS:FREQ:STAR"])
+        stop = float(self.settings[":SENS:FREQ:STOP"])
+        points = int(self.settings[":SENS:SWE:POIN"])
+        return [start + i * (stop - start) / (points - 1) for i in range(points)]
+
+    def points_data(self) -> List[float]:
+        data: List[float] = []
+        done = self.clock.time_s - self.sweep_begun_s >= self.sweep_s
+        for point in range(int(self.settings[":SENS:SWE:POIN"])):
+            # A sweep that still runs has the second half of the one before.
+            old = not done and point >= int(self.settings[":SENS:SWE:POIN"]) // 2
+            data += [float(self.sweep_number - old), float(point)]
+        return data
+
+    def block(self, numbers: List[float]) -> bytes:
+        if self.settings[":FORM"] == "REAL,32":
+            payload = struct.pack(f"<{len(numbers)}f", *numbers)
+        else:
+            payload = "".join(f"{number:.9E}," for number in numbers).encode()
+        return f"#{len(str(len(payload)))}{len(payload)}".encode() + payload + b"\n"
+
+
+class FakeLink:
+    """One link to a FakeVna; dead after the first failure, like the real one."""
+
+    def __init__(self, vna: FakeVna) -> None:
+        self._vna = vna
+        self._open = True
+
+    def write(self, command: str) -> None:
+        self._exchange(command)
+        self._vna.take(command)
+
+    def ask(self, query: str) -> str:
+        return self.ask_raw(query).decode("latin-1").strip()
+
+    def ask_raw(self, query: str) -> bytes:
+        self._exchange(query)
+        return self._vna.answer(query)
+
+    def clear(self) -> None:
+        self._exchange("<clear>")
+
+    def close(self) -> None:
+        if self._open:
+            self._open = False
+            self._vna.open_links -= 1
+
+    def _exchange(self, message: str) -> None:
+        if not self._open:
+            raise VnaConnectionError("the link is dead")
+        self._vna.sent.append(message)
+        self._vna.clock.pass_s(EXCHANGE_S)
+        try:
+            self._vna.before(message)
+        except VnaConnectionError:
+            self.close()
+            raise

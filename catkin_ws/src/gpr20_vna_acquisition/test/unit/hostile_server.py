@@ -1,0 +1,94 @@
+"""A VXI-11 server that can be told to misbehave, byte by byte.
+
+The portmapper and the core channel listen on the same port: the program number tells them apart.
+"""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+from typing import Callable, List, Optional
+
+GETPORT, CREATE_LINK, WRITE, READ, CLEAR, DESTROY_LINK = 3, 10, 11, 12, 15, 23
+END = 4
+
+
+class HangUp(Exception):
+    """Close the connection instead of answering."""
+
+
+def opaque(data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + data + b"\0" * (-len(data) % 4)
+
+
+def read_reply(data: bytes, reason: int = END, error: int = 0) -> bytes:
+    return struct.pack(">ii", error, reason) + opaque(data)
+
+
+def record(payload: bytes) -> bytes:
+    return struct.pack(">I", 0x80000000 | len(payload)) + payload
+
+
+class HostileServer:
+    """Answers properly, unless `spoil` makes something else of the proper record."""
+
+    def __init__(self) -> None:
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self._listener.getsockname()[1]
+        self.spoil: Callable[[int, bytes], bytes] = lambda procedure, proper: proper
+        # Sends bytes in its own way; used to drip them.
+        self.send: Callable[[socket.socket, bytes], None] = lambda peer, data: peer.sendall(data)
+        self.answer: Callable[[bytes], bytes] = lambda question: read_reply(b"<" + question + b">")
+        self.mapped_port: Optional[int] = self.port
+        self.receive_size = 65536
+        self.calls: List[int] = []
+        self.connections = 0
+        self.links = 0
+        self._question = b""
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def close(self) -> None:
+        self._listener.close()
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                peer, _ = self._listener.accept()
+            except OSError:
+                return
+            self.connections += 1
+            threading.Thread(target=self._serve, args=(peer,), daemon=True).start()
+
+    def _serve(self, peer: socket.socket) -> None:
+        with peer:
+            stream = peer.makefile("rb")
+            try:
+                while True:
+                    header = stream.read(4)
+                    if len(header) < 4:
+                        return
+                    call = stream.read(struct.unpack(">I", header)[0] & 0x7FFFFFFF)
+                    xid, _, _, _, _, procedure = struct.unpack(">6I", call[:24])
+                    self.calls.append(procedure)
+                    result = self._result(procedure, call[40:])
+                    accepted = struct.pack(">6I", xid, 1, 0, 0, 0, 0)
+                    self.send(peer, self.spoil(procedure, record(accepted + result)))
+            except (HangUp, OSError):
+                return
+
+    def _result(self, procedure: int, arguments: bytes) -> bytes:
+        if procedure == GETPORT:
+            return struct.pack(">I", self.mapped_port or 0)
+        if procedure == CREATE_LINK:
+            self.links += 1
+            return struct.pack(">iiII", 0, 7, 0, self.receive_size)
+        if procedure == WRITE:
+            length = struct.unpack(">I", arguments[16:20])[0]
+            self._question = arguments[20 : 20 + length]
+            return struct.pack(">iI", 0, length)
+        if procedure == READ:
+            return self.answer(self._question)
+        if procedure == DESTROY_LINK:
+            self.links -= 1
+        return struct.pack(">i", 0)

@@ -1,0 +1,140 @@
+"""Nothing but a complete block with the right count of finite numbers is data."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_vna_acquisition.mid.block_parser import (
+    TransferFormat,
+    parse_frequencies,
+    parse_numbers,
+)
+from gpr20_vna_acquisition.mid.vna_errors import VnaDataError
+
+REAL32, ASCII = TransferFormat.REAL32, TransferFormat.ASCII
+
+
+def block(payload: bytes, width: int = 0) -> bytes:
+    length = str(len(payload)).zfill(width)
+    return f"#{len(length)}{length}".encode() + payload
+
+
+def real32(*numbers: float) -> bytes:
+    return struct.pack(f"<{len(numbers)}f", *numbers)
+
+
+@pytest.mark.parametrize("width", [1, 2, 4, 9])
+@pytest.mark.parametrize("ending", [b"", b"\n", b"\r\n"])
+def test_reads_real32_with_any_header_width_and_newline(width, ending):
+    answer = block(real32(0.5, -0.25, 1e-7), width) + ending
+    assert parse_numbers(answer, REAL32, 3).tolist() == [0.5, -0.25, float(np.float32(1e-7))]
+
+
+@pytest.mark.parametrize("width", [1, 2, 9])
+@pytest.mark.parametrize("inside", [b"", b",", b"\n", b",\n", b",\r\n"])
+@pytest.mark.parametrize("text", [b"1,-2.5E-03,+3.e2", b" 1 , -.0025,300"])
+def test_keeps_every_number_of_ascii_with_and_without_trailing_comma(width, inside, text):
+    assert parse_numbers(block(text + inside, width), ASCII, 3).tolist() == [1.0, -0.0025, 300.0]
+
+
+@pytest.mark.parametrize("after", [b",", b"\n", b",\n", b",\r\n"])
+def test_takes_a_comma_and_newline_that_the_length_does_not_count(after):
+    assert parse_numbers(block(b"1,2") + after, ASCII, 2).tolist() == [1.0, 2.0]
+
+
+def test_real_and_imaginary_values_stay_apart():
+    numbers = parse_numbers(block(b"1,2,3,4,5,6,"), ASCII, 6)
+    assert numbers[0::2].tolist() == [1, 3, 5] and numbers[1::2].tolist() == [2, 4, 6]
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize(
+    "answer, transfer", [(block(real32(1, 2)), REAL32), (block(b"1,2,"), ASCII)]
+)
+def test_refuses_another_count_than_the_sweep_has(answer, transfer, count):
+    with pytest.raises(VnaDataError):
+        parse_numbers(answer, transfer, count)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), float("-inf")])
+def test_refuses_numbers_that_are_not_finite(bad):
+    with pytest.raises(VnaDataError, match="not finite"):
+        parse_numbers(block(real32(1.0, bad)), REAL32, 2)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"1,nan", b"1,inf", b"1,-Infinity", b"1,1e999", b"1,1_0", b"1,0x10", b"1,", b",1", b"1,,",
+        b"1,2,,", b"1;2", b"1,2\n3", b"1,\xd9\xa1", b"1, ", b"1,2 3", b"1,+-2", b"1,.",
+    ],
+)  # fmt: skip
+def test_refuses_ascii_that_is_not_plain_finite_numbers(text):
+    with pytest.raises(VnaDataError):
+        parse_numbers(block(text), ASCII, 2)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        b"", b"#", b"#0", b"#01,2", b"#x", b"1,2", b"#2", b"#21", b"#1x1,2", b"# 31,2", b"#-11,2",
+        b"#13" + b"1,", b"#9", b"#13" + b"1,2" + b"9", b"#13" + b"1,2" + b"\n\n", b"#11" + b"1,2",
+        b"#12" + b"1,2", b"#13" + b"1,2,3",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("transfer", [REAL32, ASCII])
+def test_refuses_a_broken_block(answer, transfer):
+    with pytest.raises(VnaDataError):
+        parse_numbers(answer, transfer, 2)
+
+
+@given(st.integers(2, 60), st.integers(1, 200), st.sampled_from([REAL32, ASCII]))
+def test_refuses_every_truncation(points, cut, transfer):
+    numbers = [0.1 * i for i in range(2 * points)]
+    if transfer is REAL32:
+        whole = block(real32(*numbers))
+    else:
+        whole = block("".join(f"{number:.6E}," for number in numbers).encode())
+    # Cutting the comma alone still leaves a shorter payload than announced.
+    with pytest.raises(VnaDataError):
+        parse_numbers(whole[: max(0, len(whole) - cut)], transfer, 2 * points)
+
+
+@given(st.binary(max_size=80), st.integers(0, 9), st.sampled_from([REAL32, ASCII]))
+def test_no_bytes_raise_another_error_nor_give_a_wrong_count(answer, count, transfer):
+    try:
+        numbers = parse_numbers(answer, transfer, count)
+    except VnaDataError:
+        return
+    assert len(numbers) == count and np.isfinite(numbers).all()
+
+
+@given(st.binary(max_size=60), st.integers(0, 20), st.binary(max_size=3), st.integers(0, 5))
+def test_no_well_formed_header_helps_bad_content_through(payload, count, after, width):
+    for transfer in TransferFormat:
+        try:
+            numbers = parse_numbers(block(payload, width) + after, transfer, count)
+        except VnaDataError:
+            continue
+        assert len(numbers) == count and np.isfinite(numbers).all()
+        if transfer is REAL32:
+            assert real32(*numbers) == payload
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False, width=32), min_size=1))
+def test_real32_survives_bit_for_bit(numbers):
+    payload = real32(*numbers)
+    parsed = parse_numbers(block(payload), REAL32, len(numbers))
+    assert parsed.dtype == np.float64 and real32(*parsed) == payload
+
+
+@pytest.mark.parametrize(
+    "answer", [block(real32(1e9, 2e9, 3e9)), block(b"1.0E+09,2.0E+09,3.0E+09,\n")]
+)
+def test_reads_frequencies_in_either_format(answer):
+    assert parse_frequencies(answer, 3).tolist() == [1e9, 2e9, 3e9]

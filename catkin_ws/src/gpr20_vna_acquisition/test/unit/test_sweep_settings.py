@@ -1,0 +1,92 @@
+"""Only sweeps that the instrument can make, on an exact frequency grid."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange, SweepSettings
+from gpr20_vna_acquisition.mid.vna_errors import VnaDataError, VnaParameterError
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+
+@pytest.mark.parametrize("points", [2, 4000])
+def test_accepts_the_whole_range(points):
+    SweepSettings(5e3, 6e9, points).check(InstrumentRange())
+
+
+@pytest.mark.parametrize(
+    "start, stop, points, words",
+    [
+        (0.0, 6e9, 501, "start frequency is 0 Hz"),
+        (4999.0, 6e9, 501, "between 5000 and 6000000000 Hz"),
+        (-1e9, 6e9, 501, "start frequency is -1000000000 Hz"),
+        (math.nan, 6e9, 501, "start frequency is nan"),
+        (1e9, math.inf, 501, "stop frequency is inf"),
+        (1e9, 6.1e9, 501, "stop frequency is 6100000000 Hz"),
+        (2e9, 1e9, 501, "must be below the stop frequency"),
+        (1e9, 1e9, 501, "must be below the stop frequency"),
+        (1e9, 2e9, 0, "number of frequency points is 0"),
+        (1e9, 2e9, 1, "between 2 and 4000"),
+        (1e9, 2e9, 4001, "number of frequency points is 4001"),
+        (1e9, 2e9, -5, "number of frequency points is -5"),
+    ],
+)
+def test_refuses_naming_value_and_limit(start, stop, points, words):
+    with pytest.raises(VnaParameterError, match=words):
+        SweepSettings(start, stop, points).check(InstrumentRange())
+
+
+@given(st.integers(2, 4000), st.integers(5000, 5_999_000_000))
+def test_grid_is_exact_where_single_precision_is_not(points, start_hz):
+    grid_hz = SweepSettings(float(start_hz), 6e9, points).frequencies_hz()
+    assert grid_hz.dtype == np.float64 and len(grid_hz) == points
+    assert grid_hz[0] == start_hz and grid_hz[-1] == 6e9
+    assert (np.diff(grid_hz) > 0).all()
+    middle = points // 2
+    exact = start_hz + middle * (6_000_000_000 - start_hz) / (points - 1)
+    assert abs(grid_hz[middle] - exact) < 1e-5
+
+
+def test_accepts_the_grid_in_single_precision():
+    sweep = SweepSettings(600e6, 6e9, 501)
+    sweep.check_reported(sweep.frequencies_hz().astype(np.float32).astype(np.float64))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SweepSettings(600e6, 5.9e9, 501),
+        SweepSettings(600.002e6, 6e9, 501),
+        SweepSettings(600e6, 6.00001e9, 501),
+    ],
+)
+def test_refuses_another_grid(other):
+    with pytest.raises(VnaDataError, match="at point"):
+        SweepSettings(600e6, 6e9, 501).check_reported(other.frequencies_hz())
+
+
+def test_refuses_a_logarithmic_grid():
+    with pytest.raises(VnaDataError, match="linearly"):
+        SweepSettings(600e6, 6e9, 501).check_reported(np.geomspace(600e6, 6e9, 501))
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("answer_timeout_s", 0.0),
+        ("settle_s", math.nan),
+        ("attempts", 0),
+        ("vxi11_port", 70000),
+        ("transfer_format", "REAL,64"),
+        ("seconds_per_point", -1.0),
+        ("max_frequency_hz", 1.0),
+    ],
+)
+def test_parameters_that_make_no_sense_are_named(name, value):
+    with pytest.raises(ValueError, match=name):
+        VnaParameters(**{name: value})

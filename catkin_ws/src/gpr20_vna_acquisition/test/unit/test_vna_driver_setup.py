@@ -1,0 +1,192 @@
+"""The right instrument, set up as asked, or an error that says what is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from driver_bench import ADDRESS, SWEEP, Bench
+from fake_vna import IDENTITY
+
+from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.vna_errors import (
+    VnaClosedError,
+    VnaError,
+    VnaIdentityError,
+    VnaNotReadyError,
+    VnaParameterError,
+    VnaSettingError,
+)
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench().configured()
+
+
+def test_identity_is_returned_without_its_quotes():
+    assert Bench().driver.connect(ADDRESS) == IDENTITY
+
+
+@pytest.mark.parametrize(
+    "identity",
+    ['"Anritsu,MS2038C/2,1,1"', '"Keysight,MS2026C/2,1,1"', "", "garbage", '"Anritsu,MS2026C/2"'],
+)
+def test_another_instrument_is_refused_and_its_link_closed(identity):
+    bench = Bench()
+    bench.vna.identity = identity
+    with pytest.raises(VnaIdentityError, match="expected is Anritsu MS2026C"):
+        bench.driver.connect(ADDRESS)
+    assert bench.vna.open_links == 0 and not bench.driver.state.address
+
+
+def test_expected_model_is_a_parameter():
+    bench = Bench(model="MS2038C")
+    bench.vna.identity = "Anritsu,MS2038C/11,2032023,3.90"
+    assert bench.driver.connect(ADDRESS).startswith("Anritsu,MS2038C")
+
+
+@pytest.mark.parametrize("address", ["", "192.168.1", "192.168.1.256", "localhost", "1.2.3.4.5"])
+def test_an_address_that_is_not_four_numbers_is_refused(address):
+    bench = Bench()
+    with pytest.raises(ValueError, match="four numbers"):
+        bench.driver.connect(address)
+    assert bench.vna.links == 0
+
+
+def test_nothing_is_asked_before_the_buffers_are_emptied():
+    bench = Bench()
+    bench.driver.connect(ADDRESS)
+    assert bench.vna.sent[:2] == ["<clear>", "*IDN?"]
+
+
+@pytest.mark.parametrize("call", ["sweep", "frequencies_hz", "calibration_status"])
+def test_without_connection_the_caller_is_told_to_connect(call):
+    with pytest.raises(VnaNotReadyError, match="service connection"):
+        getattr(Bench().driver, call)()
+
+
+@pytest.mark.parametrize("call", ["sweep", "frequencies_hz"])
+def test_without_configuration_the_caller_is_told_to_configure(call):
+    bench = Bench()
+    bench.driver.connect(ADDRESS)
+    with pytest.raises(VnaNotReadyError, match="freq_sweep_setup"):
+        getattr(bench.driver, call)()
+
+
+def test_configuring_holds_the_instrument_and_confirms_everything(bench):
+    assert bench.vna.settings == {
+        ":INIT:CONT": "0",
+        ":SENS:FREQ:STAR": "600000000",
+        ":SENS:FREQ:STOP": "6000000000",
+        ":SENS:SWE:POIN": "11",
+        ":SENS:TRAC:TOT": "1",
+        ":SENS:TRACE1:SPAR": "S21",
+        ":SENS:TRACE1:DOM": "FREQ",
+        ":SENS:AVER:COUN": "1",
+        ":FORM": "REAL,32",
+    }
+    assert all(f"{header}?" in bench.vna.sent for header in bench.vna.settings)
+    assert bench.driver.state.sweep == SWEEP
+    assert bench.driver.frequencies_hz().tolist() == np.linspace(600e6, 6e9, 11).tolist()
+
+
+def test_an_instrument_without_time_domain_is_not_asked_for_it():
+    bench = Bench()
+    bench.vna.identity = "Anritsu,MS2026C,1234567,1.23"
+    del bench.vna.settings[":SENS:TRACE1:DOM"]
+    bench.configured()
+    assert not [message for message in bench.vna.sent if ":DOM" in message]
+
+
+def test_a_setting_may_take_the_instruments_settling_time():
+    bench = Bench()
+    bench.vna.settling_s = 1.9
+    bench.configured()
+    assert bench.driver.state.sweep == SWEEP
+
+
+@pytest.mark.parametrize(
+    "header", [":SENS:FREQ:STAR", ":SENS:SWE:POIN", ":SENS:TRACE1:SPAR", ":FORM", ":INIT:CONT"]
+)
+def test_a_refused_setting_is_named_and_nothing_is_measured_with_the_former_one(header):
+    bench = Bench()
+    bench.vna.refused = [header]
+    with pytest.raises(VnaSettingError, match="did not take a setting"):
+        bench.configured()
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.sweep()
+
+
+def test_a_failed_setup_forgets_the_former_one(bench):
+    bench.vna.refused = [":SENS:SWE:POIN"]
+    with pytest.raises(VnaSettingError, match="number of points shall be 21 and is 11"):
+        bench.driver.configure(SweepSettings(600e6, 6e9, 21))
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.sweep()
+
+
+def test_bad_values_do_not_reach_the_instrument(bench):
+    before = len(bench.vna.sent)
+    with pytest.raises(VnaParameterError):
+        bench.driver.configure(SweepSettings(6e9, 600e6, 11))
+    assert len(bench.vna.sent) == before
+
+
+def test_an_instrument_that_measures_other_frequencies_is_refused():
+    bench = Bench()
+    bench.vna._frequencies = lambda: list(np.geomspace(600e6, 6e9, 11))
+    with pytest.raises(VnaError, match="sweeps linearly"):
+        bench.configured()
+
+
+@pytest.mark.parametrize("status", list(CalibrationStatus))
+def test_calibration_is_read_by_its_meaning(bench, status):
+    bench.vna.calibration = str(int(status))
+    assert bench.driver.calibration_status() is status
+
+
+def test_no_calibration_is_not_the_best_one():
+    assert CalibrationStatus.NONE == 0 and CalibrationStatus.HIGH == 1
+
+
+@pytest.mark.parametrize("answer", ["5", "-1", "1.5", "", "nan", "high"])
+def test_a_calibration_off_the_scale_is_an_error(bench, answer):
+    bench.vna.calibration = answer
+    with pytest.raises(VnaError, match="reading the calibration failed 3 times"):
+        bench.driver.calibration_status()
+
+
+def test_disconnecting_closes_the_link_and_forgets_the_sweep(bench):
+    bench.driver.disconnect()
+    assert bench.vna.open_links == 0 and not bench.driver.state.linked
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.sweep()
+
+
+def test_connecting_again_closes_the_former_link(bench):
+    bench.driver.connect("192.168.1.11")
+    assert bench.vna.open_links == 1
+    assert bench.driver.state.sweep is None
+
+
+def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):
+    bench.vna.sweep_s = 1e9
+
+    def shut_down_while_waiting(message: str) -> None:
+        if message == ":STAT:OPER?":
+            bench.driver.shut_down()
+
+    bench.vna.before = shut_down_while_waiting
+    with pytest.raises(VnaClosedError):
+        bench.driver.sweep()
+    assert bench.vna.open_links == 0
+    with pytest.raises(VnaClosedError):
+        bench.driver.connect(ADDRESS)
+
+
+def test_a_start_above_the_former_stop_is_set_once_the_new_stop_is_there(bench):
+    bench.vna.keeps_order = True
+    bench.driver.configure(SweepSettings(600e6, 1e9, 11))
+    higher = SweepSettings(3e9, 6e9, 11)
+    assert bench.driver.configure(higher) == higher

@@ -1,0 +1,307 @@
+"""Whatever the other side does, the link answers, or fails in time with our error."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+import time
+
+import pytest
+from hostile_server import (
+    CLEAR,
+    CREATE_LINK,
+    DESTROY_LINK,
+    GETPORT,
+    READ,
+    WRITE,
+    HangUp,
+    HostileServer,
+    read_reply,
+    record,
+)
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
+from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
+
+HOST = "127.0.0.1"
+QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)
+# What a call may take with these limits: the answer, the margin, and closing the link.
+LONGEST_S = 0.3 + 1.0 + 0.5 + 0.7
+
+
+@pytest.fixture
+def server():
+    one = HostileServer()
+    yield one
+    one.close()
+
+
+def wait_until(condition, limit_s: float = 2.0) -> None:
+    deadline = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < deadline, "the condition did not come true in time"
+        time.sleep(0.005)
+
+
+def hang_up(_procedure: int, _proper: bytes) -> bytes:
+    raise HangUp
+
+
+def on(procedure: int, what):
+    return lambda called, proper: what(called, proper) if called == procedure else proper
+
+
+def test_asks_and_answers(server):
+    link = connect(HOST, QUICK, server.port)
+    assert link.ask("*IDN?") == "<*IDN?>"
+    assert link.ask_raw("*IDN?") == b"<*IDN?>"
+    link.close()
+
+
+def test_binary_answers_come_byte_for_byte(server):
+    payload = bytes(range(256)) + b"\r\n\n"
+    server.answer = lambda question: read_reply(payload)
+    assert connect(HOST, QUICK, server.port).ask_raw("DATA?") == payload
+
+
+def test_text_with_bytes_beyond_ascii_is_read(server):
+    server.answer = lambda question: read_reply(b'"5 \xb5s"\n')
+    assert connect(HOST, QUICK, server.port).ask("X?") == '"5 \xb5s"'
+
+
+def test_an_answer_in_many_pieces_is_put_together(server):
+    parts = [read_reply(b"ab", reason=0), read_reply(b"cd", reason=1), read_reply(b"ef")]
+    server.answer = lambda question: parts.pop(0)
+    assert connect(HOST, QUICK, server.port).ask_raw("X?") == b"abcdef"
+
+
+def test_the_portmapper_is_asked_without_an_explicit_port(server):
+    link = connect(HOST, QUICK, portmapper_port=server.port)
+    assert server.calls[0] == GETPORT and link.ask("X?") == "<X?>"
+
+
+def test_an_explicit_port_needs_no_portmapper(server):
+    connect(HOST, QUICK, server.port)
+    assert GETPORT not in server.calls
+
+
+def test_a_portmapper_without_the_instrument_is_a_clear_error(server):
+    server.mapped_port = None
+    with pytest.raises(VnaConnectionError, match="no VXI-11 core channel"):
+        connect(HOST, QUICK, portmapper_port=server.port)
+
+
+def test_nobody_at_the_port_fails_with_the_address(server):
+    with socket.create_server((HOST, 0)) as free:
+        port = free.getsockname()[1]
+    with pytest.raises(VnaConnectionError, match="no connection .* at 127.0.0.1.*check"):
+        connect(HOST, QUICK, port)
+
+
+@pytest.mark.parametrize("by_portmapper", [True, False])
+def test_a_host_that_never_answers_is_given_up_in_time(by_portmapper):
+    with socket.create_server((HOST, 0)) as silent:
+        port = silent.getsockname()[1]
+        begun = time.monotonic()
+        with pytest.raises(VnaConnectionError):
+            if by_portmapper:
+                connect(HOST, QUICK, portmapper_port=port)
+            else:
+                connect(HOST, QUICK, port)
+        assert time.monotonic() - begun < 0.4 + 1.0 + 1.0
+
+
+def test_a_host_that_takes_no_connection_is_given_up_in_time():
+    # A listener whose queue is full drops further requests, as an absent host does.
+    with socket.socket() as full:
+        full.bind((HOST, 0))
+        full.listen(0)
+        fillers = [socket.socket() for _ in range(4)]
+        for filler in fillers:
+            filler.setblocking(False)
+            filler.connect_ex(full.getsockname())
+        begun = time.monotonic()
+        with pytest.raises(VnaConnectionError):
+            connect(HOST, QUICK, full.getsockname()[1])
+        assert time.monotonic() - begun < 1.0
+        for filler in fillers:
+            filler.close()
+
+
+def test_the_time_limit_of_other_sockets_is_left_alone(server):
+    connect(HOST, QUICK, server.port).close()
+    assert socket.getdefaulttimeout() is None
+
+
+def test_closing_destroys_the_link(server):
+    link = connect(HOST, QUICK, server.port)
+    link.close()
+    link.close()
+    assert server.calls.count(DESTROY_LINK) == 1 and server.links == 0
+
+
+@pytest.mark.parametrize("procedure", [WRITE, READ])
+def test_a_dropped_connection_is_our_error_and_a_new_link_works(server, procedure):
+    link = connect(HOST, QUICK, server.port)
+    server.spoil = on(procedure, hang_up)
+    with pytest.raises(VnaConnectionError, match="closed by the other side"):
+        link.ask("X?")
+    server.spoil = lambda called, proper: proper
+    with pytest.raises(VnaConnectionError, match="is closed"):
+        link.ask("X?")
+    assert connect(HOST, QUICK, server.port).ask("Y?") == "<Y?>"
+
+
+def test_a_hanging_answer_ends_in_time_and_is_never_given_to_the_next_question(server):
+    link = connect(HOST, QUICK, server.port)
+    release = threading.Event()
+
+    def hang(question: bytes) -> bytes:
+        release.wait(5.0)
+        return read_reply(b"LATE")
+
+    server.answer = hang
+    begun = time.monotonic()
+    with pytest.raises(VnaConnectionError, match="asking 'X\\?' at 127.0.0.1 failed"):
+        link.ask("X?")
+    assert time.monotonic() - begun < LONGEST_S
+    server.answer = lambda question: read_reply(b"<" + question + b">")
+    release.set()
+    with pytest.raises(VnaConnectionError):
+        link.ask("Y?")
+    assert connect(HOST, QUICK, server.port).ask("Y?") == "<Y?>"
+
+
+def test_a_dripping_answer_does_not_stretch_the_time_limit(server):
+    link = connect(HOST, QUICK, server.port)
+
+    def drip(peer: socket.socket, data: bytes) -> None:
+        for byte in data:
+            peer.sendall(bytes([byte]))
+            time.sleep(0.15)
+
+    server.send = drip
+    begun = time.monotonic()
+    with pytest.raises(VnaConnectionError):
+        link.ask("X?")
+    assert time.monotonic() - begun < LONGEST_S
+
+
+def test_a_record_header_in_two_segments_is_not_the_end(server):
+    def split(peer: socket.socket, data: bytes) -> None:
+        peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        peer.sendall(data[:2])
+        time.sleep(0.02)
+        peer.sendall(data[2:])
+
+    server.send = split
+    assert connect(HOST, QUICK, server.port).ask("X?") == "<X?>"
+
+
+def test_the_instruments_own_timeout_ends_the_link_properly(server):
+    link = connect(HOST, QUICK, server.port)
+    server.answer = lambda question: read_reply(b"", reason=0, error=15)
+    with pytest.raises(VnaConnectionError, match="IO timeout"):
+        link.ask("X?")
+    wait_until(lambda: server.links == 0)
+
+
+def test_an_endless_answer_is_stopped(server):
+    link = connect(HOST, QUICK, server.port)
+    server.answer = lambda question: read_reply(b"x" * 60000, reason=1)
+    with pytest.raises(VnaConnectionError, match="announces"):
+        link.ask("X?")
+    assert server.calls.count(READ) < 50
+
+
+def test_an_endless_empty_answer_is_stopped_in_time(server):
+    link = connect(HOST, QUICK, server.port)
+    server.answer = lambda question: read_reply(b"", reason=0)
+    begun = time.monotonic()
+    with pytest.raises(VnaConnectionError):
+        link.ask("X?")
+    assert time.monotonic() - begun < LONGEST_S
+
+
+def test_an_announced_giant_record_takes_no_memory(server):
+    link = connect(HOST, QUICK, server.port)
+    server.spoil = on(READ, lambda called, proper: struct.pack(">I", 0xFFFFFFFF) + b"x" * 100)
+    with pytest.raises(VnaConnectionError, match="announces"):
+        link.ask("X?")
+
+
+def test_an_instrument_that_takes_nothing_at_once_is_refused(server):
+    server.receive_size = 0
+    with pytest.raises(VnaConnectionError, match="at least 1024"):
+        connect(HOST, QUICK, server.port)
+    wait_until(lambda: server.links == 0)
+
+
+@pytest.mark.parametrize("error", [3, 9, 11])
+def test_a_refused_link_is_our_error(server, error):
+    server.spoil = on(
+        CREATE_LINK, lambda called, proper: proper[:28] + struct.pack(">iiII", error, 0, 0, 0)
+    )
+    with pytest.raises(VnaConnectionError, match=f"{error}: "):
+        connect(HOST, QUICK, server.port)
+
+
+def test_clearing_tolerates_an_instrument_that_cannot(server):
+    server.spoil = on(CLEAR, lambda called, proper: proper[:28] + struct.pack(">i", 8))
+    link = connect(HOST, QUICK, server.port)
+    link.clear()
+    assert link.ask("X?") == "<X?>"
+
+
+def test_clearing_reports_any_other_failure(server):
+    server.spoil = on(CLEAR, lambda called, proper: proper[:28] + struct.pack(">i", 17))
+    with pytest.raises(VnaConnectionError, match="clearing"):
+        connect(HOST, QUICK, server.port).clear()
+
+
+def test_a_failed_link_leaves_no_open_socket(server):
+    link = connect(HOST, QUICK, server.port)
+    client = link._instrument.client.sock._socket
+    server.spoil = on(READ, hang_up)
+    with pytest.raises(VnaConnectionError):
+        link.ask("X?")
+    assert client.fileno() == -1
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    st.sampled_from([GETPORT, CREATE_LINK, WRITE, READ]),
+    st.one_of(
+        st.binary(min_size=1, max_size=64),
+        st.binary(min_size=1, max_size=64).map(record),
+        st.binary(max_size=40).map(lambda tail: ("body", tail)),
+    ),
+)
+def test_no_garbage_raises_anything_but_our_error(server, procedure, garbage):
+    garbled = threading.Event()
+
+    def spoil(called: int, proper: bytes) -> bytes:
+        if called != procedure:
+            return proper
+        if isinstance(garbage, tuple):
+            # A proper RPC header before it, so that the VXI-11 layer sees it.
+            return record(proper[4:28] + garbage[1])
+        garbled.set()
+        return garbage
+
+    def send(peer: socket.socket, data: bytes) -> None:
+        peer.sendall(data)
+        if garbled.is_set():
+            # Without an end of the stream each example would last its whole time limit.
+            peer.shutdown(socket.SHUT_WR)
+
+    server.spoil, server.send = spoil, send
+    try:
+        link = connect(HOST, QUICK, portmapper_port=server.port)
+        answer = link.ask_raw("X?")
+        assert isinstance(answer, bytes)
+    except VnaConnectionError:
+        pass
