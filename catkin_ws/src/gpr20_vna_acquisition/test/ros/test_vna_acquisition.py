@@ -18,7 +18,7 @@ from gpr20_msgs.srv import (
     Connection,
     FreqSweepSetup,
     GetCalibrationStatus,
-    GetCalibrationStatusRequest,
+    GetCalibrationStatusResponse,
     GetData,
     GetFreq,
 )
@@ -109,7 +109,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         answer = self.call("get_calibration_status")
         self.assertTrue(answer.success)
         self.assertEqual(
-            (answer.status, answer.message), (GetCalibrationStatusRequest.HIGH, "HIGH")
+            (answer.status, answer.message), (GetCalibrationStatusResponse.HIGH, "HIGH")
         )
 
     def test_refused_values_are_named_with_their_limit(self):

@@ -54,7 +54,7 @@ class TimeLimits:
 
     analyzer_limit_s: float = 90.0
     height_limit_s: float = 10.0
-    storage_limit_s: float = 60.0
+    storage_limit_s: float = 90.0
 
     def __post_init__(self) -> None:
         for name in ("analyzer_limit_s", "height_limit_s", "storage_limit_s"):

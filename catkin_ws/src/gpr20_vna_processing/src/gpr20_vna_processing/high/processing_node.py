@@ -1,0 +1,232 @@
+"""The node vna_processing: services to open, fill and close a survey on the disk."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import rospy
+from std_msgs.msg import String
+
+import gpr20_vna_processing
+from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
+from gpr20_common.high.node import run_node
+from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.services import advertise
+from gpr20_common.low.clock import Clock
+from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_msgs.msg import Trace
+from gpr20_msgs.srv import (
+    CloseSurvey,
+    CloseSurveyResponse,
+    OpenSurvey,
+    OpenSurveyResponse,
+    StoreData,
+    StoreDataResponse,
+)
+from gpr20_vna_processing.high.messages import (
+    METADATA_TOPIC,
+    TRACE_TOPIC,
+    RosMessages,
+    microseconds,
+    trace_message,
+    trace_record,
+)
+from gpr20_vna_processing.high.topic_recorder import TopicRecorder
+from gpr20_vna_processing.low.bag_file import BagFile
+from gpr20_vna_processing.low.disk import free_bytes
+from gpr20_vna_processing.low.mcap_file import McapFile
+from gpr20_vna_processing.low.recording import Recording
+from gpr20_vna_processing.low.revision import software_revision
+from gpr20_vna_processing.mid import survey_folder, survey_metadata
+from gpr20_vna_processing.mid.data_processing import DataProcessing
+from gpr20_vna_processing.mid.errors import ProcessingError
+from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
+from gpr20_vna_processing.mid.storage_thread import QueueLimits
+
+AXIS_TOPICS = tuple(
+    f"{axis}_axis/{name}"
+    for axis in ("x", "y", "z")
+    for name in ("current_coord", "axis/goal", "axis/result", "axis/status", "axis/cancel")
+)
+DEFAULT_TOPICS = (
+    *AXIS_TOPICS,
+    "measured_height",
+    "control_status",
+    "control_target_coordinate",
+    "control_current_coordinate",
+    "control_survey_data",
+    "/diagnostics",
+)
+
+
+@dataclass(frozen=True)
+class ProcessingParameters:
+    """Parameters of the node; README.md says what they mean."""
+
+    data: str = ""
+    disk_reserve_mb: float = 500.0
+    store_queue: int = 4
+    message_queue: int = 5000
+    message_queue_mb: float = 16.0
+    timeout_s: float = 60.0
+    commit_period_s: float = 2.0
+    recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
+
+    def __post_init__(self) -> None:
+        number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
+        for name in ("message_queue_mb", "timeout_s", "commit_period_s"):
+            positive_number(name, getattr(self, name))
+
+    def data_folder(self) -> Path:
+        """Return where surveys are stored."""
+        # The output of a command, as roslaunch takes it for a parameter, ends its line.
+        data = self.data.strip() or os.environ.get("GPR20_DATA", "") or "~/gpr20_data"
+        return Path(data).expanduser().absolute()
+
+    def limits(self) -> Limits:
+        """Return the bounds of the storage."""
+        return Limits(
+            queues=QueueLimits(
+                jobs=self.store_queue,
+                messages=self.message_queue,
+                message_bytes=round(self.message_queue_mb * BYTES_PER_MB),
+            ),
+            disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
+            timeout_s=self.timeout_s,
+            period_s=self.commit_period_s,
+        )
+
+
+def open_recordings(folder: Path, description: Dict[str, Any], started_ns: int) -> List[Recording]:
+    """Begin the bag and the MCAP file of a survey.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    bag = BagFile(folder / survey_folder.BAG_FILE)
+    try:
+        mcap = McapFile(
+            folder / survey_folder.MCAP_FILE,
+            survey_metadata.as_texts(description),
+            survey_metadata.encode(description),
+            started_ns,
+        )
+    except OSError:
+        bag.abandon()
+        raise
+    return [bag, mcap]
+
+
+class ProcessingNode:
+    """Turns requests into calls of DataProcessing and its answers into messages."""
+
+    def __init__(self, parameters: ProcessingParameters) -> None:
+        """Connect everything; nothing is recorded before `open_survey`."""
+        self._data = parameters.data_folder()
+        self._limits = parameters.limits()
+        self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
+        self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
+        version = gpr20_vna_processing.__version__
+        self._processing = DataProcessing(
+            Storage(
+                data=self._data,
+                open_recordings=open_recordings,
+                messages=RosMessages(),
+                free_bytes=free_bytes,
+                now_ns=time.time_ns,
+                clock=Clock(),
+                revision=software_revision(version, Path(__file__).resolve().parent),
+            ),
+            self._limits,
+            on_opened=lambda text: _publish(self._metadata, String(text)),
+            on_stored=lambda trace: _publish(self._trace, trace_message(trace)),
+        )
+        self._processing.start()
+        rospy.on_shutdown(self._shut_down)
+        self._recorder = TopicRecorder(
+            parameters.recorded_topics, self._processing.record, time.time_ns
+        )
+        self._services = [
+            advertise("open_survey", OpenSurvey, self._open_survey),
+            advertise("store_data", StoreData, self._store_data),
+            advertise("close_survey", CloseSurvey, self._close_survey),
+        ]
+        self._diagnostics = Diagnostics("storage", self._health)
+
+    def _open_survey(self, request: Any) -> OpenSurveyResponse:
+        folder = self._processing.open_survey(
+            request.survey_id,
+            microseconds(request.started),
+            request.metadata_json,
+            request.needed_bytes,
+        )
+        message = f"survey {request.survey_id} is open in {folder}"
+        return OpenSurveyResponse(success=True, message=message, path=str(folder))
+
+    def _store_data(self, request: Any) -> StoreDataResponse:
+        trace = trace_record(request.trace)
+        path = self._processing.store(trace)
+        return StoreDataResponse(success=True, message=f"{trace.label} is stored", path=str(path))
+
+    def _close_survey(self, request: Any) -> CloseSurveyResponse:
+        closed = self._processing.close_survey(request.survey_id, request.outcome, request.reason)
+        return CloseSurveyResponse(
+            success=True,
+            message=f"survey {closed.survey_id} is closed with {closed.stored_traces} traces",
+            path=str(closed.folder),
+            stored_traces=closed.stored_traces,
+        )
+
+    def _shut_down(self) -> None:
+        try:
+            self._processing.shut_down()
+        except ProcessingError as error:
+            rospy.logerr("the survey could not be finished: %s", error)
+
+    def _health(self) -> Health:
+        state = self._processing.state()
+        try:
+            free_mb = self._free_mb()
+        except OSError as error:
+            return ERROR, f"the disk of {self._data} cannot be asked: {error}", {}
+        values = {
+            "open survey": state.survey_id,
+            "folder": state.folder,
+            "traces stored": state.stored_traces,
+            "free disk [MB]": free_mb,
+            "stores waiting": state.queues.jobs,
+            "messages waiting": state.queues.messages,
+            "messages dropped": state.queues.dropped + state.unrecorded,
+            "last error": state.last_error,
+        }
+        if state.failing:
+            return ERROR, state.last_error, values
+        if free_mb * BYTES_PER_MB < self._limits.disk_reserve_bytes:
+            return WARN, f"only {free_mb:.0f} MB are free on the disk; make space", values
+        if state.queues.dropped or state.unrecorded:
+            return WARN, "messages of other topics were dropped; the disk is too slow", values
+        if not state.survey_id:
+            return OK, "no survey is open", values
+        return OK, f"{state.stored_traces} traces stored", values
+
+    def _free_mb(self) -> float:
+        # The data folder may not be there before the first survey.
+        existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
+        return free_bytes(existing) / BYTES_PER_MB
+
+
+def _publish(publisher: rospy.Publisher, message: Any) -> None:
+    try:
+        publisher.publish(message)
+    except rospy.ROSException as error:
+        # ROS is shutting down; what was stored is durable, which is what the answer says.
+        rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
+
+
+def main() -> None:
+    """Run the node."""
+    run_node("vna_processing", lambda: ProcessingNode(read_parameters(ProcessingParameters)))

@@ -1,0 +1,96 @@
+"""Small files that are on the disk either whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from pathlib import Path
+
+# Readers take `*.json`; a file that was never finished has neither this start nor this end.
+TEMPORARY_PREFIX = "."
+TEMPORARY_SUFFIX = ".tmp"
+
+
+def write_new_file(path: Path, data: bytes) -> None:
+    """Write a file that must not exist yet; return when it is durable.
+
+    A file that is there already with the same bytes is made durable instead, so that the
+    call can be repeated after any failure.
+
+    Raises:
+        FileExistsError: The file exists with other content; it is left alone.
+        OSError: The disk refused; no file of this name was left half written.
+    """
+    temporary = _write_temporary(path, data)
+    try:
+        # Unlike rename(), link() never replaces a file.
+        os.link(str(temporary), str(path))
+    except FileExistsError:
+        if path.read_bytes() != data:
+            raise
+        sync_path(path)
+    finally:
+        temporary.unlink()
+    sync_path(path.parent)
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Give a file new content in one step; return when it is durable.
+
+    Raises:
+        OSError: The disk refused; the file has its former content.
+    """
+    temporary = _write_temporary(path, data)
+    try:
+        os.replace(str(temporary), str(path))
+    except OSError:
+        temporary.unlink()
+        raise
+    sync_path(path.parent)
+
+
+def make_new_folder(path: Path) -> None:
+    """Make a folder that must not exist yet; return when it is durable.
+
+    Raises:
+        FileExistsError: The folder exists.
+        OSError: The disk refused.
+    """
+    path.mkdir()
+    sync_path(path.parent)
+
+
+def ensure_folder(path: Path) -> None:
+    """Make a folder and those above it where they are missing; return when all are durable.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    if not path.is_dir():
+        ensure_folder(path.parent)
+        make_new_folder(path)
+
+
+def sync_path(path: Path) -> None:
+    """Return when the content of a file, or the names in a folder, are on the disk."""
+    descriptor = os.open(str(path), os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _write_temporary(path: Path, data: bytes) -> Path:
+    name = f"{TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}"
+    temporary = path.with_name(name)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
+    descriptor = os.open(str(temporary), flags, 0o666)
+    try:
+        with open(descriptor, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(descriptor)
+    except OSError:
+        temporary.unlink()
+        raise
+    return temporary

@@ -1,0 +1,303 @@
+"""Opening a survey, storing its traces, closing it."""
+
+from __future__ import annotations
+
+import dataclasses
+import threading
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence
+
+from gpr20_vna_processing.low import json_trace_file
+from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.mid import survey_folder, survey_metadata, utc_time
+from gpr20_vna_processing.mid.errors import (
+    ProcessingError,
+    StorageFailedError,
+    SurveyRefusedError,
+    storing,
+)
+from gpr20_vna_processing.mid.open_survey import OpenSurvey
+from gpr20_vna_processing.mid.processing_records import (
+    BYTES_PER_MB,
+    ClosedSurvey,
+    Limits,
+    ProcessingState,
+    Storage,
+)
+from gpr20_vna_processing.mid.storage_thread import StorageThread
+from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+OUTCOMES = ("finished", "stopped", "failed")
+INTERRUPTED = "interrupted"
+MAX_REASON_CHARACTERS = 4096
+
+
+class DataProcessing:
+    """Keeps at most one survey open and makes its traces durable.
+
+    Its methods may be called from any thread; all files are written by the StorageThread.
+    """
+
+    def __init__(
+        self,
+        storage: Storage,
+        limits: Limits,
+        on_opened: Callable[[str], None],
+        on_stored: Callable[[TraceRecord], None],
+    ) -> None:
+        """Build the storage; `start` begins its thread.
+
+        Args:
+            storage: Files, disk, clock.
+            limits: Bounds.
+            on_opened: Told the JSON description of a survey that was opened.
+            on_stored: Told of every trace once, when it is durable.
+        """
+        self._storage = storage
+        self._limits = limits
+        self._on_opened = on_opened
+        self._on_stored = on_stored
+        self._thread = StorageThread(
+            self._write_messages, limits.queues, storage.clock, limits.period_s
+        )
+        self._lock = threading.Lock()  # guards the four below
+        self._recording = False
+        self._latched: Dict[str, RecordedMessage] = {}
+        self._last_error, self._failing = "", False
+        # Changed on the storage thread only.
+        self._survey: Optional[OpenSurvey] = None
+        self._closed: Optional[ClosedSurvey] = None
+        self._unrecorded = 0
+        self._commit_due_s = 0.0
+
+    def start(self) -> None:
+        """Start the storage thread."""
+        self._thread.start()
+
+    def open_survey(
+        self, survey_id: str, started_us: int, metadata_json: str, needed_bytes: int
+    ) -> Path:
+        """Make the folder of a survey and begin its recordings; may be repeated.
+
+        Args:
+            survey_id: UUID of the survey.
+            started_us: When it started [us since 1970, UTC].
+            metadata_json: JSON object that goes into survey.json.
+            needed_bytes: Estimate of the whole survey [bytes].
+
+        Returns:
+            The survey's folder.
+
+        Raises:
+            SurveyRefusedError: A value is not allowed, the disk is too small or another
+                survey is open.
+            StorageFailedError: The disk refused.
+        """
+        folder = survey_folder.survey_folder(self._storage.data, survey_id, started_us)
+        description = self._description(survey_id, started_us, metadata_json)
+        self._do(lambda: self._open(folder, description, started_us, needed_bytes))
+        return folder
+
+    def store(self, trace: TraceRecord) -> Path:
+        """Store a trace; return its JSON file when it is durable in all three forms.
+
+        Raises:
+            SurveyRefusedError: No survey is open.
+            TraceRefusedError: The open survey does not take the trace.
+            StorageFailedError: The disk refused or was too slow; asking again is safe.
+        """
+        return self._do(lambda: self._opened().store(trace, self._storage.now_ns()))
+
+    def record(self, message: RecordedMessage) -> None:
+        """Record a message of another topic; drop it, counted, if the disk is too slow."""
+        with self._lock:
+            if message.latching:
+                self._latched[message.topic] = message
+            recording = self._recording
+        if recording:
+            self._thread.offer(message)
+
+    def close_survey(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
+        """Finish the recordings and write how the survey ended; may be repeated.
+
+        Raises:
+            SurveyRefusedError: A value is not allowed or the survey is not open.
+            StorageFailedError: The disk refused; the survey is still open.
+        """
+        if outcome not in OUTCOMES:
+            raise SurveyRefusedError(
+                f"outcome is {outcome[:64]!r}; it must be one of {', '.join(OUTCOMES)}"
+            )
+        if len(reason) > MAX_REASON_CHARACTERS:
+            raise SurveyRefusedError(
+                f"reason has {len(reason)} characters; at most {MAX_REASON_CHARACTERS} are allowed"
+            )
+        survey_folder.check_survey_id(survey_id)
+        return self._do(lambda: self._close(survey_id, outcome, reason))
+
+    def shut_down(self) -> None:
+        """Finish the recordings of a survey that is still open and end the thread.
+
+        Raises:
+            StorageFailedError: The disk refused or was too slow.
+        """
+        try:
+            self._do(self._interrupt)
+        finally:
+            self._thread.stop(self._limits.timeout_s)
+
+    def state(self) -> ProcessingState:
+        """Return what the operator should know."""
+        survey = self._survey
+        with self._lock:
+            last_error, failing = self._last_error, self._failing
+        return ProcessingState(
+            survey_id=survey.survey_id if survey else "",
+            folder=str(survey.folder) if survey else "",
+            stored_traces=survey.stored_traces if survey else 0,
+            unrecorded=self._unrecorded,
+            last_error=last_error,
+            failing=failing,
+            queues=self._thread.state(),
+        )
+
+    def _description(self, survey_id: str, started_us: int, metadata_json: str) -> Dict[str, Any]:
+        own = {
+            "format": survey_metadata.FORMAT,
+            "survey_id": survey_id,
+            "started": utc_time.iso_text(started_us),
+            "ended": None,
+            "outcome": None,
+            "reason": "",
+            "stored_traces": 0,
+            "software_revision": self._storage.revision,
+        }
+        return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
+
+    def _do(self, work: Callable[[], Any]) -> Any:
+        try:
+            result = self._thread.do(work, self._limits.timeout_s)
+        except ProcessingError as error:
+            self._note(str(error), failing=isinstance(error, StorageFailedError))
+            raise
+        self._note("", failing=False)
+        return result
+
+    def _note(self, error: str, failing: bool) -> None:
+        with self._lock:
+            self._last_error, self._failing = error, failing
+
+    def _opened(self) -> OpenSurvey:
+        if self._survey is None:
+            raise SurveyRefusedError("no survey is open; call open_survey first")
+        return self._survey
+
+    def _open(
+        self, folder: Path, description: Dict[str, Any], started_us: int, needed_bytes: int
+    ) -> None:
+        if self._survey is not None and self._survey.description == description:
+            return  # the answer to the first call may have been lost
+        now_ns = self._storage.now_ns()
+        self._check_can_open(needed_bytes, now_ns)
+        content = survey_metadata.encode(description)
+        with storing("the survey's folder", folder):
+            self._make_folder(folder)
+            recordings = self._storage.open_recordings(
+                folder, description, started_us * utc_time.NS_PER_US
+            )
+        survey = OpenSurvey(
+            folder, description, recordings, self._storage.messages, self._on_stored
+        )
+        try:
+            self._begin_recording(survey, content.decode("ascii"), now_ns)
+            with storing("the survey's description", folder):
+                # Last: a folder with a survey.json is whole.
+                json_trace_file.write_new_file(folder / survey_folder.SURVEY_FILE, content)
+        except Exception:
+            self._set_recording(False)
+            survey.abandon()
+            raise
+        self._survey = survey
+        self._on_opened(content.decode("ascii"))
+
+    def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
+        if self._survey is not None:
+            raise SurveyRefusedError(
+                f"survey {self._survey.survey_id} is open in {self._survey.folder}; close it first"
+            )
+        if not utc_time.is_plausible(now_ns // utc_time.NS_PER_US):
+            raise SurveyRefusedError(
+                f"the computer's clock says {utc_time.iso_text(now_ns // utc_time.NS_PER_US)}; "
+                "set it, or every time in the recordings would be wrong"
+            )
+        data, reserve = self._storage.data, self._limits.disk_reserve_bytes
+        with storing("the data folder", data):
+            json_trace_file.ensure_folder(data)
+            free = self._storage.free_bytes(data)
+        if needed_bytes + reserve > free:
+            raise SurveyRefusedError(
+                f"the survey needs {needed_bytes / BYTES_PER_MB:.0f} MB and "
+                f"{reserve / BYTES_PER_MB:.0f} MB are kept in reserve, but the disk of {data} "
+                f"has only {free / BYTES_PER_MB:.0f} MB free; make space"
+            )
+
+    def _make_folder(self, folder: Path) -> None:
+        try:
+            json_trace_file.make_new_folder(folder)
+        except FileExistsError:
+            raise SurveyRefusedError(
+                f"{folder} exists already; every survey needs an id and a folder of its own"
+            ) from None
+        json_trace_file.make_new_folder(folder / survey_folder.TRACES_FOLDER)
+
+    def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
+        # From here on messages queue up behind this job; those before are in the snapshot.
+        latched = self._set_recording(True)
+        survey.record(
+            [
+                self._storage.messages.metadata(text, now_ns),
+                *(dataclasses.replace(message, time_ns=now_ns) for message in latched),
+            ]
+        )
+        survey.commit()
+
+    def _set_recording(self, recording: bool) -> List[RecordedMessage]:
+        with self._lock:
+            self._recording = recording
+            return list(self._latched.values())
+
+    def _close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
+        if self._survey is None and self._closed and self._closed.survey_id == survey_id:
+            return self._closed  # the answer to the first call may have been lost
+        survey = self._opened()
+        if survey.survey_id != survey_id:
+            raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
+        ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
+        survey.close(outcome, reason, ended)
+        self._set_recording(False)
+        self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
+        self._survey = None
+        return self._closed
+
+    def _interrupt(self) -> None:
+        if self._survey is not None:
+            self._close(self._survey.survey_id, INTERRUPTED, "the storage was shut down")
+
+    def _write_messages(self, messages: Sequence[RecordedMessage]) -> None:
+        survey = self._survey
+        if survey is None:
+            return
+        # Nobody waits for an answer here: the operator reads of errors in the diagnostics.
+        try:
+            self._unrecorded += survey.record(messages)
+        except Exception as error:
+            self._unrecorded += len(messages)
+            self._note(str(error), failing=True)
+        now_s = self._storage.clock.now_s()
+        if now_s < self._commit_due_s:
+            return
+        self._commit_due_s = now_s + self._limits.period_s
+        try:
+            survey.commit()
+        except ProcessingError as error:
+            self._note(str(error), failing=True)

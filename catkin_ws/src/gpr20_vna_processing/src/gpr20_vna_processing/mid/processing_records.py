@@ -1,0 +1,67 @@
+"""What DataProcessing is given and what it tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable, Dict, List
+
+from gpr20_common.low.clock import Clock
+from gpr20_vna_processing.low.recording import Recording
+from gpr20_vna_processing.mid.open_survey import MessageMaker
+from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
+
+BYTES_PER_MB = 1_000_000
+
+# Folder, description and start [ns since 1970, UTC] of a survey -> its recordings.
+RecordingsFactory = Callable[[Path, Dict[str, Any], int], List[Recording]]
+
+
+@dataclass(frozen=True)
+class Storage:
+    """What the storage stands on; handed in so that tests can replace each part."""
+
+    data: Path
+    open_recordings: RecordingsFactory
+    messages: MessageMaker
+    free_bytes: Callable[[Path], int]
+    now_ns: Callable[[], int]
+    """Time of day [ns since 1970, UTC]."""
+    clock: Clock
+    revision: str
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How long and how much the storage waits."""
+
+    queues: QueueLimits = field(default_factory=QueueLimits)
+    disk_reserve_bytes: int = 500 * BYTES_PER_MB
+    timeout_s: float = 60.0
+    period_s: float = 2.0
+
+
+@dataclass(frozen=True)
+class ClosedSurvey:
+    """How a survey ended on the disk."""
+
+    survey_id: str
+    folder: Path
+    stored_traces: int
+
+
+@dataclass(frozen=True)
+class ProcessingState:
+    """What the operator should know about the storage."""
+
+    survey_id: str
+    """Empty while no survey is open."""
+    folder: str
+    stored_traces: int
+    unrecorded: int
+    """Messages of other topics that are in no recording, beside those the queue dropped."""
+    last_error: str
+    """What was refused or failed last; empty once something succeeded again."""
+    failing: bool
+    """Whether the disk refused what was written last."""
+    queues: QueueState

@@ -1,0 +1,59 @@
+"""Names of a survey's folder and files; none of them comes unchecked from outside."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gpr20_vna_processing.mid import utc_time
+from gpr20_vna_processing.mid.errors import SurveyRefusedError
+from gpr20_vna_processing.mid.trace_record import SURVEY_ID, TraceRecord
+
+SURVEY_FILE = "survey.json"
+BAG_FILE = "survey.bag"
+MCAP_FILE = "survey.mcap"
+TRACES_FOLDER = "traces"
+
+
+def check_survey_id(survey_id: str) -> str:
+    """Return the id if it is a UUID in lower case with hyphens.
+
+    Raises:
+        SurveyRefusedError: It is anything else.
+    """
+    if not SURVEY_ID.fullmatch(survey_id):
+        raise SurveyRefusedError(
+            f"survey_id is {survey_id[:64]!r}; it must be a UUID in lower case with hyphens, "
+            "such as 0f8fad5b-d9cb-469f-a165-70867728950e"
+        )
+    return survey_id
+
+
+def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
+    """Return the folder of a survey below the data folder.
+
+    Args:
+        data: The data folder.
+        survey_id: UUID of the survey.
+        started_us: When it started [us since 1970, UTC].
+
+    Raises:
+        SurveyRefusedError: The id is no UUID or the time cannot be right.
+    """
+    check_survey_id(survey_id)
+    if not utc_time.is_plausible(started_us):
+        raise SurveyRefusedError(
+            f"the survey would start on {utc_time.iso_text(started_us)}; set the computer's clock"
+        )
+    return data / f"{utc_time.compact_text(started_us)}_{survey_id[:8]}"
+
+
+def trace_file_name(trace: TraceRecord) -> str:
+    """Return such as 000123_X0050.00_Y0050.00_Z+090.00.json.
+
+    The index makes the name unique; the coordinates in it are for people.
+    """
+    x_mm, y_mm, z_deg = (
+        round(value, 2) + 0.0  # never "-0.00"
+        for value in (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
+    )
+    return f"{trace.index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.json"

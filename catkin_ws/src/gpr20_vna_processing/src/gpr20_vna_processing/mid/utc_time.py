@@ -1,0 +1,34 @@
+"""Moments as whole microseconds since 1970 in UTC, and as texts."""
+
+from __future__ import annotations
+
+import datetime
+
+US_PER_S = 1_000_000
+NS_PER_US = 1_000
+
+# A computer without a clock battery starts in 1970: no such time is right.
+EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01
+LATEST_US = (1 << 32) * US_PER_S  # a ROS time ends in 2106
+
+_EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
+
+
+def is_plausible(time_us: int) -> bool:
+    """Say whether a moment [us since 1970] may be right."""
+    return EARLIEST_US <= time_us < LATEST_US
+
+
+def iso_text(time_us: int) -> str:
+    """Return a moment [us since 1970] as ISO 8601 text ending in +00:00.
+
+    That end, unlike Z, is read by `datetime.fromisoformat` of every Python 3.
+    """
+    moment = _EPOCH + datetime.timedelta(microseconds=time_us)
+    return moment.isoformat(timespec="microseconds")
+
+
+def compact_text(time_us: int) -> str:
+    """Return a moment [us since 1970] as YYYYMMDDTHHMMSS, for names."""
+    moment = _EPOCH + datetime.timedelta(microseconds=time_us)
+    return moment.strftime("%Y%m%dT%H%M%S")

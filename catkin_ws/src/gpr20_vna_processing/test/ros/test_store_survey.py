@@ -1,0 +1,316 @@
+#!/usr/bin/env python3
+"""A survey stored through the services of the running node."""
+
+from __future__ import annotations
+
+import glob
+import json
+import math
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import uuid
+from pathlib import Path
+from types import MappingProxyType
+
+import rosbag
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader, make_reader
+from mcap_ros1.decoder import DecoderFactory
+
+from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
+from gpr20_msgs.srv import CloseSurvey, OpenSurvey, StoreData
+
+PACKAGE = "gpr20_vna_processing"
+NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
+TIME_LIMIT_S = 15.0
+TRACES = 6
+
+
+def make_trace(survey_id: str, index: int, changes=MappingProxyType({})) -> Trace:
+    now = rospy.Time.from_sec(math.floor(time.time()) - 1)
+    later = rospy.Time(now.secs, 123_456_789)  # nanoseconds are cut off everywhere
+    trace = Trace(
+        format="gpr20-trace/1",
+        survey_id=survey_id,
+        sample_id=f"{survey_id}-{index:06d}",
+        index=index,
+        timestamp=later,
+        x_coord_mm=50.0 * index,
+        y_coord_mm=50.0,
+        z_coord_deg=90.0 * (index % 2),
+        antennae_height_m=math.nan if index == 0 else 0.1 * index,
+        frequency_hz=[600e6 + 512.0 * k for k in range(201)],
+        s21_real=[math.sin(k + index) * 1e-3 for k in range(201)],
+        s21_imag=[math.cos(k + index) * 1e-300 for k in range(201)],
+        sweep_started=now,
+        sweep_ended=later,
+        quality=["level low"] if index == 2 else [],
+    )
+    for name, value in changes.items():
+        setattr(trace, name, value)
+    return trace
+
+
+def numbers(trace) -> tuple:
+    """Return what must be the same in JSON, bag, MCAP and topic."""
+    get = trace.get if isinstance(trace, dict) else lambda name: getattr(trace, name)
+    height = get("antennae_height_m")
+    return (
+        *(get(name) for name in ("index", "sample_id", "x_coord_mm", "y_coord_mm", "z_coord_deg")),
+        None if height is None or math.isnan(height) else height,
+        *(tuple(get(name)) for name in ("frequency_hz", "s21_real", "s21_imag", "quality")),
+    )
+
+
+class StoreSurveyTest(unittest.TestCase):
+    @classmethod
+    def tearDownClass(cls) -> None:
+        shutil.rmtree(rospy.get_param("vna_processing/data"))
+
+    def setUp(self) -> None:
+        self.data = rospy.get_param("vna_processing/data")
+        self.services = {
+            name: self.service(name, kind)
+            for name, kind in (
+                ("open_survey", OpenSurvey),
+                ("store_data", StoreData),
+                ("close_survey", CloseSurvey),
+            )
+        }
+        self.survey_id = str(uuid.uuid4())
+        # A test that failed half way must not fail the next ones.
+        self.addCleanup(self.close, "failed")
+
+    def service(self, name: str, kind):
+        rospy.wait_for_service(name, TIME_LIMIT_S)
+        return rospy.ServiceProxy(name, kind)
+
+    def wait_until(self, condition, what: str) -> None:
+        deadline_s = time.monotonic() + TIME_LIMIT_S
+        while not condition():
+            self.assertLess(time.monotonic(), deadline_s, what)
+            time.sleep(0.02)
+
+    def open(self, **changes):
+        request = {
+            "survey_id": self.survey_id,
+            "started": rospy.Time.now(),
+            "metadata_json": '{"parameters": {"x_points": 3}}',
+            "needed_bytes": 1_000_000,
+        }
+        return self.services["open_survey"](**{**request, **changes})
+
+    def store(self, index: int, **changes):
+        return self.services["store_data"](make_trace(self.survey_id, index, changes))
+
+    def close(self, outcome: str = "finished"):
+        return self.services["close_survey"](self.survey_id, outcome, "by the test")
+
+    def connected(self, publisher: rospy.Publisher) -> rospy.Publisher:
+        self.wait_until(lambda: publisher.get_num_connections() > 0, "nobody records the topic")
+        return publisher
+
+    def collect(self, topic: str, kind) -> list:
+        found: list = []
+        subscriber = rospy.Subscriber(topic, kind, found.append)
+        self.addCleanup(subscriber.unregister)
+        self.wait_until(lambda: subscriber.get_num_connections() > 0, f"no publisher of {topic}")
+        return found
+
+    def test_1_a_survey_is_the_same_in_json_bag_mcap_and_topic(self) -> None:
+        status = rospy.Publisher("control_status", ControlStatus, queue_size=1, latch=True)
+        status.publish(ControlStatus(code=ControlStatus.SURVEYING, message="before the survey"))
+        self.connected(status)
+        axis = rospy.Publisher("x_axis/current_coord", CurrentCoordinate, queue_size=10)
+        self.connected(axis)
+        live = self.collect("trace", Trace)
+        # Once the node reports again, the status sent before has reached it as well.
+        self.assertTrue(rospy.wait_for_message("/diagnostics", DiagnosticArray, TIME_LIMIT_S))
+
+        opened = self.open()
+        self.assertTrue(opened.success, opened.message)
+        paths = []
+        for index in range(TRACES):
+            axis.publish(CurrentCoordinate(coordinate=index))
+            for _ in range(2):  # the second is the repetition of a call whose answer was lost
+                answer = self.store(index)
+                self.assertTrue(answer.success, answer.message)
+            paths.append(answer.path)
+        self.wait_until(
+            lambda: len(self.on_disk(opened.path, "/robot1/x_axis/current_coord")) == TRACES,
+            "a topic is not recorded to the disk while the survey is open",
+        )
+        closed = self.close()
+        self.assertTrue(closed.success, closed.message)
+        self.assertEqual((closed.stored_traces, closed.path), (TRACES, opened.path))
+
+        expected = [numbers(make_trace(self.survey_id, index)) for index in range(TRACES)]
+        self.assertEqual(sorted(glob.glob(opened.path + "/traces/*")), paths)
+        files = [json.loads(Path(path).read_text("ascii")) for path in paths]
+        self.assertEqual([numbers(one) for one in files], expected)
+        bag = self.read_bag(opened.path)
+        self.assertEqual([numbers(one) for one in bag["/robot1/trace"]], expected)
+        mcap = self.read_mcap(opened.path)
+        self.assertEqual([numbers(one) for one in mcap["/robot1/trace"]], expected)
+        self.wait_until(lambda: len(live) >= TRACES, "traces are missing on the topic")
+        self.assertEqual([numbers(one) for one in live], expected)
+        self.check_times(files, bag["/robot1/trace"])
+        for recording in (bag, mcap):
+            self.check_other_topics(recording)
+        self.check_description(opened.path)
+        self.replay(opened.path, live, expected)
+
+    def check_times(self, files: list, messages: list) -> None:
+        for values, message in zip(files, messages):
+            self.assertEqual(values["timestamp"][-13:], ".123456+00:00")
+            self.assertEqual(message.timestamp.nsecs, 123_456_000)
+            self.assertEqual(message.sweep_ended.nsecs, 123_456_000)
+
+    def check_other_topics(self, recording: dict) -> None:
+        statuses = [message.message for message in recording["/robot1/control_status"]]
+        self.assertEqual(statuses, ["before the survey"])
+        (metadata,) = recording["/robot1/survey_metadata"]
+        self.assertEqual(json.loads(metadata.data)["survey_id"], self.survey_id)
+        coordinates = [one.coordinate for one in recording["/robot1/x_axis/current_coord"]]
+        self.assertEqual(coordinates, list(range(TRACES)))
+
+    def check_description(self, folder: str) -> None:
+        with open(folder + "/survey.json", encoding="ascii") as stream:
+            survey = json.load(stream)
+        self.assertEqual(survey["parameters"], {"x_points": 3})
+        self.assertEqual((survey["outcome"], survey["reason"]), ("finished", "by the test"))
+        self.assertEqual(survey["stored_traces"], TRACES)
+
+    def read_bag(self, folder: str) -> dict:
+        found: dict = {}
+        with rosbag.Bag(folder + "/survey.bag") as bag:
+            for topic, message, moment in bag.read_messages():
+                self.assertGreater(moment.secs, 1_577_836_800)
+                found.setdefault(topic, []).append(message)
+        return found
+
+    def read_mcap(self, folder: str) -> dict:
+        found: dict = {}
+        with open(folder + "/survey.mcap", "rb") as stream:
+            reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+            for _, channel, record, message in reader.iter_decoded_messages():
+                self.assertGreater(record.log_time, 1_577_836_800 * 10**9)
+                found.setdefault(channel.topic, []).append(message)
+        return found
+
+    def on_disk(self, folder: str, topic: str) -> list:
+        """Return what a recording that is still open holds of a topic."""
+        with open(folder + "/survey.mcap", "rb") as stream:
+            reader = NonSeekingReader(stream, decoder_factories=[DecoderFactory()])
+            found = []
+            try:
+                for _, channel, _, message in reader.iter_decoded_messages(log_time_order=False):
+                    if channel.topic == topic:
+                        found.append(message)
+            except (McapError, struct.error):
+                return found  # the file has no end yet
+        return found
+
+    def replay(self, folder: str, live: list, expected: list) -> None:
+        live.clear()
+        command = ["rosbag", "play", "--quiet", "--wait-for-subscribers", "--rate=5"]
+        topics = ["--topics", "/robot1/trace"]
+        subprocess.run(
+            [*command, folder + "/survey.bag", *topics], check=True, timeout=TIME_LIMIT_S
+        )
+        self.wait_until(lambda: len(live) >= TRACES, "the replay brought too few traces")
+        self.assertEqual([numbers(one) for one in live], expected)
+
+    def test_2_what_is_wrong_is_answered_with_a_reason_and_leaves_no_trace(self) -> None:
+        before = glob.glob(self.data + "/*")
+        for changes, reason in (
+            ({"survey_id": "../../evil"}, "UUID"),
+            ({"metadata_json": "[]"}, "must be an object"),
+            ({"metadata_json": "{" * 100_000}, "nested"),
+            ({"needed_bytes": 1 << 60}, "make space"),
+            ({"started": rospy.Time(1)}, "clock"),
+        ):
+            answer = self.open(**changes)
+            self.assertFalse(answer.success)
+            self.assertIn(reason, answer.message)
+        self.assertEqual(glob.glob(self.data + "/*"), before)
+        answer = self.store(0)
+        self.assertEqual((answer.success, "no survey is open" in answer.message), (False, True))
+
+        opened = self.open()
+        self.assertTrue(opened.success, opened.message)
+        for changes, reason in (
+            ({"s21_imag": [0.0] * 200}, "s21_imag has 200 values"),
+            ({"s21_real": [math.nan] * 201}, "201 NaN"),
+            ({"frequency_hz": [1.0] * 201}, "ascend"),
+            ({"survey_id": str(uuid.uuid4())}, "is open"),
+            ({"sample_id": "../x"}, "sample_id"),
+            ({"sweep_ended": rospy.Time(0)}, "1970"),
+        ):
+            answer = self.store(0, **changes)
+            self.assertFalse(answer.success)
+            self.assertIn(reason, answer.message)
+        self.assertEqual(os.listdir(opened.path + "/traces"), [])
+        self.assertFalse(self.open(survey_id=str(uuid.uuid4())).success)
+        closed = self.close("failed")
+        self.assertEqual((closed.success, closed.stored_traces), (True, 0))
+        self.assertNotIn("/robot1/trace", self.read_bag(opened.path))
+
+    def test_3_the_health_of_the_storage_is_told(self) -> None:
+        opened = self.open()
+        self.assertTrue(opened.success, opened.message)
+        self.assertTrue(self.store(0).success)
+        found = self.collect("/diagnostics", DiagnosticArray)
+
+        def told() -> bool:
+            values = [
+                {pair.key: pair.value for pair in status.values}
+                for array in list(found)
+                for status in array.status
+            ]
+            return any(
+                one.get("open survey") == self.survey_id and one.get("traces stored") == "1"
+                for one in values
+            )
+
+        self.wait_until(told, "the diagnostics do not tell of the survey")
+        self.wait_until(
+            lambda: self.on_disk(opened.path, "/diagnostics"),
+            "the diagnostics are not recorded",
+        )
+        self.assertTrue(self.close("stopped").success)
+
+    def test_4_a_node_that_is_stopped_finishes_the_recordings(self) -> None:
+        data = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, data)
+        node = subprocess.Popen(
+            [sys.executable, str(NODE), "__ns:=/robot2", f"_data:={data}"],
+        )
+        self.addCleanup(node.kill)
+        self.services["open_survey"] = self.service("/robot2/open_survey", OpenSurvey)
+        self.services["store_data"] = self.service("/robot2/store_data", StoreData)
+        opened = self.open()
+        self.assertTrue(self.store(0).success)
+        node.send_signal(signal.SIGINT)
+        node.wait(TIME_LIMIT_S)
+        with open(opened.path + "/survey.json", encoding="ascii") as stream:
+            survey = json.load(stream)
+        self.assertEqual((survey["outcome"], survey["stored_traces"]), ("interrupted", 1))
+        self.assertEqual(len(self.read_bag(opened.path)["/robot2/trace"]), 1)
+        self.assertEqual(len(self.read_mcap(opened.path)["/robot2/trace"]), 1)
+
+
+if __name__ == "__main__":
+    import rostest
+
+    rospy.init_node("test_store_survey")
+    rostest.rosrun(PACKAGE, "store_survey", StoreSurveyTest, sys.argv)

@@ -1,0 +1,216 @@
+"""What the tests of the storage share: traces, serialization without ROS, a storage to fill."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from pathlib import Path
+from typing import Any, Callable, Dict, List
+
+import numpy as np
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from gpr20_common.low.clock import Clock
+from gpr20_vna_processing.low.mcap_file import McapFile
+from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.mid import survey_metadata
+from gpr20_vna_processing.mid.data_processing import DataProcessing
+from gpr20_vna_processing.mid.processing_records import Limits, Storage
+from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
+OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+STARTED_US = 1_790_000_000_123_456
+NOW_NS = 1_790_000_100_000_000_001
+FREE_BYTES = 10**12
+
+MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
+TYPES = get_typestore(Stores.ROS1_NOETIC)
+TYPES.register(
+    get_types_from_msg((MESSAGES / "Trace.msg").read_text(), "gpr20_msgs/msg/Trace"),
+)
+
+
+def make_trace(index: int = 0, **changes: Any) -> TraceRecord:
+    """Return a good trace with some fields changed."""
+    points = 5
+    noise = np.random.default_rng(abs(index))
+    fields: Dict[str, Any] = {
+        "format": "gpr20-trace/1",
+        "survey_id": SURVEY,
+        "sample_id": f"sample-{index}",
+        "index": index,
+        "timestamp_us": STARTED_US + 1_000_003,
+        "x_coord_mm": 50.0,
+        "y_coord_mm": 12.345,
+        "z_coord_deg": 90.0,
+        "antennae_height_m": 0.1 + 0.2,
+        "frequency_hz": np.linspace(6e8, 6e9, points),
+        "s21_real": noise.standard_normal(points),
+        "s21_imag": noise.standard_normal(points),
+        "sweep_started_us": STARTED_US + 1,
+        "sweep_ended_us": STARTED_US + 1_000_001,
+        "quality": ("level low",),
+    }
+    return TraceRecord(**{**fields, **changes})
+
+
+def ros_time(time_us: int) -> Any:
+    seconds, rest_us = divmod(time_us, 1_000_000)
+    return TYPES.types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=rest_us * 1000)
+
+
+def recorded(
+    topic: str, datatype: str, message: Any, time_ns: int, latching: bool = False
+) -> RecordedMessage:
+    """Serialize a message of the type store."""
+    name = datatype.replace("/", "/msg/")
+    definition, md5sum = TYPES.generate_msgdef(name)
+    data = bytes(TYPES.serialize_ros1(message, name))
+    return RecordedMessage(topic, datatype, md5sum, definition, data, time_ns, latching)
+
+
+def text_message(topic: str, text: str, time_ns: int = NOW_NS, latching: bool = False):
+    """Return a std_msgs/String for recording."""
+    message = TYPES.types["std_msgs/msg/String"](data=text)
+    return recorded(topic, "std_msgs/String", message, time_ns, latching)
+
+
+class PlainMessages:
+    """Serializes as the node does, without ROS."""
+
+    def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
+        values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
+        values["quality"] = list(trace.quality)
+        for name in ("timestamp", "sweep_started", "sweep_ended"):
+            values[name] = ros_time(getattr(trace, f"{name}_us"))
+        message = TYPES.types["gpr20_msgs/msg/Trace"](**values)
+        return recorded("/trace", "gpr20_msgs/Trace", message, time_ns)
+
+    def metadata(self, text: str, time_ns: int) -> RecordedMessage:
+        return text_message("/survey_metadata", text, time_ns, latching=True)
+
+
+class MemoryRecording:
+    """A recording whose disk can be full."""
+
+    def __init__(self, name: str = "memory") -> None:
+        self.name = name
+        self.collected: List[RecordedMessage] = []
+        self.durable: List[RecordedMessage] = []
+        self.error: Any = None
+        self.finished = False
+
+    @property
+    def collected_bytes(self) -> int:
+        return sum(len(message.data) for message in self.collected)
+
+    def write(self, message: RecordedMessage) -> None:
+        self.collected.append(message)
+
+    def begin_chunk(self) -> None:
+        pass
+
+    def commit(self) -> None:
+        if self.error is not None:
+            raise self.error
+        self.durable += self.collected
+        self.collected = []
+
+    def finish(self) -> None:
+        self.commit()
+        self.finished = True
+
+    def abandon(self) -> None:
+        self.collected = []
+
+    def texts(self, topic: str) -> List[str]:
+        """Return the texts of a topic that are durable."""
+        return [
+            TYPES.deserialize_ros1(message.data, "std_msgs/msg/String").data
+            for message in self.durable
+            if message.topic == topic
+        ]
+
+
+def open_mcap(folder: Path, description: Dict[str, Any], started_ns: int) -> List[Any]:
+    """Begin the MCAP file of a survey, as the node does."""
+    return [
+        McapFile(
+            folder / "survey.mcap",
+            survey_metadata.as_texts(description),
+            survey_metadata.encode(description),
+            started_ns,
+        )
+    ]
+
+
+class Kit:
+    """A storage over a temporary folder and what it told."""
+
+    def __init__(
+        self,
+        data: Path,
+        open_recordings: Callable[..., List[Any]] = open_mcap,
+        limits: Limits = Limits(timeout_s=10.0, period_s=0.05),  # noqa: B008, RUF100
+        free_bytes: int = FREE_BYTES,
+        now_ns: int = NOW_NS,
+    ) -> None:
+        self.stored: List[TraceRecord] = []
+        self.opened: List[str] = []
+        self.now_ns = now_ns
+        self.processing = DataProcessing(
+            Storage(
+                data=data,
+                open_recordings=open_recordings,
+                messages=PlainMessages(),
+                free_bytes=lambda _: free_bytes,
+                now_ns=lambda: self.now_ns,
+                clock=Clock(),
+                revision="1.2.3",
+            ),
+            limits,
+            on_opened=self.opened.append,
+            on_stored=self.stored.append,
+        )
+        self.processing.start()
+
+    def open(self, survey_id: str = SURVEY, **changes: Any) -> Path:
+        """Open a survey."""
+        arguments = {"started_us": STARTED_US, "metadata_json": '{"simulated": true}'}
+        return self.processing.open_survey(
+            survey_id, **{**arguments, "needed_bytes": 1000, **changes}
+        )
+
+
+def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
+    """Return when the condition holds; fail if it does not in time."""
+    deadline_s = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < deadline_s, "the condition did not come true in time"
+        time.sleep(0.01)
+
+
+def assert_same_numbers(trace: TraceRecord, values: Any) -> None:
+    """Compare a trace with a message or the values of a JSON file, bit for bit."""
+    get = values.get if isinstance(values, dict) else lambda name: getattr(values, name)
+    for name in ("frequency_hz", "s21_real", "s21_imag"):
+        assert np.array(get(name), np.float64).tobytes() == getattr(trace, name).tobytes()
+    for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg", "index", "sample_id", "survey_id"):
+        assert get(name) == getattr(trace, name)
+    height = get("antennae_height_m")
+    if math.isnan(trace.antennae_height_m):
+        assert height is None or math.isnan(height)
+    else:
+        assert height == trace.antennae_height_m
+    assert tuple(get("quality")) == trace.quality
+
+
+def read_json(path: Path) -> Dict[str, Any]:
+    """Read strict JSON."""
+
+    def refuse(name: str) -> None:
+        raise ValueError(f"{name} is not JSON")
+
+    return json.loads(path.read_text("ascii"), parse_constant=refuse)

@@ -1,0 +1,28 @@
+"""Stores traces as fast as it can and prints the index of each one acknowledged."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from pathlib import Path
+
+from storage_kit import Kit, make_trace, open_mcap, text_message
+
+from gpr20_vna_processing.low.bag_file import BagFile
+
+
+def open_both(folder, *arguments):
+    return [BagFile(folder / "survey.bag"), *open_mcap(folder, *arguments)]
+
+
+def main() -> None:
+    kit = Kit(Path(sys.argv[1]), open_both)
+    print(kit.open(), flush=True)
+    for index in itertools.count():
+        for number in range(5):
+            kit.processing.record(text_message("/t", f"{index} {number}"))
+        kit.processing.store(make_trace(index))
+        print(index, flush=True)
+
+
+main()

@@ -1,0 +1,386 @@
+from __future__ import annotations
+
+import errno
+import os
+import threading
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from storage_kit import (
+    NOW_NS,
+    OTHER_SURVEY,
+    STARTED_US,
+    SURVEY,
+    TYPES,
+    Kit,
+    MemoryRecording,
+    assert_same_numbers,
+    make_trace,
+    read_json,
+    recorded,
+    text_message,
+    wait_until,
+)
+
+from gpr20_vna_processing.mid.errors import (
+    StorageFailedError,
+    SurveyRefusedError,
+    TraceRefusedError,
+)
+from gpr20_vna_processing.mid.processing_records import Limits
+
+DISK_FULL = OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.fixture
+def memory():
+    return MemoryRecording()
+
+
+@pytest.fixture
+def kit(tmp_path, memory):
+    kit = Kit(tmp_path / "data", lambda *_: [memory])
+    yield kit
+    memory.error = None
+    kit.processing.shut_down()
+
+
+def trace_files(folder):
+    return sorted(os.listdir(folder / "traces"))
+
+
+def traces_in(memory):
+    return [message for message in memory.durable if message.topic == "/trace"]
+
+
+def test_a_survey_has_its_folder_and_says_so(kit):
+    folder = kit.open(metadata_json='{"parameters": {"x_points": 3}}')
+    assert folder.name == "20260921T141320_0f8fad5b"
+    assert read_json(folder / "survey.json") == {
+        "format": "gpr20-survey/1",
+        "survey_id": SURVEY,
+        "started": "2026-09-21T14:13:20.123456+00:00",
+        "ended": None,
+        "outcome": None,
+        "reason": "",
+        "stored_traces": 0,
+        "software_revision": "1.2.3",
+        "parameters": {"x_points": 3},
+    }
+    assert kit.opened == [(folder / "survey.json").read_text()]
+
+
+def test_a_stored_trace_is_in_json_and_recording_before_the_answer(kit, memory):
+    folder = kit.open()
+    traces = [make_trace(index) for index in range(3)]
+    for count, trace in enumerate(traces, 1):
+        path = kit.processing.store(trace)
+        assert_same_numbers(trace, read_json(path))
+        assert len(traces_in(memory)) == count
+    assert len(trace_files(folder)) == 3
+    assert kit.stored == traces
+
+
+def test_storing_the_same_trace_again_succeeds_and_writes_nothing(kit, memory):
+    folder = kit.open()
+    path = kit.processing.store(make_trace(0))
+    before = path.stat()
+    assert kit.processing.store(make_trace(0)) == path
+    assert path.stat().st_mtime_ns == before.st_mtime_ns
+    assert (len(trace_files(folder)), len(traces_in(memory)), len(kit.stored)) == (1, 1, 1)
+
+
+def test_the_same_trace_from_many_callers_at_once_is_stored_once(kit, memory):
+    kit.open()
+    callers = [
+        threading.Thread(target=kit.processing.store, args=(make_trace(0),)) for _ in range(8)
+    ]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join(10.0)
+    assert (len(traces_in(memory)), len(kit.stored)) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("other", "reason"),
+    [
+        (make_trace(0, x_coord_mm=50.0000001), "other content"),
+        (make_trace(0, sample_id="another"), "other content"),
+        (make_trace(1, sample_id="sample-0"), "with index 0, not 1"),
+        (make_trace(1, survey_id=OTHER_SURVEY), f"but {SURVEY} is open"),
+    ],
+)
+def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory, other, reason):
+    folder = kit.open()
+    path = kit.processing.store(make_trace(0))
+    content = path.read_bytes()
+    with pytest.raises(TraceRefusedError, match=reason):
+        kit.processing.store(other)
+    assert path.read_bytes() == content
+    assert (len(trace_files(folder)), len(traces_in(memory)), len(kit.stored)) == (1, 1, 1)
+
+
+def test_a_foreign_file_in_the_place_of_a_trace_is_left_alone(kit, memory):
+    folder = kit.open()
+    path = folder / "traces" / "000000_X0050.00_Y0012.35_Z+090.00.json"
+    assert kit.processing.store(make_trace(1)).name.endswith(path.name[6:])
+    path.write_text("precious")
+    with pytest.raises(StorageFailedError, match="left alone"):
+        kit.processing.store(make_trace(0))
+    assert path.read_text() == "precious"
+    assert len(traces_in(memory)) == 1
+
+
+def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(kit, memory):
+    kit.open()
+    memory.error = DISK_FULL
+    for _ in range(2):
+        with pytest.raises(StorageFailedError, match="disk is full; make space"):
+            kit.processing.store(make_trace(0))
+    assert kit.stored == []
+    assert kit.processing.state().failing
+    memory.error = None
+    kit.processing.store(make_trace(0))
+    assert (len(traces_in(memory)), len(kit.stored)) == (1, 1)
+    assert not kit.processing.state().failing
+
+
+def test_a_trace_made_durable_by_the_next_one_is_told_once_too(kit, memory):
+    kit.open()
+    memory.error = DISK_FULL
+    with pytest.raises(StorageFailedError):
+        kit.processing.store(make_trace(0))
+    memory.error = None
+    kit.processing.store(make_trace(1))
+    kit.processing.store(make_trace(0))
+    assert [trace.index for trace in kit.stored] == [0, 1]
+    assert len(traces_in(memory)) == 2
+
+
+def test_a_trace_whose_json_cannot_be_written_is_nowhere(kit, memory, monkeypatch):
+    folder = kit.open()
+
+    def refuse(*_arguments):
+        raise DISK_FULL
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "link", refuse)
+        with pytest.raises(StorageFailedError, match="disk is full"):
+            kit.processing.store(make_trace(0))
+    assert trace_files(folder) == []
+    assert traces_in(memory) == []
+    kit.processing.store(make_trace(0))
+    assert (len(trace_files(folder)), len(traces_in(memory)), len(kit.stored)) == (1, 1, 1)
+
+
+def test_other_topics_are_dropped_not_kept_while_the_disk_is_full(kit, memory):
+    kit.open()
+    memory.error = DISK_FULL
+    for number in range(6):
+        kit.processing.record(text_message("/t", "x" * 500_000))
+        wait_until(lambda: kit.processing.state().queues.messages == 0)
+        kit.processing.record(text_message("/t", str(number)))
+    wait_until(lambda: kit.processing.state().unrecorded > 0)
+    assert memory.collected_bytes < 3_000_000
+
+
+def test_latched_topics_published_before_the_survey_are_recorded(kit, memory):
+    kit.processing.record(text_message("/status", "old", latching=True))
+    kit.processing.record(text_message("/status", "idle", latching=True))
+    kit.processing.record(text_message("/plain", "before"))
+    kit.open()
+    assert memory.texts("/status") == ["idle"]
+    assert memory.texts("/plain") == []
+    assert memory.texts("/survey_metadata") == kit.opened
+    assert all(message.time_ns == kit.now_ns for message in memory.durable)
+
+
+def test_messages_of_other_topics_reach_the_disk_without_a_trace(kit, memory):
+    kit.open()
+    kit.processing.record(text_message("/t", "a"))
+    wait_until(lambda: memory.texts("/t") == ["a"])
+
+
+def test_a_topic_that_changes_its_type_is_not_recorded_under_the_former(kit, memory):
+    kit.open()
+    number = TYPES.types["std_msgs/msg/UInt8"](data=1)
+    kit.processing.record(text_message("/t", "a"))
+    kit.processing.record(recorded("/t", "std_msgs/UInt8", number, NOW_NS))
+    kit.processing.record(text_message("/t", "b"))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    assert memory.texts("/t") == ["a", "b"]
+    assert kit.processing.state().unrecorded == 1
+
+
+def test_closing_writes_how_the_survey_ended(kit, memory):
+    folder = kit.open()
+    kit.processing.store(make_trace(0))
+    closed = kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    survey = read_json(folder / "survey.json")
+    assert (closed.stored_traces, closed.folder) == (1, folder)
+    assert (survey["outcome"], survey["reason"]) == ("stopped", "by the operator")
+    assert survey["stored_traces"] == 1
+    assert survey["ended"] == "2026-09-21T14:15:00.000000+00:00"
+    assert memory.finished
+
+
+def test_closing_again_gives_the_same_answer(kit):
+    kit.open()
+    first = kit.processing.close_survey(SURVEY, "finished", "")
+    assert kit.processing.close_survey(SURVEY, "finished", "") == first
+
+
+def test_a_survey_that_cannot_be_finished_stays_open_and_can_be_closed_later(kit, memory):
+    folder = kit.open()
+    memory.error = DISK_FULL
+    with pytest.raises(StorageFailedError, match="disk is full"):
+        kit.processing.close_survey(SURVEY, "finished", "")
+    assert read_json(folder / "survey.json")["ended"] is None
+    memory.error = None
+    kit.processing.close_survey(SURVEY, "finished", "")
+    assert read_json(folder / "survey.json")["outcome"] == "finished"
+
+
+def test_a_survey_that_is_half_finished_takes_no_more_traces(kit, memory, monkeypatch):
+    kit.open()
+
+    def refuse():
+        raise DISK_FULL
+
+    with monkeypatch.context() as patch:
+        patch.setattr(memory, "finish", refuse)
+        with pytest.raises(StorageFailedError, match="disk is full"):
+            kit.processing.close_survey(SURVEY, "finished", "")
+    with pytest.raises(TraceRefusedError, match="being closed"):
+        kit.processing.store(make_trace(0))
+    assert kit.processing.close_survey(SURVEY, "finished", "").stored_traces == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ((OTHER_SURVEY, "finished", ""), "is not open"),
+        ((SURVEY, "complete", ""), "one of finished, stopped, failed"),
+        ((SURVEY, "stopped", "x" * 5000), "at most 4096"),
+        (("..", "stopped", ""), "UUID"),
+    ],
+)
+def test_a_wrong_close_is_refused(kit, arguments, reason):
+    kit.open()
+    with pytest.raises(SurveyRefusedError, match=reason):
+        kit.processing.close_survey(*arguments)
+    assert kit.processing.state().survey_id == SURVEY
+
+
+def test_nothing_is_stored_without_a_survey(kit):
+    with pytest.raises(SurveyRefusedError, match="no survey is open"):
+        kit.processing.store(make_trace(0))
+
+
+def test_a_second_survey_is_refused_while_one_is_open(kit):
+    kit.open()
+    with pytest.raises(SurveyRefusedError, match=f"survey {SURVEY} is open"):
+        kit.open(OTHER_SURVEY)
+
+
+def test_opening_the_same_survey_again_gives_the_same_answer(kit, memory):
+    folder = kit.open()
+    kit.processing.store(make_trace(0))
+    assert kit.open() == folder
+    assert len(kit.opened) == len(memory.texts("/survey_metadata")) == 1
+    with pytest.raises(SurveyRefusedError, match="is open"):
+        kit.open(metadata_json='{"other": 1}')
+
+
+def test_traces_that_cannot_be_recorded_do_not_fill_the_memory(kit, memory):
+    kit.open()
+    memory.error = DISK_FULL
+    ramp = np.arange(1.0, 4002.0)
+    for index in range(40):
+        with pytest.raises(StorageFailedError, match="disk is full"):
+            kit.processing.store(make_trace(index, frequency_hz=ramp, s21_real=ramp, s21_imag=ramp))
+    assert memory.collected_bytes < 1_300_000
+
+
+def test_the_data_folder_is_made_when_it_is_missing(tmp_path):
+    kit = Kit(tmp_path / "a" / "b", lambda *_: [MemoryRecording()])
+    assert kit.open().parent == tmp_path / "a" / "b"
+    kit.processing.shut_down()
+
+
+def test_two_surveys_never_share_a_folder(kit):
+    folder = kit.open()
+    kit.processing.store(make_trace(0))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    with pytest.raises(SurveyRefusedError, match="exists already"):
+        kit.open(SURVEY)
+    assert len(trace_files(folder)) == 1
+    assert kit.open(OTHER_SURVEY) != folder
+
+
+def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
+    limits = Limits(disk_reserve_bytes=400_000_000)
+    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], limits=limits, free_bytes=1_000_000_000)
+    with pytest.raises(SurveyRefusedError, match="needs 601 MB and 400 MB .* only 1000 MB"):
+        kit.open(needed_bytes=601_000_000)
+    assert os.listdir(tmp_path) == []
+    kit.open(needed_bytes=600_000_000)
+    kit.processing.shut_down()
+
+
+def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
+    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], now_ns=1_000)
+    with pytest.raises(SurveyRefusedError, match="clock says 1970"):
+        kit.open()
+    kit.processing.shut_down()
+
+
+@pytest.mark.parametrize("survey_id", ["../../evil", "", "a" * 36])
+def test_no_survey_id_makes_anything_outside_the_data_folder(tmp_path, kit, survey_id):
+    with pytest.raises(SurveyRefusedError):
+        kit.open(survey_id)
+    assert os.listdir(tmp_path) == []
+
+
+def test_recordings_that_cannot_begin_leave_no_survey_open(tmp_path):
+    answers = [DISK_FULL, None]
+
+    def open_recordings(*_arguments):
+        error = answers.pop(0)
+        if error:
+            raise error
+        return [MemoryRecording()]
+
+    kit = Kit(tmp_path, open_recordings)
+    with pytest.raises(StorageFailedError, match="disk is full"):
+        kit.open()
+    assert kit.processing.state().survey_id == ""
+    kit.open(OTHER_SURVEY)
+    kit.processing.shut_down()
+
+
+def test_a_shut_down_finishes_the_recordings_and_says_interrupted(tmp_path):
+    kit = Kit(tmp_path)
+    folder = kit.open()
+    kit.processing.store(make_trace(0))
+    kit.processing.shut_down()
+    survey = read_json(folder / "survey.json")
+    assert (survey["outcome"], survey["stored_traces"]) == ("interrupted", 1)
+    with open(folder / "survey.mcap", "rb") as stream:
+        assert make_reader(stream).get_summary().statistics.message_count == 2
+
+
+def test_the_state_tells_what_is_open(kit):
+    assert kit.processing.state().survey_id == ""
+    folder = kit.open()
+    kit.processing.store(make_trace(0))
+    state = kit.processing.state()
+    assert (state.survey_id, state.folder, state.stored_traces) == (SURVEY, str(folder), 1)
+    assert (state.last_error, state.failing) == ("", False)
+
+
+def test_the_folder_name_is_that_of_the_start_not_of_the_request(kit):
+    folder = kit.open(started_us=STARTED_US + 60_000_000)
+    assert folder.name.startswith("20260921T141420")

@@ -1,0 +1,167 @@
+from __future__ import annotations
+
+import errno
+import os
+
+import pytest
+
+from gpr20_vna_processing.low import json_trace_file
+from gpr20_vna_processing.low.committed_file import CommittedFile
+
+
+def full_disk(*_arguments):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_new_file_never_overwrites_another(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_bytes(b"first")
+    with pytest.raises(FileExistsError):
+        json_trace_file.write_new_file(path, b"second")
+    assert path.read_bytes() == b"first"
+    assert os.listdir(tmp_path) == ["a.json"]
+
+
+def test_writing_the_same_file_again_is_no_error(tmp_path):
+    path = tmp_path / "a.json"
+    json_trace_file.write_new_file(path, b"same")
+    json_trace_file.write_new_file(path, b"same")
+    assert os.listdir(tmp_path) == ["a.json"]
+
+
+@pytest.mark.parametrize("write", [json_trace_file.write_new_file, json_trace_file.replace_file])
+def test_a_full_disk_leaves_no_part_of_a_file(tmp_path, monkeypatch, write):
+    monkeypatch.setattr(os, "fsync", full_disk)
+    with pytest.raises(OSError, match="No space"):
+        write(tmp_path / "a.json", b"content")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_file_and_its_name_are_on_the_disk_before_the_call_returns(tmp_path, monkeypatch):
+    synced = []
+    seen = []
+    real_fsync = os.fsync
+
+    def fsync(descriptor):
+        synced.append(os.readlink(f"/proc/self/fd/{descriptor}"))
+        seen.append(list(tmp_path.glob("*.json")))
+        real_fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    json_trace_file.write_new_file(tmp_path / "a.json", b"content")
+    content, folder = synced
+    assert content.startswith(str(tmp_path / ".a.json."))
+    assert folder == str(tmp_path)
+    # Until its content is durable nothing has the name of a trace.
+    assert seen == [[], [tmp_path / "a.json"]]
+
+
+@pytest.mark.parametrize("make", [json_trace_file.make_new_folder, CommittedFile])
+def test_the_name_of_a_new_folder_or_recording_is_durable(tmp_path, monkeypatch, make):
+    synced = []
+    monkeypatch.setattr(
+        os, "fsync", lambda descriptor: synced.append(os.readlink(f"/proc/self/fd/{descriptor}"))
+    )
+    make(tmp_path / "new")
+    assert synced == [str(tmp_path)]
+
+
+def test_replacing_keeps_the_former_content_when_the_disk_is_full(tmp_path, monkeypatch):
+    path = tmp_path / "a.json"
+    path.write_bytes(b"former")
+    monkeypatch.setattr(os, "fsync", full_disk)
+    with pytest.raises(OSError, match="No space"):
+        json_trace_file.replace_file(path, b"new")
+    assert path.read_bytes() == b"former"
+
+
+def test_nothing_reaches_the_disk_before_the_commit(tmp_path):
+    file = CommittedFile(tmp_path / "f")
+    file.write(b"abc")
+    assert (tmp_path / "f").read_bytes() == b""
+    file.commit()
+    assert (tmp_path / "f").read_bytes() == b"abc"
+    file.release()
+
+
+def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
+    file = CommittedFile(tmp_path / "f")
+    file.write(b"abc")
+    file.commit()
+    file.write(b"defghi")
+    real_pwrite = os.pwrite
+
+    def half_then_full(descriptor, data, offset):
+        if offset > 3:
+            full_disk()
+        return real_pwrite(descriptor, data[:2], offset)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "pwrite", half_then_full)
+        with pytest.raises(OSError, match="No space"):
+            file.commit()
+    assert file.collected_bytes == 6
+    file.write(b"jk")
+    file.commit()
+    assert (tmp_path / "f").read_bytes() == b"abcdefghijk"
+    file.release()
+
+
+def test_a_correction_is_written_after_what_it_points_at(tmp_path, monkeypatch):
+    file = CommittedFile(tmp_path / "f")
+    file.write(b"head body ")
+    file.commit()
+    offsets = []
+    real_pwrite = os.pwrite
+
+    def pwrite(descriptor, data, offset):
+        offsets.append(offset)
+        return real_pwrite(descriptor, data, offset)
+
+    monkeypatch.setattr(os, "pwrite", pwrite)
+    file.seek(0)
+    file.write(b"HEAD")
+    file.seek(0, os.SEEK_END)
+    file.write(b"index")
+    assert (tmp_path / "f").read_bytes() == b"head body "
+    file.commit()
+    assert (tmp_path / "f").read_bytes() == b"HEAD body index"
+    assert offsets == [10, 0]
+    file.release()
+
+
+def test_the_trailer_is_overwritten_until_it_is_kept(tmp_path):
+    file = CommittedFile(tmp_path / "f", trailer=b"--")
+    for piece in (b"abc", b"def"):
+        file.write(piece)
+        file.commit()
+    assert (tmp_path / "f").read_bytes() == b"abcdef--"
+    file.keep_trailer()
+    file.write(b"end")
+    file.commit()
+    assert (tmp_path / "f").read_bytes() == b"abcdef--end"
+    file.release()
+
+
+def test_content_that_must_not_be_seen_in_part_gets_its_first_byte_last(tmp_path, monkeypatch):
+    file = CommittedFile(tmp_path / "f")
+    file.write(b"head")
+    file.commit()
+    file.write(b"index")
+    seen = []
+    real_fsync = os.fsync
+
+    def fsync(descriptor):
+        seen.append((tmp_path / "f").read_bytes())
+        real_fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    file.commit(first_byte_last=True)
+    assert seen == [b"head\0ndex", b"headindex"]
+    file.release()
+
+
+def test_a_file_that_exists_is_not_taken(tmp_path):
+    (tmp_path / "f").write_bytes(b"precious")
+    with pytest.raises(FileExistsError):
+        CommittedFile(tmp_path / "f")

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
+
+from storage_kit import assert_same_numbers, make_trace, read_json  # noqa: E402
+from test_mcap_file import read_forward, traces_of  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+REINDEX = "import rosbag; rosbag.rosbagmain(['rosbag', 'reindex', '--quiet', {!r}])"
+
+
+def store_until_killed(data, after):
+    """Kill a process in the middle of its stores; return its folder and its last answer."""
+    child = subprocess.Popen(
+        [sys.executable, str(HERE / "storing_child.py"), str(data)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])},
+    )
+    folder = Path(child.stdout.readline().strip())
+    for line in child.stdout:
+        if int(line) >= after:
+            break
+    child.kill()
+    answered = [int(line) for line in child.communicate()[0].split()]
+    return folder, answered[-1] if answered else after
+
+
+@pytest.mark.parametrize("after", [0, 7, 33])
+def test_a_killed_storage_loses_no_acknowledged_trace(tmp_path, after):
+    folder, last = store_until_killed(tmp_path, after)
+    acknowledged = [make_trace(index) for index in range(last + 1)]
+
+    files = sorted((folder / "traces").glob("*.json"))
+    assert len(files) in (last + 1, last + 2)
+    for trace, path in zip(acknowledged, files):
+        assert_same_numbers(trace, read_json(path))
+
+    in_mcap = traces_of(read_forward((folder / "survey.mcap").read_bytes()))
+    assert len(in_mcap) in (last + 1, last + 2)
+    for trace, message in zip(acknowledged, in_mcap):
+        assert_same_numbers(trace, message)
+
+    path = str(folder / "survey.bag")
+    subprocess.run([sys.executable, "-c", REINDEX.format(path)], check=True, timeout=60)
+    with rosbag.Bag(path) as bag:
+        in_bag = [message for _, message, _ in bag.read_messages(topics=["/trace"])]
+    assert len(in_bag) in (last + 1, last + 2)
+    for trace, message in zip(acknowledged, in_bag):
+        assert_same_numbers(trace, message)
+
+
+def test_a_killed_storage_leaves_a_survey_that_does_not_claim_to_have_ended(tmp_path):
+    folder, _ = store_until_killed(tmp_path, 2)
+    survey = read_json(folder / "survey.json")
+    assert (survey["ended"], survey["outcome"]) == (None, None)

@@ -1,0 +1,32 @@
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import gpr20_vna_processing
+from gpr20_vna_processing.low.disk import free_bytes
+from gpr20_vna_processing.low.revision import software_revision
+
+PACKAGE = Path(__file__).resolve().parents[2]
+
+
+def test_the_revision_names_the_commit_of_the_sources(tmp_path):
+    identity = ["-c", "user.name=a", "-c", "user.email=a@b.example"]
+    for command in (["init", "-q"], [*identity, "commit", "-q", "--allow-empty", "-m", "first"]):
+        subprocess.run(["git", "-C", str(tmp_path), *command], check=True)
+    assert re.fullmatch(r"1\.2\.3 \(git [0-9a-f]{7,40}\)", software_revision("1.2.3", tmp_path))
+
+
+def test_sources_without_git_are_named_by_their_version(tmp_path):
+    assert software_revision("1.2.3", tmp_path) == "1.2.3"
+    assert software_revision("1.2.3", tmp_path / "missing") == "1.2.3"
+
+
+def test_the_version_is_that_of_the_package():
+    version = gpr20_vna_processing.__version__
+    assert f"<version>{version}</version>" in (PACKAGE / "package.xml").read_text()
+
+
+def test_the_free_space_is_that_of_the_folder(tmp_path):
+    assert 0 < free_bytes(tmp_path) < 1 << 60

@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+import datetime
+import json
+import math
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from storage_kit import STARTED_US, assert_same_numbers, make_trace, read_json
+
+from gpr20_vna_processing.mid import trace_json, utc_time
+
+KEYS = [
+    "format", "survey_id", "sample_id", "index", "timestamp", "x_coord_mm", "y_coord_mm",
+    "z_coord_deg", "antennae_height_m", "frequency_hz", "s21_real", "s21_imag",
+    "sweep_started", "sweep_ended", "quality",
+]  # fmt: skip
+FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
+
+
+@given(st.lists(st.tuples(FINITE, FINITE), min_size=5, max_size=5), FINITE)
+def test_every_float64_comes_back_bit_for_bit(pairs, height):
+    real, imag = np.array(pairs, np.float64).T.copy()
+    trace = make_trace(s21_real=real, s21_imag=imag, antennae_height_m=height)
+    assert_same_numbers(trace, json.loads(trace_json.encode(trace)))
+
+
+@given(st.floats(6e9 - 1e-3, 6e9))
+def test_neighbouring_frequencies_stay_apart(frequency_hz):
+    grid = np.array([1.0, 2.0, 3.0, np.nextafter(frequency_hz, 0.0), frequency_hz])
+    trace = make_trace(frequency_hz=grid)
+    assert_same_numbers(trace, json.loads(trace_json.encode(trace)))
+
+
+def test_the_keys_are_those_of_the_format():
+    assert list(json.loads(trace_json.encode(make_trace()))) == KEYS
+
+
+def test_a_missing_height_is_null_in_strict_json(tmp_path):
+    path = tmp_path / "trace.json"
+    path.write_bytes(trace_json.encode(make_trace(antennae_height_m=math.nan)))
+    assert read_json(path)["antennae_height_m"] is None
+
+
+@given(st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1))
+def test_times_are_iso_8601_in_utc_to_the_microsecond(time_us):
+    text = utc_time.iso_text(time_us)
+    moment = datetime.datetime.fromisoformat(text)
+    epoch = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
+    assert (moment - epoch) // datetime.timedelta(microseconds=1) == time_us
+    assert len(text) == len("2026-01-01T00:00:00.000000+00:00")
+
+
+def test_the_three_times_are_not_mixed_up():
+    values = json.loads(trace_json.encode(make_trace()))
+    expected = [STARTED_US + 1_000_003, STARTED_US + 1, STARTED_US + 1_000_001]
+    assert [values[key] for key in ("timestamp", "sweep_started", "sweep_ended")] == [
+        utc_time.iso_text(time_us) for time_us in expected
+    ]
