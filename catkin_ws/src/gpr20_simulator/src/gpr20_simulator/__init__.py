@@ -1,0 +1,1 @@
+"""The simulated GPR-20 robot."""

@@ -1,0 +1,58 @@
+"""The VNA driver, finding the simulated instrument behind loopback addresses."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Optional
+
+import rospy
+
+from gpr20_common.high.node import run_node
+from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
+from gpr20_simulator.low.world import World
+from gpr20_vna_acquisition.high.vna_node import VNANode, build_vna_node, read_vna_parameters
+from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
+
+LOOPBACK = "127."
+# The simulator may still be starting when the first connection is asked for.
+PORT_LIMIT_S = 5.0
+PORT_POLL_S = 0.02
+
+
+def simulated_port(world: World) -> int:
+    """Return the port of the simulated instrument, waiting a bounded time for it to listen.
+
+    Raises:
+        VnaConnectionError: It does not listen.
+    """
+    deadline_s = time.monotonic() + PORT_LIMIT_S
+    while world.vna_port == 0 and time.monotonic() < deadline_s:
+        time.sleep(PORT_POLL_S)
+    if world.vna_port == 0:
+        raise VnaConnectionError(
+            f"the simulated VNA does not listen after {PORT_LIMIT_S:g} s; "
+            "check that the node simulator runs"
+        )
+    return world.vna_port
+
+
+def build_simulated_vna() -> VNANode:
+    """Build the real node; only the port of loopback addresses comes from the simulator."""
+    part = open_simulated_part(rospy.get_namespace())
+    parameters = read_vna_parameters(others=SimulatedPart.PARAMETERS)
+    # A sweep of the faster robot is over so much sooner.
+    time_scale = float(rospy.get_param("~time_scale", 1.0))
+    parameters = replace(parameters, seconds_per_point=parameters.seconds_per_point / time_scale)
+
+    def port_of(address: str) -> Optional[int]:
+        if address.startswith(LOOPBACK):
+            return simulated_port(part.world)
+        return parameters.vxi11_port or None
+
+    return build_vna_node(parameters, port_of, f"simulated {parameters.model}")
+
+
+def main() -> None:
+    """Run the VNA driver of the simulated robot."""
+    run_node("vna_acquisition", build_simulated_vna)

@@ -1,0 +1,1 @@
+"""How the simulated robot and its surroundings behave; no ROS."""

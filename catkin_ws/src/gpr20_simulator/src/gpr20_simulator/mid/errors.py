@@ -1,0 +1,21 @@
+"""Errors of the simulated robot."""
+
+from __future__ import annotations
+
+from gpr20_common.mid.errors import Gpr20Error
+
+
+class SimulatorError(Gpr20Error):
+    """Something about the simulated robot was refused or failed."""
+
+
+class SceneError(SimulatorError, ValueError):
+    """A scene file is missing, is not YAML or holds a key or value that is not allowed."""
+
+
+class FaultError(SimulatorError, ValueError):
+    """A fault was asked for that does not exist."""
+
+
+class MediumError(SimulatorError, ValueError):
+    """The medium in front of the antennas was asked for by an unknown name."""

@@ -1,0 +1,271 @@
+"""What the simulated robot consists of and stands over: the scene file.
+
+Every key has a default but those that only the user can know (a target's place), so a
+scene file says only what is special about it.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass, field
+from typing import Optional, Tuple
+
+from gpr20_simulator.low.yaml_file import read_yaml
+from gpr20_simulator.mid.errors import SceneError
+from gpr20_simulator.mid.strict_record import bounded, record_from
+
+
+class Shape(enum.Enum):
+    """Shape of a buried target."""
+
+    SPHERE = "sphere"
+    DISC = "disc"
+    LINE = "line"
+
+
+@dataclass(frozen=True)
+class Soil:
+    """The ground as a uniform half space.
+
+    Attributes:
+        relative_permittivity: Real part, relative to vacuum.
+        loss_tangent: Imaginary over real part of the permittivity.
+    """
+
+    relative_permittivity: float = bounded(1.0, 81.0, 4.0)
+    loss_tangent: float = bounded(0.0, 1.0, 0.01)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The surface: a plane at height 0 with a slope and a wave on it.
+
+    Attributes:
+        slope_x: Rise per distance along X [m/m].
+        slope_y: Rise per distance along Y [m/m].
+        wave_amplitude_m: Amplitude of the undulation [m].
+        wave_length_m: Distance between two crests, along X and along Y [m].
+    """
+
+    slope_x: float = bounded(-0.2, 0.2, 0.0)
+    slope_y: float = bounded(-0.2, 0.2, 0.0)
+    wave_amplitude_m: float = bounded(0.0, 0.1, 0.0)
+    wave_length_m: float = bounded(0.05, 100.0, 0.5)
+
+
+@dataclass(frozen=True)
+class Antennas:
+    """The antenna pair.
+
+    Attributes:
+        height_m: Height of the antennas above the plane z = 0 [m].
+        separation_m: Distance between the two antennas, along their rotation [m].
+        coupling_level_db: Magnitude of the direct transmission between them [dB].
+        coupling_delay_s: Delay of the direct transmission [s].
+        surface_gain_db: Magnitude of the echo of a perfect mirror at 0.1 m of path [dB].
+    """
+
+    height_m: float = bounded(0.05, 0.6, 0.20)
+    separation_m: float = bounded(0.0, 0.5, 0.0)
+    coupling_level_db: float = bounded(-200.0, -3.0, -35.0)
+    coupling_delay_s: float = bounded(0.0, 100e-9, 0.4e-9)
+    surface_gain_db: float = bounded(-200.0, -3.0, -14.0)
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something buried.
+
+    Attributes:
+        name: For people.
+        shape: How it reflects: a sphere from its surface towards the antennas, a disc
+            and a line from all of their upper side.
+        x_mm: Centre along X [mm].
+        y_mm: Centre along Y [mm].
+        depth_m: Depth of its upper side below the plane z = 0 [m].
+        size_m: Diameter of a sphere or disc, length of a line [m].
+        direction_deg: Direction of a line, from X towards Y [deg].
+        x_pol_strength: Echo at rotation 0 deg, as a fraction of a field that has
+            travelled 0.1 m each way.
+        y_pol_strength: The same at rotation 90 deg.
+    """
+
+    name: str
+    shape: Shape
+    x_mm: float = bounded(-5000.0, 5000.0)
+    y_mm: float = bounded(-5000.0, 5000.0)
+    depth_m: float = bounded(0.001, 2.0)
+    size_m: float = bounded(0.001, 0.5, 0.05)
+    direction_deg: float = bounded(-180.0, 180.0, 0.0)
+    x_pol_strength: float = bounded(-0.5, 0.5, 0.05)
+    y_pol_strength: float = bounded(-0.5, 0.5, 0.05)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Receiver noise of the analyzer.
+
+    Attributes:
+        level_db: Root mean square of the complex noise on S21 [dB].
+        seed: Start of the random numbers; equal seeds give equal noise.
+    """
+
+    level_db: float = bounded(-300.0, -10.0, -90.0)
+    seed: int = bounded(0, 2**31 - 1, 20)
+
+
+@dataclass(frozen=True)
+class AxisMechanics:
+    """What one motor moves; places in [mm], or [deg] for the rotary axis.
+
+    Attributes:
+        size_per_step: Travel of one motor step [mm or deg].
+        start: Where the axis stands when the robot is switched on [mm or deg].
+        endstop: The endstop is pressed at this place and below; None: there is none.
+        lower_stop: The axis cannot go lower [mm or deg].
+        upper_stop: The axis cannot go higher [mm or deg].
+    """
+
+    size_per_step: float = bounded(1e-4, 45.0)
+    start: float = bounded(-5000.0, 5000.0)
+    endstop: Optional[float] = bounded(-5000.0, 5000.0)
+    lower_stop: float = bounded(-5000.0, 5000.0)
+    upper_stop: float = bounded(-5000.0, 5000.0)
+
+
+X_AXIS = AxisMechanics(
+    size_per_step=0.01, start=8.0, endstop=-1.0, lower_stop=-3.0, upper_stop=653.0
+)
+Y_AXIS = AxisMechanics(
+    size_per_step=0.01, start=6.0, endstop=-1.0, lower_stop=-3.0, upper_stop=803.0
+)
+# The rotary axis has neither endstop nor stops; its cable ends it after two turns.
+Z_AXIS = AxisMechanics(
+    size_per_step=1.8, start=0.0, endstop=None, lower_stop=-720.0, upper_stop=720.0
+)
+
+
+@dataclass(frozen=True)
+class RobotMechanics:
+    """The three axes of the carriage."""
+
+    x: AxisMechanics = X_AXIS
+    y: AxisMechanics = Y_AXIS
+    z: AxisMechanics = Z_AXIS
+
+
+@dataclass(frozen=True)
+class Adc:
+    """The analog-to-digital converter and the height sensor before it.
+
+    Attributes:
+        reference_voltage_v: Voltage of the highest code [V].
+        noise_v: Standard deviation of the sensor's noise [V].
+        seed: Start of the random numbers.
+    """
+
+    reference_voltage_v: float = bounded(1.0, 6.0, 3.3)
+    noise_v: float = bounded(0.0, 1.0, 0.003)
+    seed: int = bounded(0, 2**31 - 1, 40)
+
+
+@dataclass(frozen=True)
+class InstrumentScene:
+    """The simulated network analyzer.
+
+    Attributes:
+        manufacturer: First field of its identity.
+        model: Second field, options joined to it with "/".
+        serial: Third field.
+        firmware: Fourth field.
+        calibration_accuracy: 0 none, 1 high, 2 power changed, 3 temperature moved, 4 low.
+        setting_delay_s: How long a setting takes to have an effect [s].
+        trailing_comma: Whether ASCII data end with a comma.
+        trailing_newline: Whether a newline follows a data block.
+        header_digits: Digits of a block's length, zero padded; 0: as few as it needs.
+        ascii_digits: Digits after the point in ASCII data; 8 keep a float32 exactly.
+    """
+
+    manufacturer: str = "Anritsu"
+    model: str = "MS2026C/2"
+    serial: str = "SIMULATED"
+    firmware: str = "1.23"
+    calibration_accuracy: int = bounded(0, 4, 1)
+    setting_delay_s: float = bounded(0.0, 10.0, 0.0)
+    trailing_comma: bool = True
+    trailing_newline: bool = True
+    header_digits: int = bounded(0, 9, 0)
+    ascii_digits: int = bounded(2, 16, 8)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All of a scene file."""
+
+    name: str = "empty"
+    soil: Soil = field(default_factory=Soil)
+    surface: Surface = field(default_factory=Surface)
+    antennas: Antennas = field(default_factory=Antennas)
+    targets: Tuple[Target, ...] = ()
+    noise: Noise = field(default_factory=Noise)
+    robot: RobotMechanics = field(default_factory=RobotMechanics)
+    adc: Adc = field(default_factory=Adc)
+    instrument: InstrumentScene = field(default_factory=InstrumentScene)
+
+    def __post_init__(self) -> None:
+        """Refuse combinations that the ground cannot be computed for."""
+        _check_axis("robot.x", self.robot.x)
+        _check_axis("robot.y", self.robot.y)
+        _check_axis("robot.z", self.robot.z)
+        self._check_surface()
+
+    def _check_surface(self) -> None:
+        highest_m = self._surface_extent_m()
+        if highest_m > self.antennas.height_m - 0.02:
+            raise SceneError(
+                f"the surface rises up to {highest_m:.3g} m within the axes, the antennas are at "
+                f"{self.antennas.height_m:g} m; leave at least 0.02 m between them"
+            )
+        for target in self.targets:
+            if target.depth_m <= highest_m:
+                raise SceneError(
+                    f"target '{target.name}' is {target.depth_m:g} m deep, but the surface dips "
+                    f"up to {highest_m:.3g} m; bury it deeper than that"
+                )
+
+    def _surface_extent_m(self) -> float:
+        reach_x_m = max(abs(self.robot.x.lower_stop), self.robot.x.upper_stop) / 1000.0
+        reach_y_m = max(abs(self.robot.y.lower_stop), self.robot.y.upper_stop) / 1000.0
+        return (
+            abs(self.surface.slope_x) * reach_x_m
+            + abs(self.surface.slope_y) * reach_y_m
+            + self.surface.wave_amplitude_m
+        )
+
+
+def _check_axis(place: str, axis: AxisMechanics) -> None:
+    for name, value in (("start", axis.start), ("endstop", axis.endstop)):
+        if value is not None and not axis.lower_stop <= value <= axis.upper_stop:
+            raise SceneError(
+                f"{place}.{name} is {value:g}; it must lie between the hard stops "
+                f"{axis.lower_stop:g} and {axis.upper_stop:g}"
+            )
+
+
+def read_scene(path: str) -> Scene:
+    """Read a scene file.
+
+    Raises:
+        SceneError: The file cannot be read, or holds something that is not allowed.
+    """
+    try:
+        values = read_yaml(path)
+    except (OSError, ValueError) as error:
+        raise SceneError(f"scene file {path} cannot be read: {error}") from error
+    return record_from(Scene, values, "scene")
+
+
+def amplitude(level_db: float) -> float:
+    """Return the magnitude of a level in decibels."""
+    return math.pow(10.0, level_db / 20.0)

@@ -1,0 +1,182 @@
+"""The command language of the instrument: splitting, keywords, numbers with units."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import List, Optional, Tuple
+
+from gpr20_simulator.mid.errors import SimulatorError
+
+_LEVEL = re.compile(r"(\[?):([A-Za-z]+)(#?)(\]?)")
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d{1,3})?)\s*([A-Za-z]*)")
+# Units of frequency; MAHZ is mega as well, because SCPI's MHZ could be read as milli.
+_HERTZ = {"": 1.0, "HZ": 1.0, "KHZ": 1e3, "MHZ": 1e6, "MAHZ": 1e6, "GHZ": 1e9}
+
+
+class ScpiError(SimulatorError, ValueError):
+    """A value that the instrument does not accept."""
+
+
+@dataclass(frozen=True)
+class ScpiCommand:
+    """One command of a message.
+
+    Attributes:
+        header: Keywords with their colons, or a common command with its star.
+        is_query: Whether a question mark followed.
+        argument: All that came after the header.
+    """
+
+    header: str
+    is_query: bool
+    argument: str
+
+
+class HeaderPattern:
+    """A documented header, such as `[:SENSe]:TRACe#:SPARams`.
+
+    Capitals are the short form, all letters the long one, nothing between is accepted;
+    brackets hold what may be left out, and `#` stands for a number, 1 if it is missing.
+    """
+
+    def __init__(self, pattern: str) -> None:
+        self.pattern = pattern
+        if pattern.startswith("*"):
+            self._expression = re.compile(re.escape(pattern), re.IGNORECASE)
+            return
+        levels = "".join(_level_expression(match) for match in _LEVEL.finditer(pattern))
+        self._expression = re.compile(levels, re.IGNORECASE)
+
+    def match(self, header: str) -> Optional[Tuple[int, ...]]:
+        """Return the numbers in the header; None if it is another header."""
+        found = self._expression.fullmatch(header)
+        if found is None:
+            return None
+        return tuple(1 if number is None else int(number) for number in found.groups())
+
+
+def _level_expression(match: re.Match[str]) -> str:
+    opening, keyword, number, _closing = match.groups()
+    expression = ":" + _keyword_expression(keyword) + (r"(\d{1,4})?" if number else "")
+    return f"(?:{expression})?" if opening else expression
+
+
+def _keyword_expression(keyword: str) -> str:
+    pieces = re.split(r"([a-z]+)", keyword)
+    return "".join(f"(?:{one})?" if one.islower() else re.escape(one) for one in pieces)
+
+
+def short_form(keyword: str) -> str:
+    """Return the short form of a keyword written like `SMITh`."""
+    return "".join(letter for letter in keyword if not letter.islower())
+
+
+def chosen_keyword(text: str, keywords: Tuple[str, ...]) -> str:
+    """Return the short form of the keyword that the text spells.
+
+    Raises:
+        ScpiError: It spells none of them.
+    """
+    for keyword in keywords:
+        if re.fullmatch(_keyword_expression(keyword), text.strip(), re.IGNORECASE):
+            return short_form(keyword)
+    raise ScpiError(f"'{text[:40]}' is none of {', '.join(keywords)}")
+
+
+def number_between(text: str, lower: float, upper: float) -> float:
+    """Return a plain number within bounds.
+
+    Raises:
+        ScpiError: It is none, or lies outside.
+    """
+    value, unit = _number_and_unit(text)
+    if unit or not lower <= value <= upper:
+        raise ScpiError(f"'{text[:40]}' is not a number between {lower:g} and {upper:g}")
+    return value
+
+
+def whole_number_between(text: str, lower: int, upper: int) -> int:
+    """Return a whole number within bounds.
+
+    Raises:
+        ScpiError: It is none, or lies outside.
+    """
+    value = number_between(text, lower, upper)
+    if not value.is_integer():
+        raise ScpiError(f"'{text[:40]}' is not a whole number")
+    return int(value)
+
+
+def frequency_between(text: str, lower_hz: float, upper_hz: float) -> float:
+    """Return a frequency [Hz] within bounds, written with or without a unit.
+
+    Raises:
+        ScpiError: It is none, or lies outside.
+    """
+    value, unit = _number_and_unit(text)
+    factor = _HERTZ.get(unit)
+    if factor is None or not lower_hz <= value * factor <= upper_hz:
+        raise ScpiError(f"'{text[:40]}' is no frequency between {lower_hz:g} and {upper_hz:g} Hz")
+    return value * factor
+
+
+def switch(text: str) -> bool:
+    """Return whether the text says ON or 1.
+
+    Raises:
+        ScpiError: It says neither that nor OFF or 0.
+    """
+    words = {"ON": True, "1": True, "OFF": False, "0": False}
+    word = text.strip().upper()
+    if word not in words:
+        raise ScpiError(f"'{text[:40]}' is none of ON, OFF, 1, 0")
+    return words[word]
+
+
+def _number_and_unit(text: str) -> Tuple[float, str]:
+    found = _NUMBER.fullmatch(text.strip())
+    if found is None:
+        raise ScpiError(f"'{text[:40]}' is not a number")
+    return float(found.group(1)), found.group(2).upper()
+
+
+def split_message(message: bytes) -> List[ScpiCommand]:
+    """Return the commands of a message in their order.
+
+    The first header may lack its colon. A later one must have it; the instrument does
+    not know what to do with one that lacks it, so it is left out.
+    """
+    commands = []
+    for place, part in enumerate(_parts(message.decode("latin-1").strip(" \t\r\n\0"))):
+        text = part.strip()
+        if place == 0 and text[:1] not in (":", "*"):
+            text = ":" + text
+        if len(text) > 1 and text[0] in ":*":
+            commands.append(_command(text))
+    return commands
+
+
+def _command(text: str) -> ScpiCommand:
+    words = text.split(None, 1)
+    header = words[0]
+    # "DATA?SDAT" has no blank between the question mark and its argument.
+    before, question, after = header.partition("?")
+    argument = " ".join(one for one in (after, *words[1:]) if one)
+    return ScpiCommand(before, bool(question), argument.strip())
+
+
+def _parts(text: str) -> List[str]:
+    """Split at semicolons that are not inside double quotes."""
+    parts: List[str] = []
+    current: List[str] = []
+    is_quoted = False
+    for letter in text:
+        if letter == '"':
+            is_quoted = not is_quoted
+        if letter == ";" and not is_quoted:
+            parts.append("".join(current))
+            current = []
+        else:
+            current.append(letter)
+    return [*parts, "".join(current)]

@@ -1,0 +1,104 @@
+"""Frozen dataclasses from what a YAML file holds, naming every key that does not fit."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import math
+import typing
+from typing import Any, Mapping, Optional, Type, TypeVar
+
+from gpr20_simulator.mid.errors import SceneError
+
+Record = TypeVar("Record")
+
+
+def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> Any:
+    """Declare a number of a record with the bounds it must lie within, both included."""
+    return dataclasses.field(default=default, metadata={"bounds": (lower, upper)})
+
+
+def record_from(
+    record_class: Type[Record], values: Any, place: str, base: Optional[Record] = None
+) -> Record:
+    """Make a record from a mapping; nested records and tuples of records are followed.
+
+    Args:
+        record_class: Dataclass; its fields are the keys allowed.
+        values: What the file holds at this place.
+        place: Where in the file, for the messages.
+        base: Where the keys that the file leaves out come from.
+
+    Raises:
+        SceneError: A key is unknown or missing, or a value has the wrong type or is out of bounds.
+    """
+    if not isinstance(values, Mapping):
+        raise SceneError(f"{place} must be a group of keys, but is {values!r}")
+    fields = {one.name: one for one in dataclasses.fields(record_class)}  # type: ignore[arg-type]
+    for key in values:
+        if key not in fields:
+            raise SceneError(f"unknown key {place}.{key}; known are {', '.join(sorted(fields))}")
+    hints = typing.get_type_hints(record_class)
+    arguments = {}
+    for name, field in fields.items():
+        if name in values:
+            arguments[name] = _value(f"{place}.{name}", values[name], hints[name], field)
+        elif base is not None:
+            arguments[name] = getattr(base, name)
+        elif _is_required(field):
+            raise SceneError(f"{place}.{name} is missing")
+    return record_class(**arguments)
+
+
+def _is_required(field: dataclasses.Field) -> bool:
+    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+
+
+def _default(field: dataclasses.Field) -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default
+
+
+def _value(place: str, value: Any, hint: Any, field: dataclasses.Field) -> Any:
+    if dataclasses.is_dataclass(hint):
+        base = None if _is_required(field) else _default(field)
+        return record_from(typing.cast(type, hint), value, place, base)
+    if typing.get_origin(hint) is typing.Union:  # Optional[...]
+        if value is None:
+            return None
+        hint = next(one for one in typing.get_args(hint) if one is not type(None))
+    if typing.get_origin(hint) is tuple:
+        return _records(place, value, typing.get_args(hint)[0])
+    if isinstance(hint, type) and issubclass(hint, enum.Enum):
+        return _member(place, value, hint)
+    if hint in (int, float):
+        return _number(place, value, hint, field.metadata.get("bounds", (-math.inf, math.inf)))
+    if not isinstance(value, hint):
+        raise SceneError(f"{place} is {value!r}; it must be of type {hint.__name__}")
+    return value
+
+
+def _records(place: str, values: Any, item_class: type) -> Any:
+    if not isinstance(values, list):
+        raise SceneError(f"{place} must be a list, but is {values!r}")
+    return tuple(record_from(item_class, one, f"{place}[{i}]") for i, one in enumerate(values))
+
+
+def _member(place: str, value: Any, enum_class: Type[enum.Enum]) -> enum.Enum:
+    for member in enum_class:
+        if member.value == value:
+            return member
+    allowed = ", ".join(str(member.value) for member in enum_class)
+    raise SceneError(f"{place} is {value!r}; allowed are {allowed}")
+
+
+def _number(place: str, value: Any, kind: type, bounds: typing.Tuple[float, float]) -> Any:
+    # YAML's true is an int in Python; a switch where a number belongs is a mistake.
+    accepted = (int,) if kind is int else (int, float)
+    if isinstance(value, bool) or not isinstance(value, accepted):
+        raise SceneError(f"{place} is {value!r}; it must be a number of type {kind.__name__}")
+    lower, upper = bounds
+    if not (math.isfinite(value) and lower <= value <= upper):
+        raise SceneError(f"{place} is {value:g}; it must lie between {lower:g} and {upper:g}")
+    return kind(value)

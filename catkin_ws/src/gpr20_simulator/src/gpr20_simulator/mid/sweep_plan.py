@@ -1,0 +1,43 @@
+"""What a sweep consists of, and how finely it is simulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """What one sweep consists of.
+
+    Attributes:
+        start_hz: First frequency [Hz].
+        stop_hz: Last frequency [Hz].
+        points: Number of frequencies.
+        seconds_per_point: Time that one frequency takes [s].
+        averages: Number of sweeps that are averaged; 1: none.
+    """
+
+    start_hz: float
+    stop_hz: float
+    points: int
+    seconds_per_point: float
+    averages: int = 1
+
+    def frequency_hz(self) -> np.ndarray:
+        """Return the frequencies [Hz]."""
+        return np.linspace(self.start_hz, self.stop_hz, self.points)
+
+
+@dataclass(frozen=True)
+class SweepPace:
+    """How finely a sweep is simulated.
+
+    Attributes:
+        slice_s: Points of at most this time share one look at the antennas' position [s].
+        shortest_period_s: A new sweep of a continuous series begins at most this often [s].
+    """
+
+    slice_s: float = 0.0015
+    shortest_period_s: float = 0.010

@@ -1,0 +1,149 @@
+"""Replies that hold data: traces, the frequency list and the preamble."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+
+from gpr20_simulator.mid import scpi
+from gpr20_simulator.mid.data_block import (
+    FREQUENCY_DIGITS,
+    BlockStyle,
+    DataFormat,
+    block_header,
+    interleaved,
+    payload,
+)
+from gpr20_simulator.mid.faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.scene import InstrumentScene
+from gpr20_simulator.mid.sweeper import Sweeper
+from gpr20_simulator.mid.trace_formats import display_data
+from gpr20_simulator.mid.vna_commands import Numbers, trace_of
+from gpr20_simulator.mid.vna_settings import BANDWIDTHS_HZ, TRACES, VnaSettings
+
+TRUNCATED_BYTES = 9
+NAN_EVERY = 50
+# S11 and S22 are those of an antenna that reflects alike at all frequencies: good enough
+# to be told from S21, which is all that a survey needs of them.
+REFLECTION = 0.3
+REFLECTION_DELAY_S = 1e-9
+BOARD_TEMPERATURE_QUARTERS = 160
+
+
+@dataclass(frozen=True)
+class DataReply:
+    """A block that answers a query for data.
+
+    Attributes:
+        kind: What was asked for: sdat, fdat, freq or preamble.
+        block: Header and payload as they are sent.
+    """
+
+    kind: str
+    block: bytes
+
+
+class TraceReader:
+    """Makes the replies from what the receiver holds.
+
+    Args:
+        sweeper: The receiver.
+        faults: What goes wrong now.
+        description: Identity, for the preamble.
+        style: Details of the blocks.
+    """
+
+    def __init__(
+        self,
+        sweeper: Sweeper,
+        faults: FaultBoard,
+        description: InstrumentScene,
+        style: BlockStyle,
+    ) -> None:
+        self._sweeper = sweeper
+        self._faults = faults
+        self._description = description
+        self._style = style
+
+    def calculated(self, settings: VnaSettings, numbers: Numbers, argument: str) -> DataReply:
+        """Answer `:CALCulate<n>:DATA?`: complex data, or those of the display.
+
+        Raises:
+            ScpiError: There is no such trace or no such kind; memories are never filled.
+        """
+        trace = trace_of(settings, numbers)
+        kind = scpi.chosen_keyword(argument, ("SDATa", "FDATa"))
+        frequency_hz, values = self._values(trace.parameter)
+        if kind == "SDAT":
+            return self._data(settings, "sdat", interleaved(values))
+        shown = display_data(frequency_hz, values, trace.graph_type)
+        return self._data(settings, "fdat", shown)
+
+    def trace_data(self, settings: VnaSettings, argument: str) -> DataReply:
+        """Answer `:TRACe:DATA?`: complex data whatever the display shows.
+
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        number = scpi.whole_number_between(argument or "1", 1, TRACES)
+        _frequency_hz, values = self._values(trace_of(settings, (number,)).parameter)
+        return self._data(settings, "sdat", interleaved(values))
+
+    def frequencies(self, settings: VnaSettings, numbers: Numbers) -> DataReply:
+        """Answer `:SENSe<n>:FREQuency:DATA?` [Hz].
+
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        trace_of(settings, numbers)
+        frequency_hz, _values = self._sweeper.snapshot()
+        content = payload(frequency_hz, settings.data_format, self._style, FREQUENCY_DIGITS)
+        return DataReply("freq", block_header(len(content), self._style) + content)
+
+    def preamble(self, settings: VnaSettings, argument: str) -> DataReply:
+        """Answer `:TRACe:PREamble?`: the state of the instrument as names and values.
+
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        number = scpi.whole_number_between(argument or "1", 1, TRACES)
+        sweep_type = 2 if settings.is_external else int(self._sweeper.is_continuous)
+        pairs = (
+            ("SN", self._description.serial),
+            ("APP_VER", self._description.firmware),
+            ("S_TYPE", trace_of(settings, (number,)).parameter),
+            ("SWEEP_TYPE", sweep_type),
+            ("AVERAGING_COUNT", self._sweeper.averaged),
+            ("AVERAGING_FACTOR", settings.averages),
+            ("IFBW", BANDWIDTHS_HZ.index(settings.bandwidth_hz)),
+            ("RF_SOURCE_POWER", int(settings.power == "HIGH")),
+            # The instrument says 0 for on.
+            ("CAL_CORRECTION", int(not settings.is_corrected)),
+            ("CURRENT_TEMPERATURE", BOARD_TEMPERATURE_QUARTERS),
+            (f"TRACE_{number}_START_FREQ", f"{settings.start_hz / 1e6:.6f}"),
+            (f"TRACE_{number}_STOP_FREQ", f"{settings.stop_hz / 1e6:.6f}"),
+            (f"TRACE_{number}_DSP_DATA_POINTS", settings.points),
+        )
+        content = ",".join(f"{name}={value}" for name, value in pairs).encode("ascii")
+        return DataReply("preamble", block_header(len(content), self._style) + content)
+
+    def _values(self, parameter: str) -> Tuple[np.ndarray, np.ndarray]:
+        frequency_hz, transmission = self._sweeper.snapshot()
+        if parameter in ("S21", "S12"):
+            # Antennas and soil are reciprocal.
+            return frequency_hz, transmission
+        reflection = REFLECTION * np.exp(-2j * np.pi * frequency_hz * REFLECTION_DELAY_S)
+        return frequency_hz, reflection.astype(np.complex64)
+
+    def _data(self, settings: VnaSettings, kind: str, numbers: np.ndarray) -> DataReply:
+        if self._faults.strikes(VnaFault.NAN):
+            numbers = numbers.astype(np.float64)
+            numbers[::NAN_EVERY] = np.nan
+        data_format: DataFormat = settings.data_format
+        content = payload(numbers, data_format, self._style, self._style.ascii_digits)
+        header = block_header(len(content), self._style)
+        if self._faults.strikes(VnaFault.TRUNCATE):
+            content = content[:-TRUNCATED_BYTES]
+        return DataReply(kind, header + content)

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""The simulator's node: its service, its diagnostics and its instrument, in a namespace."""
+
+import threading
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+import vxi11
+from diagnostic_msgs.msg import DiagnosticArray
+
+from gpr20_simulator.high.world_path import world_path
+from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, open_world
+from gpr20_simulator.mid.probe_medium import probed_position_mm, probed_sweep
+from gpr20_simulator.srv import SetFault
+
+LIMIT_S = 15.0
+STEPS_PER_MM = 100
+
+
+class SimulatorTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.wait_for_service("simulator/set_fault", LIMIT_S)
+        cls.set_fault = staticmethod(rospy.ServiceProxy("simulator/set_fault", SetFault))
+        cls.world = open_world(world_path("/robot1/"), {})
+        cls.instrument = vxi11.Instrument("127.0.0.1")
+        cls.instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", cls.world.vna_port)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.instrument.close()
+
+    def tearDown(self):
+        for device in ("vna", "endstop_x", "endstop_y", "adc"):
+            self.assertTrue(self.set_fault(device, "none", 0).success)
+
+    def wait_for_state(self, condition):
+        """Wait for a diagnostic status of the simulator that satisfies the condition."""
+        found = threading.Event()
+
+        def hear(message):
+            for status in message.status:
+                if "simulator" in status.name and condition(status):
+                    found.set()
+
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, hear)
+        self.assertTrue(found.wait(LIMIT_S))
+        subscriber.unregister()
+
+    def swept_values(self):
+        """Return the data of one new sweep."""
+        self.instrument.write(":INIT:CONT OFF;:SENS:TRACE1:SPAR S21;:FORM REAL,32;:INIT:IMM")
+        deadline_s = time.monotonic() + LIMIT_S
+        while self.instrument.ask(":STAT:OPER?") != "256":
+            self.assertLess(time.monotonic(), deadline_s)
+        reply = self.instrument.ask_raw(b":CALC1:DATA? SDAT")
+        digits = int(reply[1:2])
+        length = int(reply[2 : 2 + digits])
+        numbers = np.frombuffer(reply[2 + digits : 2 + digits + length], "<f4")
+        return numbers[0::2] + 1j * numbers[1::2]
+
+    def test_the_start_is_that_of_the_scene(self):
+        self.assertEqual(self.world.steps(AxisName.Z), 0)
+        self.assertIn("SIMULATED", self.instrument.ask("*IDN?"))
+
+    def test_a_sweep_sees_the_carriage_where_the_world_has_it(self):
+        numbers = set()
+        for x_mm, y_mm in ((8, 6), (120, 40), (121, 40)):
+            self.world.set_steps(AxisName.X, x_mm * STEPS_PER_MM)
+            self.world.set_steps(AxisName.Y, y_mm * STEPS_PER_MM)
+            values = self.swept_values()
+            self.assertEqual({probed_position_mm(one) for one in values}, {(x_mm, y_mm)})
+            numbers |= {probed_sweep(one) for one in values}
+        self.assertEqual(len(numbers), 3)
+
+    def test_a_fault_of_the_instrument_strikes_as_often_as_asked(self):
+        answer = self.set_fault("vna", "wrong_identity", 1)
+        self.assertTrue(answer.success)
+        self.assertIn("SIMULATED", answer.message)
+        self.wait_for_state(lambda one: one.level == 1 and b"WRONG" in one.message.encode())
+        self.assertNotIn("Anritsu", self.instrument.ask("*IDN?"))
+        self.assertIn("Anritsu", self.instrument.ask("*IDN?"))
+
+    def test_faults_of_other_devices_reach_the_world(self):
+        self.assertTrue(self.set_fault("endstop_y", "stuck_closed", 0).success)
+        self.assertTrue(self.set_fault("adc", "stuck", 0).success)
+        self.assertEqual(self.world.endstop_fault(AxisName.Y), EndstopFault.STUCK_CLOSED)
+        self.assertEqual(self.world.endstop_fault(AxisName.X), EndstopFault.NONE)
+        self.assertEqual(self.world.adc_fault, AdcFault.STUCK)
+
+    def test_what_does_not_exist_is_refused_with_what_does(self):
+        for device, fault, count, part in (
+            ("laser", "HANG", 0, "vna, endstop_x, endstop_y, adc"),
+            ("vna", "BROKEN", 0, "HANG, DROP"),
+            ("vna", "HANG", -5, "count is -5"),
+            ("adc", "STUCK", 1, "must be 0"),
+        ):
+            answer = self.set_fault(device, fault, count)
+            self.assertFalse(answer.success)
+            self.assertIn(part, answer.message)
+
+    def test_diagnostics_say_that_it_is_simulated(self):
+        self.wait_for_state(lambda one: one.level == 0 and "SIMULATED" in one.message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("simulator_rostest")
+    rostest.rosrun("gpr20_simulator", "simulator_test", SimulatorTest)

@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_simulator.mid.data_block import (
+    INTEGER_STEPS_PER_UNIT,
+    BlockStyle,
+    DataFormat,
+    block_header,
+    interleaved,
+    payload,
+)
+from gpr20_simulator.mid.scpi import short_form
+from gpr20_simulator.mid.trace_formats import display_data
+from gpr20_simulator.mid.vna_settings import GRAPH_TYPES
+
+STYLE = BlockStyle()
+FLOATS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), min_size=1)
+
+
+@given(FLOATS)
+def test_ascii_keeps_every_float32(numbers):
+    values = np.array(numbers, dtype=np.float32)
+    text = payload(values, DataFormat.ASCII, STYLE, STYLE.ascii_digits).decode()
+    assert text.endswith(",")
+    read = np.array([float(one) for one in text[:-1].split(",")], dtype=np.float32)
+    assert read.tobytes() == values.tobytes()
+
+
+@given(FLOATS)
+def test_real_is_little_endian_float32(numbers):
+    values = np.array(numbers, dtype=np.float32)
+    data = payload(values, DataFormat.REAL_32, STYLE, 8)
+    assert np.frombuffer(data, "<f4").tobytes() == values.tobytes()
+
+
+def test_integers_are_little_endian_steps():
+    data = payload(np.array([0.5, -1.0, 1e9]), DataFormat.INTEGER_32, STYLE, 8)
+    assert list(np.frombuffer(data, "<i4")) == [
+        INTEGER_STEPS_PER_UNIT // 2,
+        -INTEGER_STEPS_PER_UNIT,
+        2**31 - 1,
+    ]
+
+
+def test_trailing_comma_can_be_left_out():
+    style = BlockStyle(trailing_comma=False)
+    assert payload(np.array([1.0, 2.0]), DataFormat.ASCII, style, 1) == b"1.0E+00,2.0E+00"
+
+
+@pytest.mark.parametrize(
+    ("length", "digits", "header"),
+    [(2204, 0, b"#42204"), (78, 4, b"#40078"), (5, 0, b"#15"), (123456, 4, b"#6123456")],
+)
+def test_header_tells_the_length(length, digits, header):
+    assert block_header(length, BlockStyle(header_digits=digits)) == header
+
+
+def test_real_and_imaginary_parts_come_in_turns():
+    assert list(interleaved(np.array([1 + 2j, 3 + 4j]))) == [1, 2, 3, 4]
+
+
+def test_longest_ascii_reply_is_made_quickly():
+    values = np.random.default_rng(1).standard_normal(8002).astype(np.float32)
+    started_s = time.perf_counter()
+    payload(values, DataFormat.ASCII, STYLE, STYLE.ascii_digits)
+    assert time.perf_counter() - started_s < 0.1
+
+
+FREQUENCY_HZ = np.linspace(1e9, 2e9, 11)
+DELAY_S = 0.2e-9
+VALUES = 0.5 * np.exp(-2j * np.pi * FREQUENCY_HZ * DELAY_S)
+
+
+@pytest.mark.parametrize("graph_type", [short_form(one) for one in GRAPH_TYPES])
+def test_every_graph_type_shows_finite_numbers(graph_type):
+    for values in (VALUES, np.zeros(11), np.ones(11), -np.ones(11)):
+        shown = display_data(FREQUENCY_HZ, values.astype(np.complex64), graph_type)
+        assert len(shown) in (11, 22)
+        assert np.all(np.isfinite(shown))
+
+
+def test_displays_show_what_they_are_named_after():
+    assert display_data(FREQUENCY_HZ, VALUES, "LMAG") == pytest.approx(-6.0206, abs=1e-3)
+    assert display_data(FREQUENCY_HZ, VALUES, "SWR") == pytest.approx(3.0)
+    assert display_data(FREQUENCY_HZ, VALUES, "GDEL") == pytest.approx(DELAY_S)
+    assert list(display_data(FREQUENCY_HZ, VALUES, "REAL")) == list(VALUES.real)
+    assert display_data(FREQUENCY_HZ, np.full(11, 1j / 3), "SMIT")[:2] == pytest.approx(
+        [40.0, 30.0]
+    )

@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import pytest
+
+from gpr20_simulator.low.capture import CaptureFolder
+from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, open_world
+from gpr20_simulator.mid.errors import FaultError
+from gpr20_simulator.mid.fault_switch import FaultSwitch
+from gpr20_simulator.mid.faults import FaultBoard, VnaFault
+
+
+@pytest.fixture
+def world(tmp_path):
+    return open_world(tmp_path / "world", {axis: 0 for axis in AxisName})
+
+
+@pytest.fixture
+def board():
+    return FaultBoard()
+
+
+@pytest.fixture
+def switch(world, board):
+    return FaultSwitch(world, board)
+
+
+def test_fault_of_the_analyzer_reaches_its_board(switch, board):
+    assert "SIMULATED vna" in switch.set("vna", "truncate", 2)
+    assert [board.strikes(VnaFault.TRUNCATE) for _ in range(3)] == [True, True, False]
+
+
+def test_none_switches_all_faults_of_the_analyzer_off(switch, board):
+    switch.set("vna", "HANG", 0)
+    switch.set("vna", "NAN", 0)
+    switch.set("vna", "none", 0)
+    assert board.names() == ""
+
+
+@pytest.mark.parametrize(("device", "axis"), [("endstop_x", AxisName.X), ("endstop_y", AxisName.Y)])
+def test_fault_of_an_endstop_reaches_the_world(switch, world, device, axis):
+    switch.set(device, "stuck_closed", 0)
+    assert world.endstop_fault(axis) is EndstopFault.STUCK_CLOSED
+    assert switch.names() == f"{device} STUCK_CLOSED"
+    switch.set(device, "none", 0)
+    assert world.endstop_fault(axis) is EndstopFault.NONE
+    assert switch.names() == ""
+
+
+def test_fault_of_the_converter_reaches_the_world(switch, world):
+    switch.set("adc", "OUT_OF_RANGE", 0)
+    assert world.adc_fault is AdcFault.OUT_OF_RANGE
+    assert switch.names() == "adc OUT_OF_RANGE"
+
+
+@pytest.mark.parametrize(
+    ("device", "fault", "count", "message"),
+    [
+        ("gpu", "HANG", 0, "unknown device 'gpu'; allowed are vna, endstop_x, endstop_y, adc"),
+        ("vna", "STUCK", 0, "unknown fault 'STUCK'; allowed are NONE, HANG"),
+        ("vna", "HANG", -1, "count is -1"),
+        ("endstop_x", "HANG", 0, "allowed are NONE, STUCK_OPEN, STUCK_CLOSED"),
+        ("adc", "STUCK", 3, "must be 0"),
+        ("", "", 0, "unknown device"),
+    ],
+)
+def test_what_does_not_exist_is_refused_with_what_does(switch, device, fault, count, message):
+    with pytest.raises(FaultError, match=message):
+        switch.set(device, fault, count)
+    assert switch.names() == ""
+
+
+def test_captured_replies_are_numbered_files_and_never_overwritten(tmp_path):
+    folder = CaptureFolder(tmp_path / "new" / "capture")
+    folder.save("sdat", b"first")
+    folder.save("freq", b"second")
+    CaptureFolder(tmp_path / "new" / "capture").save("sdat", b"third")
+    files = sorted((tmp_path / "new" / "capture").iterdir())
+    assert [(one.name, one.read_bytes()) for one in files] == [
+        ("000001_sdat.bin", b"first"),
+        ("000002_freq.bin", b"second"),
+        ("000003_sdat.bin", b"third"),
+    ]

@@ -1,0 +1,241 @@
+"""The ground against delays found without Snell's law, and against simple limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.ground import Ground
+from gpr20_simulator.mid.probe_medium import PositionProbe, probed_position_mm, probed_sweep
+from gpr20_simulator.mid.refraction import refracted_path
+from gpr20_simulator.mid.scatterers import scatterers_of
+from gpr20_simulator.mid.scene import Antennas, Noise, Scene, Shape, Soil, Surface, Target
+
+C = 299_792_458.0
+FREQUENCY_HZ = np.linspace(0.6e9, 6e9, 501)
+QUIET = Noise(level_db=-300.0)
+SILENT = Antennas(height_m=0.2, coupling_level_db=-200.0, surface_gain_db=-200.0)
+LOSSLESS = Soil(relative_permittivity=4.0, loss_tangent=0.0)
+OVER = AntennaPosition(100.0, 200.0, 0.0)
+
+
+def point(**changes):
+    """Return a line so short that it is a point, at (100, 200) mm."""
+    values = dict(name="point", shape=Shape.LINE, x_mm=100.0, y_mm=200.0, depth_m=0.1, size_m=0.001)
+    return Target(**{**values, **changes})
+
+
+def ground(*targets, **changes):
+    values = dict(soil=LOSSLESS, antennas=SILENT, noise=QUIET, targets=targets)
+    return Ground(Scene(**{**values, **changes}))
+
+
+def fermat_delay_s(height_m, depth_m, distance_m, permittivity):
+    """Return the shortest time from antenna to point over all points of the surface."""
+    index = math.sqrt(permittivity)
+
+    def time_s(crossing_m):
+        air_m = math.hypot(height_m, crossing_m)
+        return (air_m + index * math.hypot(depth_m, distance_m - crossing_m)) / C
+
+    lower, upper = 0.0, distance_m
+    for _ in range(200):
+        third = (upper - lower) / 3.0
+        if time_s(lower + third) < time_s(upper - third):
+            upper -= third
+        else:
+            lower += third
+    return time_s((lower + upper) / 2.0)
+
+
+def strongest_delay_s(values, frequency_hz=FREQUENCY_HZ):
+    """Return the delay of the strongest echo, by an inverse transform at true frequencies."""
+    step_hz = frequency_hz[1] - frequency_hz[0]
+    first = round(frequency_hz[0] / step_hz)
+    length = 1 << 17
+    spectrum = np.zeros(length, dtype=complex)
+    spectrum[first : first + len(values)] = values * np.hanning(len(values))
+    envelope = np.abs(np.fft.ifft(spectrum))
+    return np.argmax(envelope) / (length * step_hz)
+
+
+@given(
+    height_m=st.floats(0.05, 0.6),
+    depth_m=st.floats(0.001, 1.0),
+    distance_m=st.floats(0.0, 2.0),
+    permittivity=st.floats(1.0, 81.0),
+)
+def test_refraction_finds_the_quickest_way(height_m, depth_m, distance_m, permittivity):
+    path = refracted_path(height_m, np.array([depth_m]), np.array([distance_m]), permittivity)
+    delay_s = (path.air_m[0] + math.sqrt(permittivity) * path.soil_m[0]) / C
+    expected_s = fermat_delay_s(height_m, depth_m, distance_m, permittivity)
+    assert delay_s == pytest.approx(expected_s, rel=1e-9)
+
+
+@pytest.mark.parametrize("permittivity", [2.0, 4.0, 16.0])
+@pytest.mark.parametrize("depth_m", [0.03, 0.1, 0.3])
+def test_echo_of_a_target_below_comes_at_its_delay(permittivity, depth_m):
+    soil = Soil(permittivity, 0.0)
+    values = ground(point(depth_m=depth_m), soil=soil).s21(FREQUENCY_HZ, OVER, 1)
+    expected_s = 2.0 * (0.2 + math.sqrt(permittivity) * depth_m) / C
+    assert strongest_delay_s(values) == pytest.approx(expected_s, abs=2e-12)
+
+
+@pytest.mark.parametrize(("x_mm", "y_mm"), [(180.0, 200.0), (0.0, 80.0), (500.0, 700.0)])
+def test_echo_of_a_target_to_the_side_comes_by_the_quickest_way(x_mm, y_mm):
+    here = AntennaPosition(x_mm, y_mm, 0.0)
+    values = ground(point()).s21(FREQUENCY_HZ, here, 1)
+    distance_m = math.hypot(x_mm - 100.0, y_mm - 200.0) / 1000.0
+    expected_s = 2.0 * fermat_delay_s(0.2, 0.1, distance_m, 4.0)
+    assert strongest_delay_s(values) == pytest.approx(expected_s, abs=2e-12)
+
+
+def test_separated_antennas_see_both_ways():
+    antennas = replace(SILENT, separation_m=0.06)
+    # The pair lies along Y when it is turned by 90 deg.
+    here = AntennaPosition(100.0, 290.0, 90.0)
+    delay_s = ground(point(), antennas=antennas).echoes(here).delay_s[2:]
+    ways_s = [fermat_delay_s(0.2, 0.1, distance_m, 4.0) for distance_m in (0.12, 0.06)]
+    assert delay_s == pytest.approx(sum(ways_s), rel=1e-4)
+
+
+def test_sphere_is_seen_at_its_near_side():
+    sphere = point(shape=Shape.SPHERE, size_m=0.06)
+    above = ground(sphere).s21(FREQUENCY_HZ, OVER, 1)
+    assert strongest_delay_s(above) == pytest.approx(2.0 * (0.2 + 2.0 * 0.1) / C, abs=2e-12)
+    beside = ground(sphere).s21(FREQUENCY_HZ, AntennaPosition(250.0, 200.0, 0.0), 1)
+    expected_s = 2.0 * (fermat_delay_s(0.2, 0.13, 0.15, 4.0) - 2.0 * 0.03 / C)
+    assert strongest_delay_s(beside) == pytest.approx(expected_s, abs=2e-12)
+
+
+def test_surface_and_coupling_come_at_their_delays_and_levels():
+    antennas = Antennas(
+        height_m=0.2, coupling_level_db=-40.0, coupling_delay_s=5e-9, surface_gain_db=-200.0
+    )
+    coupled = ground(antennas=antennas).s21(FREQUENCY_HZ, OVER, 1)
+    assert strongest_delay_s(coupled) == pytest.approx(5e-9, abs=2e-12)
+    assert np.abs(coupled) == pytest.approx(0.01, rel=1e-6)
+    antennas = Antennas(height_m=0.2, coupling_level_db=-200.0, surface_gain_db=-20.0)
+    surface = ground(antennas=antennas).s21(FREQUENCY_HZ, OVER, 1)
+    assert strongest_delay_s(surface) == pytest.approx(0.4 / C, abs=2e-12)
+    # Reflection (1 - 2) / (1 + 2) after 0.4 m where the level is given for 0.1 m.
+    level = -0.1 / 3.0 / 4.0
+    expected = level * np.exp(-2j * np.pi * FREQUENCY_HZ * 0.4 / C)
+    assert surface == pytest.approx(expected, abs=1e-9)
+
+
+def test_surface_rises_to_the_antennas():
+    scene = Surface(slope_x=0.1, slope_y=-0.05, wave_amplitude_m=0.01, wave_length_m=0.4)
+    uneven = ground(surface=scene)
+    assert uneven.surface_height_m(0.0, 0.0) == 0.0
+    assert uneven.surface_height_m(200.0, 400.0) == pytest.approx(0.0)
+    assert uneven.surface_height_m(100.0, 100.0) == pytest.approx(0.005 + 0.01)
+    assert uneven.antenna_height_m(100.0, 100.0) == pytest.approx(0.2 - 0.015)
+
+
+def test_depth_is_counted_from_the_plane_not_from_the_slope():
+    sloped = ground(point(), surface=Surface(slope_x=0.05))
+    # At x = 100 mm the surface is 5 mm higher: less air, more soil.
+    assert sloped.echoes(OVER).delay_s[2:] == pytest.approx(2.0 * (0.195 + 2.0 * 0.105) / C)
+
+
+@pytest.mark.parametrize(("rotation_deg", "share"), [(0.0, 1.0), (90.0, 0.0), (60.0, 0.25)])
+def test_line_is_seen_by_its_own_polarization(rotation_deg, share):
+    wire = point(size_m=0.1, x_pol_strength=0.05, y_pol_strength=0.0)
+    here = AntennaPosition(100.0, 200.0, rotation_deg)
+    aligned = ground(wire).s21(FREQUENCY_HZ, OVER, 1)
+    assert ground(wire).s21(FREQUENCY_HZ, here, 1) == pytest.approx(share * aligned, abs=1e-9)
+
+
+@pytest.mark.parametrize(("rotation_deg", "share"), [(0.0, 0.0), (-90.0, 1.0), (-45.0, 0.5)])
+def test_turning_either_way_shows_the_other_polarization(rotation_deg, share):
+    wire = point(x_pol_strength=0.0, y_pol_strength=0.05)
+    here = AntennaPosition(100.0, 200.0, rotation_deg)
+    full = ground(point(x_pol_strength=0.05, y_pol_strength=0.05)).s21(FREQUENCY_HZ, OVER, 1)
+    assert ground(wire).s21(FREQUENCY_HZ, here, 1) == pytest.approx(share * full, abs=1e-9)
+
+
+def test_lossy_soil_weakens_high_frequencies_by_the_known_amount():
+    lossless = ground(point()).s21(FREQUENCY_HZ, OVER, 1)
+    lossy = ground(point(), soil=Soil(4.0, 0.02)).s21(FREQUENCY_HZ, OVER, 1)
+    # pi f sqrt(er) tan(delta) / c nepers per metre, over 0.1 m there and back.
+    expected = np.exp(-np.pi * FREQUENCY_HZ * 2.0 * 0.02 / C * 0.2)
+    assert np.abs(lossy / lossless) == pytest.approx(expected, rel=1e-6)
+
+
+def test_far_targets_are_weaker():
+    levels = [
+        np.abs(ground(point()).echoes(AntennaPosition(x_mm, 200.0, 0.0)).level[2:]).sum()
+        for x_mm in (100.0, 150.0, 250.0, 450.0)
+    ]
+    assert levels == sorted(levels, reverse=True)
+
+
+def test_noise_has_its_level_and_is_the_same_for_the_same_seed():
+    noise = Noise(level_db=-60.0, seed=7)
+    many_hz = np.linspace(1e9, 2e9, 20000)
+    first = ground(noise=noise).s21(many_hz, OVER, 1)
+    assert np.sqrt(np.mean(np.abs(first) ** 2)) == pytest.approx(1e-3, rel=0.03)
+    assert abs(np.mean(first**2)) < 1e-7
+    assert np.array_equal(first, ground(noise=noise).s21(many_hz, OVER, 1))
+    assert not np.array_equal(first, ground(noise=Noise(-60.0, 8)).s21(many_hz, OVER, 1))
+
+
+def test_sweep_in_slices_is_the_sweep():
+    whole = ground(point()).s21(FREQUENCY_HZ, OVER, 1)
+    one = ground(point())
+    parts = [one.s21(FREQUENCY_HZ[k : k + 4], OVER, 1) for k in range(0, 501, 4)]
+    assert np.concatenate(parts) == pytest.approx(whole, abs=1e-12)
+
+
+def test_same_ground_seen_from_elsewhere_is_another_answer():
+    one = ground(point())
+    there = AntennaPosition(130.0, 200.0, 0.0)
+    first, second = one.s21(FREQUENCY_HZ, OVER, 1), one.s21(FREQUENCY_HZ, there, 2)
+    assert not np.allclose(first, second)
+    assert one.s21(FREQUENCY_HZ, OVER, 3) == pytest.approx(first, abs=1e-12)
+
+
+def test_image_shows_the_target_where_the_scene_puts_it():
+    one = ground(point(x_mm=113.0, depth_m=0.08))
+    positions_mm = np.arange(0.0, 241.0, 20.0)
+    traces = [one.s21(FREQUENCY_HZ, AntennaPosition(x, 200.0, 0.0), 1) for x in positions_mm]
+
+    def focus(x_mm, depth_m):
+        total = 0.0
+        for here_mm, values in zip(positions_mm, traces):
+            delay_s = 2.0 * fermat_delay_s(0.2, depth_m, abs(here_mm - x_mm) / 1000.0, 4.0)
+            total += np.sum(values * np.exp(2j * np.pi * FREQUENCY_HZ * delay_s))
+        return abs(total)
+
+    places = [(x, z) for x in (93.0, 103.0, 113.0, 123.0, 133.0) for z in (0.06, 0.08, 0.10)]
+    assert max(places, key=lambda place: focus(*place)) == (113.0, 0.08)
+
+
+def test_disc_and_line_are_spread_over_their_size():
+    disc = scatterers_of([point(shape=Shape.DISC, size_m=0.1)])
+    radius_m = np.hypot(disc.x_m - 0.1, disc.y_m - 0.2)
+    assert radius_m.max() == pytest.approx(0.05)
+    assert disc.x_pol_strength.sum() == pytest.approx(0.05)
+    line = scatterers_of([point(size_m=0.2, direction_deg=90.0)])
+    assert np.ptp(line.y_m) == pytest.approx(0.2)
+    assert np.ptp(line.x_m) == pytest.approx(0.0, abs=1e-12)
+    assert np.max(np.diff(line.y_m)) <= 0.012 + 1e-9
+
+
+def test_empty_scene_has_no_scatterers():
+    assert len(scatterers_of([]).x_m) == 0
+
+
+@given(st.integers(0, 16_000_000), st.integers(0, 999), st.integers(0, 999))
+def test_probe_tells_sweep_and_position_even_after_float32(number, x_mm, y_mm):
+    position = AntennaPosition(float(x_mm), float(y_mm), 90.0)
+    values = PositionProbe().s21(FREQUENCY_HZ[:3], position, number).astype(np.complex64)
+    assert [probed_sweep(value) for value in values] == [number] * 3
+    assert [probed_position_mm(value) for value in values] == [(x_mm, y_mm)] * 3

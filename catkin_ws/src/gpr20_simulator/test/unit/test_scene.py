@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.errors import SceneError
+from gpr20_simulator.mid.ground import Ground
+from gpr20_simulator.mid.scene import Scene, Shape, read_scene
+
+SCENES = Path(__file__).parents[2] / "scenes"
+FREQUENCY_HZ = np.linspace(0.6e9, 6e9, 501)
+
+TARGET = "targets: [{name: a, shape: sphere, x_mm: 1, y_mm: 2, depth_m: 0.1%s}]"
+
+
+def scene_from(tmp_path, text):
+    path = tmp_path / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    return read_scene(str(path))
+
+
+@pytest.mark.parametrize("name", ["two_targets", "three_targets"])
+def test_scenes_of_the_package_are_good(name):
+    scene = read_scene(str(SCENES / f"{name}.yaml"))
+    assert scene.name == name
+    values = Ground(scene).s21(FREQUENCY_HZ, AntennaPosition(150.0, 150.0, 0.0), 1)
+    assert np.max(np.abs(values)) < 0.1
+
+
+def test_three_targets_differ_in_kind():
+    targets = read_scene(str(SCENES / "three_targets.yaml")).targets
+    assert [one.shape for one in targets] == [Shape.SPHERE, Shape.DISC, Shape.LINE]
+    assert targets[2].x_pol_strength == 0.0
+    assert targets[2].y_pol_strength > 0.0
+
+
+def test_targets_of_the_default_scene_stand_out_of_the_noise():
+    scene = read_scene(str(SCENES / "two_targets.yaml"))
+    for target in scene.targets:
+        over = AntennaPosition(target.x_mm, target.y_mm, 0.0)
+        strongest = np.abs(np.sum(Ground(scene).echoes(over).level[2:]))
+        assert strongest > 20.0 * 10.0 ** (scene.noise.level_db / 20.0)
+
+
+def test_robot_starts_where_homing_has_a_way_to_go():
+    robot = read_scene(str(SCENES / "two_targets.yaml")).robot
+    assert (robot.x.start, robot.y.start, robot.z.start) == (8.0, 6.0, 0.0)
+    assert (robot.x.endstop, robot.x.lower_stop, robot.x.upper_stop) == (-1.0, -3.0, 653.0)
+    assert (robot.y.endstop, robot.y.lower_stop, robot.y.upper_stop) == (-1.0, -3.0, 803.0)
+    assert robot.z.endstop is None
+    assert (robot.x.size_per_step, robot.z.size_per_step) == (0.01, 1.8)
+
+
+def test_keys_left_out_keep_their_defaults(tmp_path):
+    scene = scene_from(tmp_path, "robot: {x: {start: 20}}\nsoil: {loss_tangent: 0}")
+    assert scene.robot.x.start == 20.0
+    assert scene.robot.x.upper_stop == 653.0
+    assert scene.robot.y == Scene().robot.y
+    assert scene.soil.relative_permittivity == 4.0
+
+
+def test_numbers_without_point_become_floats(tmp_path):
+    assert isinstance(
+        scene_from(tmp_path, "antennas: {separation_m: 0}").antennas.separation_m, float
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("soil: {permitivity: 4}", r"unknown key scene\.soil\.permitivity; known are loss_tangent"),
+        ("soil: {relative_permittivity: 0.5}", r"relative_permittivity is 0\.5.* 1 and 81"),
+        ("soil: {relative_permittivity: .nan}", "relative_permittivity is nan"),
+        ("soil: {relative_permittivity: .inf}", "relative_permittivity is inf"),
+        ("soil: {relative_permittivity: four}", "must be a number"),
+        ("soil: {relative_permittivity: true}", "must be a number"),
+        ("noise: {seed: 1.5}", r"scene\.noise\.seed is 1\.5"),
+        ("instrument: {model: 5}", "must be of type str"),
+        ("instrument: {trailing_comma: 1}", "must be of type bool"),
+        ("soil: 4", r"scene\.soil must be a group"),
+        ("targets: {a: 1}", r"scene\.targets must be a list"),
+        (
+            "targets: [{name: a, shape: sphere, x_mm: 1, y_mm: 2}]",
+            "depth_m is missing",
+        ),
+        (TARGET.replace("sphere", "cube") % "", "allowed are sphere, disc, line"),
+        (TARGET % ", size_m: 3", r"targets\[0\]\.size_m is 3"),
+        (TARGET % "" + "\nsurface: {slope_x: 0.2}", "bury it deeper"),
+        ("surface: {wave_amplitude_m: 0.1}\nantennas: {height_m: 0.1}", "leave at least"),
+        ("robot: {x: {start: -4}}", r"robot\.x\.start is -4"),
+        ("robot: {y: {endstop: 900}}", r"robot\.y\.endstop is 900"),
+        ("- a list", "scene must be a group"),
+        ("", "scene must be a group"),
+        ("a: [", "cannot be read"),
+        ("!!python/object/apply:os.getcwd []", "cannot be read"),
+    ],
+)
+def test_wrong_scene_says_which_key_and_what_is_allowed(tmp_path, text, message):
+    with pytest.raises(SceneError, match=message):
+        scene_from(tmp_path, text)
+
+
+def test_missing_scene_file_is_a_clear_error(tmp_path):
+    with pytest.raises(SceneError, match=r"nowhere\.yaml cannot be read"):
+        read_scene(str(tmp_path / "nowhere.yaml"))

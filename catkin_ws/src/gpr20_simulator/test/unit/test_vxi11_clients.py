@@ -1,0 +1,165 @@
+"""The clients that people use, on a real socket."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+import pyvisa
+import vxi11
+from rpc_wire import wait_until
+from vxi11_wire import EchoDevice
+
+from gpr20_simulator.low.rpc_server import ListenError
+from gpr20_simulator.low.vxi11_core import Limits
+from gpr20_simulator.low.vxi11_server import Vxi11Server
+
+
+@pytest.fixture
+def device():
+    return EchoDevice()
+
+
+@pytest.fixture(params=[1024, 65536])
+def server(device, request):
+    one = Vxi11Server(device, limits=Limits(receive_size=request.param))
+    one.start()
+    yield one
+    one.stop()
+
+
+def python_vxi11(port, timeout_s=5.0):
+    instrument = vxi11.Instrument("127.0.0.1")
+    instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", port)
+    instrument.timeout = timeout_s
+    return instrument
+
+
+@pytest.fixture
+def instrument(server):
+    one = python_vxi11(server.port)
+    one.open()
+    yield one
+    one.client.sock.close()
+    one.link = None
+
+
+@pytest.fixture
+def visa(server):
+    manager = pyvisa.ResourceManager("@py")
+    resource = manager.open_resource(f"TCPIP::127.0.0.1,{server.port}::inst0::INSTR")
+    resource.timeout = 5000
+    yield resource
+    resource.close()
+    manager.close()
+
+
+def test_python_vxi11_asks_and_is_answered(instrument):
+    assert instrument.ask("*IDN?") == "*IDN?"
+
+
+@pytest.mark.parametrize("length", [1, 1023, 1024, 1025, 65536, 65537, 200_001])
+def test_python_vxi11_moves_any_length_both_ways(instrument, device, length):
+    message = b"?" * length
+    assert instrument.ask_raw(message) == message
+    assert device.messages == [message]
+
+
+def test_python_vxi11_gets_error_15_before_its_socket_gives_up(instrument):
+    instrument.timeout = 0.1
+    with pytest.raises(vxi11.vxi11.Vxi11Exception) as error:
+        instrument.read()
+    assert error.value.err == 15
+    assert instrument.ask("?") == "?"
+
+
+def test_python_vxi11_clears_locks_and_reads_the_status(instrument, server):
+    instrument.write("old?")
+    assert instrument.read_stb() == 0x10
+    instrument.clear()
+    assert instrument.read_stb() == 0
+    instrument.lock()
+    instrument.unlock()
+    with pytest.raises(vxi11.vxi11.Vxi11Exception, match="8"):
+        instrument.trigger()
+
+
+def test_python_vxi11_aborts(instrument):
+    instrument.abort()
+    instrument.abort_client.sock.close()
+
+
+def test_python_vxi11_closes_its_link(server):
+    one = python_vxi11(server.port)
+    one.open()
+    assert server.link_count == 1
+    one.close()
+    assert server.link_count == 0
+
+
+def test_link_of_a_client_that_died_is_freed(server):
+    one = python_vxi11(server.port)
+    one.open()
+    one.client.sock.close()
+    one.link = None
+    wait_until(lambda: server.link_count == 0, "freeing of the link")
+
+
+def test_python_vxi11_finds_the_port_by_the_portmapper(device, monkeypatch):
+    server = Vxi11Server(device, portmapper_port=0)
+    server.start()
+    monkeypatch.setattr(vxi11.rpc, "PMAP_PORT", server.portmapper_port)
+    one = vxi11.Instrument("127.0.0.1")
+    assert one.ask("*IDN?") == "*IDN?"
+    one.close()
+    assert vxi11.list_devices("127.0.0.1", timeout=0.2) == ["127.0.0.1"]
+    server.stop()
+
+
+def test_clients_find_the_server_on_port_111(device):
+    try:
+        server = Vxi11Server(device, portmapper_port=111)
+    except ListenError as error:
+        pytest.skip(str(error))
+    server.start()
+    one = vxi11.Instrument("127.0.0.1")
+    assert one.ask("*IDN?") == "*IDN?"
+    one.close()
+    manager = pyvisa.ResourceManager("@py")
+    with manager.open_resource("TCPIP::127.0.0.1::inst0::INSTR") as resource:
+        assert resource.query("*IDN?").strip() == "*IDN?"
+    server.stop()
+
+
+def test_pyvisa_asks_and_is_answered_whatever_terminator_it_sends(visa, device):
+    for terminator in ("", "\n", "\r\n"):
+        visa.write_termination = terminator
+        assert visa.query("*IDN?") == "*IDN?" + terminator
+    assert device.messages == [b"*IDN?", b"*IDN?\n", b"*IDN?\r\n"]
+
+
+def test_pyvisa_moves_long_messages_both_ways(visa):
+    message = b"?" * 100_001
+    visa.write_raw(message)
+    assert visa.read_raw() == message
+
+
+def test_pyvisa_times_out_and_goes_on(visa):
+    visa.timeout = 100
+    started_s = time.monotonic()
+    with pytest.raises(pyvisa.VisaIOError, match="TMO"):
+        visa.read_raw()
+    assert time.monotonic() - started_s < 2.0
+    visa.timeout = 5000
+    visa.clear()
+    assert visa.query("?").strip() == "?"
+
+
+def test_pyvisa_locks_out_another_client(visa, server):
+    visa.lock_excl()
+    other = python_vxi11(server.port)
+    with pytest.raises(vxi11.vxi11.Vxi11Exception, match="11"):
+        other.write("x")
+    visa.unlock()
+    other.write("x")
+    other.close()

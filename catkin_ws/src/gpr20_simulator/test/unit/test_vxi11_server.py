@@ -1,0 +1,354 @@
+"""The core and abort channels, call by call."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from rpc_wire import RawClient, opaque, wait_until, words
+from vxi11_wire import (
+    ABORT,
+    CHARACTER,
+    CORE,
+    END_REASON,
+    REQUEST_COUNT,
+    TERMINATION,
+    WAIT_LOCK,
+    CoreLink,
+    EchoDevice,
+    InBackground,
+)
+
+from gpr20_common.mid.errors import InvalidValueError
+from gpr20_simulator.low.message_device import Conduct
+from gpr20_simulator.low.vxi11_core import Limits
+from gpr20_simulator.low.vxi11_server import Vxi11Server
+
+LIMITS = Limits(receive_size=1024, reply_size=2000, message_size=5000, links=3, connections=8)
+
+
+@pytest.fixture
+def device():
+    return EchoDevice()
+
+
+@pytest.fixture
+def server(device):
+    one = Vxi11Server(device, limits=LIMITS)
+    one.start()
+    yield one
+    one.stop()
+
+
+@pytest.fixture
+def link(server):
+    with CoreLink(server.port) as one:
+        yield one
+
+
+def test_link_tells_receive_size_and_abort_port(link):
+    assert (link.error, link.receive_size) == (0, 1024)
+    with RawClient(link.abort_port) as abort:
+        assert abort.result(ABORT, 1, 0) == b""
+
+
+def test_receive_size_below_what_the_standard_demands_is_refused():
+    with pytest.raises(InvalidValueError, match="1024"):
+        Limits(receive_size=1023)
+
+
+def test_links_have_different_numbers(server, link):
+    with CoreLink(server.port) as other:
+        assert other.link != link.link
+
+
+def test_unknown_device_name_gets_error_3(server):
+    with CoreLink(server.port, name=b"gpib0,5") as other:
+        assert other.error == 3
+    assert server.link_count == 0
+
+
+def test_message_is_executed_at_its_end_only(device, link):
+    assert link.write(b"*IDN", flags=0) == (0, 4)
+    assert link.write(b"", flags=0) == (0, 0)
+    assert device.messages == []
+    assert link.write(b"?\n") == (0, 2)
+    assert device.messages == [b"*IDN?\n"]
+
+
+def test_data_above_the_receive_size_are_refused_and_not_consumed(device, link):
+    assert link.write(b"A", flags=0) == (0, 1)
+    assert link.write(b"x" * 1025)[0] == 5
+    assert link.write(b"B") == (0, 1)
+    assert device.messages == [b"AB"]
+
+
+def test_message_without_end_cannot_fill_the_memory(device, link):
+    for _ in range(4):
+        assert link.write(b"x" * 1024, flags=0)[0] == 0
+    assert link.write(b"x" * 1024, flags=0)[0] == 9
+    assert link.write(b"B")[0] == 0
+    assert device.messages == [b"B"]
+
+
+def test_answer_is_read_with_its_end(link):
+    link.write(b"abc?")
+    assert link.read() == (0, END_REASON, b"abc?")
+
+
+def test_read_in_pieces_says_why_each_piece_ended(link):
+    link.write(b"abcdef?")
+    assert link.read(size=4) == (0, REQUEST_COUNT, b"abcd")
+    assert link.read(size=3) == (0, REQUEST_COUNT | END_REASON, b"ef?")
+
+
+def test_answer_above_the_reply_size_comes_with_no_reason_in_between(server, device):
+    with CoreLink(server.port) as one:
+        for _ in range(3):
+            one.write(b"?" * 1000, flags=0)
+        one.write(b"")
+        assert one.read(size=10000)[1:] == (0, b"?" * 2000)
+        assert one.read(size=10000) == (0, END_REASON, b"?" * 1000)
+
+
+def test_read_stops_at_the_termination_character(link):
+    link.write(b"a\nb?")
+    assert link.read(flags=TERMINATION, termination=b"\n") == (0, CHARACTER, b"a\n")
+    assert link.read(flags=TERMINATION, termination=b"?") == (0, CHARACTER | END_REASON, b"b?")
+
+
+def test_termination_character_counts_only_with_its_flag(link):
+    link.write(b"a\nb?")
+    assert link.read(termination=b"\n") == (0, END_REASON, b"a\nb?")
+
+
+def test_request_for_nothing_gets_nothing(link):
+    assert link.read(size=0) == (0, REQUEST_COUNT, b"")
+
+
+def test_premature_read_times_out_with_error_15_in_time(link):
+    started_s = time.monotonic()
+    assert link.read(io_timeout_ms=150) == (15, 0, b"")
+    assert 0.15 <= time.monotonic() - started_s < 0.15 + 1.0
+
+
+def test_answers_not_read_stay_in_front_of_later_ones(link):
+    link.write(b"first?")
+    link.write(b"second?")
+    assert link.read()[2] == b"first?"
+    assert link.read()[2] == b"second?"
+
+
+def test_late_answer_comes_in_front_of_the_next_one(device, link):
+    device.conduct = Conduct.ANSWER_LATE
+    assert link.write(b"first?")[0] == 0
+    assert link.read(io_timeout_ms=20)[0] == 15
+    device.conduct = Conduct.REPLY
+    link.write(b"second?")
+    assert link.read()[2] == b"first?"
+    assert link.read()[2] == b"second?"
+
+
+def test_clear_forgets_a_late_answer(device, link):
+    device.conduct = Conduct.ANSWER_LATE
+    link.write(b"first?")
+    device.conduct = Conduct.REPLY
+    assert link.generic(15) == (0,)
+    link.write(b"second?")
+    assert link.read()[2] == b"second?"
+
+
+def test_clear_forgets_answers_and_half_messages(device, link):
+    link.write(b"old?")
+    link.write(b"half", flags=0)
+    assert link.generic(15) == (0,)
+    assert device.clears == 1
+    assert link.read(io_timeout_ms=10)[0] == 15
+    link.write(b"new?")
+    assert link.read()[2] == b"new?"
+    assert device.messages[-1] == b"new?"
+
+
+def test_status_byte_says_whether_an_answer_waits(link):
+    assert link.generic(13) == (0, 0)
+    link.write(b"?")
+    assert link.generic(13) == (0, 0x10)
+
+
+@pytest.mark.parametrize("procedure", [14, 16, 17])
+def test_trigger_remote_and_local_are_not_supported(link, procedure):
+    assert link.generic(procedure) == (8,)
+
+
+def test_service_requests_and_commands_are_not_supported(link):
+    assert link.result(CORE, 1, 20, words(link.link, 1) + opaque(b"handle")) == words(8)
+    docmd = words(link.link, 0, 1000, 0, 0x20000, 1, 1) + opaque(b"")
+    assert link.result(CORE, 1, 22, docmd) == words(8, 0)
+    assert link.result(CORE, 1, 25, words(0, 0, 0, 0, 0)) == words(8)
+    assert link.result(CORE, 1, 26) == words(8)
+
+
+@pytest.mark.parametrize("procedure", [13, 14, 15, 16, 17])
+def test_calls_on_no_link_get_error_4(link, procedure):
+    assert link.generic(procedure, link=9999)[0] == 4
+
+
+def test_read_write_and_destroy_on_no_link_get_error_4(link):
+    link.destroy()
+    assert link.write(b"x") == (4, 0)
+    assert link.read() == (4, 0, b"")
+    assert link.lock() == 4
+    assert link.unlock() == 4
+    assert link.destroy() == 4
+
+
+def test_nobody_can_use_the_link_of_another_connection(server, link):
+    with CoreLink(server.port) as other:
+        assert other.destroy(link.link) == 4
+    assert link.write(b"x")[0] == 0
+
+
+def test_destroyed_links_make_room_for_new_ones(server):
+    with CoreLink(server.port) as a, CoreLink(server.port) as b, CoreLink(server.port):
+        with CoreLink(server.port) as refused:
+            assert refused.error == 9
+        a.destroy()
+        with CoreLink(server.port) as accepted:
+            assert accepted.error == 0
+        b.destroy()
+
+
+def test_dropped_connection_frees_its_link_and_its_lock(server, link):
+    with CoreLink(server.port) as other:
+        assert other.lock() == 0
+        assert link.write(b"x")[0] == 11
+    wait_until(lambda: server.link_count == 1, "freeing of the link")
+    assert link.write(b"x")[0] == 0
+
+
+def test_client_that_leaves_while_it_waits_is_forgotten(server, link):
+    with CoreLink(server.port) as other:
+        arguments = words(other.link, 10, 3_600_000, 0, 0, 0)
+        other.send(words(len(arguments) + 40 | 0x80000000, 7, 0, 2, CORE, 1, 12, 0, 0, 0, 0))
+        other.send(arguments)
+    wait_until(lambda: server.link_count == 1, "freeing of the link")
+
+
+def test_lock_keeps_others_out_until_it_is_given_back(server, link):
+    with CoreLink(server.port) as other:
+        assert link.lock() == 0
+        assert link.lock() == 11
+        assert other.lock() == 11
+        assert other.write(b"?")[0] == 11
+        assert other.read()[0] == 11
+        assert other.generic(13)[0] == 11
+        assert other.generic(15)[0] == 11
+        assert other.unlock() == 12
+        assert link.write(b"?")[0] == 0
+        assert link.unlock() == 0
+        assert link.unlock() == 12
+        assert other.lock() == 0
+
+
+def test_waiting_for_the_lock_ends_when_it_is_free(server, link):
+    with CoreLink(server.port) as other:
+        assert link.lock() == 0
+        waiting = InBackground(lambda: other.write(b"x", 8 | WAIT_LOCK, lock_timeout_ms=4000))
+        assert link.read(io_timeout_ms=50)[0] == 15
+        assert waiting.is_waiting
+        assert link.unlock() == 0
+        assert waiting.result() == (0, 1)
+
+
+def test_lock_can_be_waited_for(server, link):
+    with CoreLink(server.port) as other:
+        assert link.lock() == 0
+        waiting = InBackground(lambda: other.lock(WAIT_LOCK, lock_timeout_ms=4000))
+        assert link.read(io_timeout_ms=50)[0] == 15
+        assert waiting.is_waiting
+        assert link.unlock() == 0
+        assert waiting.result() == 0
+        assert link.write(b"x")[0] == 11
+
+
+def test_waiting_for_the_lock_is_bounded(server, link):
+    assert link.lock() == 0
+    with CoreLink(server.port) as other:
+        assert other.write(b"x", 8 | WAIT_LOCK, lock_timeout_ms=30)[0] == 11
+    with CoreLink(server.port, lock=1, lock_timeout_ms=30) as other:
+        assert other.error == 11
+    assert server.link_count == 1
+
+
+def test_link_can_be_created_with_the_lock(server, link):
+    with CoreLink(server.port, lock=1, lock_timeout_ms=30) as other:
+        assert other.error == 0
+        assert link.write(b"x")[0] == 11
+
+
+def test_abort_ends_the_call_in_progress_only(server, link):
+    with RawClient(link.abort_port) as abort:
+        # Nothing is in progress: no effect on what comes later.
+        assert abort.result(ABORT, 1, 1, words(link.link)) == words(0)
+        assert link.write(b"x")[0] == 0
+        reading = InBackground(lambda: link.read(io_timeout_ms=4000))
+
+        def has_ended():
+            # Not aborted again once it has ended, so that the next call shows what is left.
+            return not reading.is_waiting or abort.result(ABORT, 1, 1, words(link.link)) is None
+
+        wait_until(has_ended, "end of the read")
+        assert reading.result() == (23, 0, b"")
+        assert abort.result(ABORT, 1, 1, words(9999)) == words(4)
+    assert link.read(io_timeout_ms=10)[0] == 15
+
+
+def test_device_that_does_not_reply_leaves_the_client_waiting(server, device, link):
+    device.conduct = Conduct.NO_REPLY
+    link.sock.settimeout(0.1)
+    with pytest.raises(OSError):
+        link.write(b"x")
+    device.conduct = Conduct.REPLY
+    with CoreLink(server.port) as other:
+        assert other.write(b"x")[0] == 0
+
+
+def test_device_that_does_not_open_leaves_the_client_waiting(server, device):
+    device.open_conduct = Conduct.NO_REPLY
+    with RawClient(server.port, timeout_s=0.1) as client, pytest.raises(OSError):
+        client.result(CORE, 1, 10, words(1, 0, 0) + opaque(b"inst0"))
+    assert server.link_count == 0
+
+
+def test_device_that_drops_closes_every_connection_but_takes_new_ones(server, device, link):
+    device.conduct = Conduct.DROP_CONNECTIONS
+    with CoreLink(server.port) as other:
+        with pytest.raises((EOFError, ConnectionError)):
+            link.write(b"x")
+        assert other.is_closed()
+    wait_until(lambda: server.link_count == 0, "end of the links")
+    device.conduct = Conduct.REPLY
+    with CoreLink(server.port) as other:
+        assert other.write(b"x")[0] == 0
+
+
+def test_device_that_goes_silent_is_found_nowhere(device):
+    server = Vxi11Server(device, portmapper_port=0)
+    server.start()
+    device.conduct = Conduct.GO_SILENT
+    with CoreLink(server.port) as link:
+        with pytest.raises((EOFError, ConnectionError)):
+            link.write(b"*RST")
+        for port in (server.port, link.abort_port, server.portmapper_port):
+            with pytest.raises(ConnectionRefusedError):
+                RawClient(port)
+    server.stop()
+
+
+def test_server_stops_while_a_client_waits(server, link):
+    reading = InBackground(lambda: pytest.raises(EOFError, link.read, io_timeout_ms=60_000))
+    wait_until(lambda: reading.is_waiting, "start of the read")
+    started_s = time.monotonic()
+    server.stop()
+    assert time.monotonic() - started_s < 2.0
+    assert reading.result() is not None

@@ -1,0 +1,111 @@
+"""A simulated analyzer on the bench: probe medium, movable antennas, real or hand-driven clock."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from gpr20_common.low.clock import Clock
+from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.faults import FaultBoard
+from gpr20_simulator.mid.instrument import SimulatedVna
+from gpr20_simulator.mid.probe_medium import PositionProbe
+from gpr20_simulator.mid.scene import InstrumentScene
+from gpr20_simulator.mid.sweep_plan import SweepPace
+from gpr20_simulator.mid.sweeper import Sweeper
+from gpr20_simulator.mid.vna_settings import VnaSettings
+
+
+class HandClock(Clock):
+    """Time passes only when the test says so."""
+
+    def __init__(self):
+        self._now_s = 1000.0
+        self._moved = threading.Event()
+
+    def now_s(self):
+        return self._now_s
+
+    def advance(self, seconds):
+        self._now_s += seconds
+
+    def wait_s(self, event, timeout_s):
+        # Short, because the test may advance the time at any moment.
+        return event.wait(min(timeout_s, 0.001))
+
+
+class Carriage:
+    """Antennas that are where the test put them."""
+
+    def __init__(self):
+        self.here = AntennaPosition(0.0, 0.0, 0.0)
+
+    def move(self, x_mm, y_mm=0.0, rotation_deg=0.0):
+        self.here = AntennaPosition(x_mm, y_mm, rotation_deg)
+
+    def position(self):
+        return self.here
+
+
+class MemoryCapture:
+    def __init__(self):
+        self.saved = []
+
+    def save(self, kind, data):
+        self.saved.append((kind, data))
+
+
+class Bench:
+    """An instrument without network."""
+
+    def __init__(self, clock=None, seconds_per_point=0.0, medium=None, **description):
+        self.carriage = Carriage()
+        self.faults = FaultBoard()
+        self.capture = MemoryCapture()
+        plan = VnaSettings().plan(seconds_per_point)
+        clock = clock or Clock()
+        self.sweeper = Sweeper(
+            medium or PositionProbe(), self.carriage.position, clock, plan, SweepPace()
+        )
+        self.instrument = SimulatedVna(
+            self.sweeper,
+            clock,
+            InstrumentScene(**description),
+            self.faults,
+            seconds_per_point,
+            self.capture,
+        )
+        self.sweeper.start()
+
+    def send(self, text):
+        return self.instrument.execute(text if isinstance(text, bytes) else text.encode())
+
+    def ask(self, text):
+        """Return the answer without its newline, as text."""
+        return self.send(text).answer.decode("latin-1").rstrip("\n")
+
+    def stop(self):
+        self.sweeper.stop()
+
+
+def block_content(reply):
+    """Return what a block holds after checking its header."""
+    assert reply[:1] == b"#"
+    digits = int(reply[1:2])
+    length = int(reply[2 : 2 + digits])
+    content = reply[2 + digits :].rstrip(b"\n") if b"," in reply else reply[2 + digits :]
+    assert len(content[:length]) == length
+    return content[:length]
+
+
+def ascii_numbers(reply):
+    return np.array([float(one) for one in block_content(reply).decode().split(",") if one])
+
+
+def real_numbers(reply):
+    return np.frombuffer(block_content(reply), "<f4")
+
+
+def complex_numbers(numbers):
+    return numbers[0::2] + 1j * numbers[1::2]

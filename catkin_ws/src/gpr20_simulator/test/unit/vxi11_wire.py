@@ -1,0 +1,92 @@
+"""VXI-11 calls by hand, and a device to talk to."""
+
+from __future__ import annotations
+
+import struct
+import threading
+
+from rpc_wire import RawClient, opaque, words
+
+from gpr20_simulator.low.message_device import Conduct, Outcome
+
+CORE, ABORT = 0x0607AF, 0x0607B0
+END, WAIT_LOCK, TERMINATION = 8, 1, 128
+REQUEST_COUNT, CHARACTER, END_REASON = 1, 2, 4
+
+
+class EchoDevice:
+    """Answers whatever contains a question mark with itself."""
+
+    def __init__(self):
+        self.messages = []
+        self.clears = 0
+        self.conduct = Conduct.REPLY
+        self.open_conduct = Conduct.REPLY
+
+    def opened(self):
+        return self.open_conduct
+
+    def execute(self, message):
+        self.messages.append(message)
+        return Outcome(message if b"?" in message else b"", self.conduct)
+
+    def clear(self):
+        self.clears += 1
+
+
+class CoreLink(RawClient):
+    """A connection to the core channel with one link."""
+
+    def __init__(self, port, lock=0, lock_timeout_ms=0, name=b"inst0"):
+        super().__init__(port)
+        arguments = words(1, lock, lock_timeout_ms) + opaque(name)
+        reply = self.result(CORE, 1, 10, arguments)
+        self.error, self.link, self.abort_port, self.receive_size = struct.unpack(">iiII", reply)
+
+    def write(self, data, flags=END, lock_timeout_ms=0, io_timeout_ms=1000):
+        arguments = words(self.link, io_timeout_ms, lock_timeout_ms, flags) + opaque(data)
+        return struct.unpack(">iI", self.result(CORE, 1, 11, arguments))
+
+    def read(self, size=1000, flags=0, io_timeout_ms=1000, lock_timeout_ms=0, termination=b"\0"):
+        arguments = words(self.link, size, io_timeout_ms, lock_timeout_ms, flags, termination[0])
+        reply = self.result(CORE, 1, 12, arguments)
+        error, reason, length = struct.unpack(">iiI", reply[:12])
+        return error, reason, reply[12 : 12 + length]
+
+    def generic(self, procedure, flags=0, lock_timeout_ms=0, link=None):
+        link = self.link if link is None else link
+        reply = self.result(CORE, 1, procedure, words(link, flags, lock_timeout_ms, 1000))
+        return struct.unpack(f">{len(reply) // 4}i", reply)
+
+    def lock(self, flags=0, lock_timeout_ms=0):
+        return struct.unpack(
+            ">i", self.result(CORE, 1, 18, words(self.link, flags, lock_timeout_ms))
+        )[0]
+
+    def unlock(self):
+        return struct.unpack(">i", self.result(CORE, 1, 19, words(self.link)))[0]
+
+    def destroy(self, link=None):
+        link = self.link if link is None else link
+        return struct.unpack(">i", self.result(CORE, 1, 23, words(link)))[0]
+
+
+class InBackground:
+    """Runs a call in a thread and keeps what it returned."""
+
+    def __init__(self, work):
+        self._result = None
+        self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
+        self._thread.start()
+
+    def _run(self, work):
+        self._result = work()
+
+    @property
+    def is_waiting(self):
+        return self._thread.is_alive()
+
+    def result(self):
+        self._thread.join(5.0)
+        assert not self._thread.is_alive(), "the call did not return"
+        return self._result

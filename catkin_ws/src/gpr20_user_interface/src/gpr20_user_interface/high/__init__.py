@@ -1,0 +1,1 @@
+"""ROS wiring of the window and of the terminal client."""

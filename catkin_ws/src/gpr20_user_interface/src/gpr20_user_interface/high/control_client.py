@@ -1,0 +1,127 @@
+"""main_control's topics and services as events of this package."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any, Callable, List
+
+import rospy
+from sensor_msgs.msg import Range
+from std_srvs.srv import Trigger
+
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.robot_travel import read_axis_limits
+from gpr20_user_interface.mid.survey_state import Accepted, Answer, Event, Request
+
+SET_TIMEOUT_S = 10.0
+STOP_TIMEOUT_S = 10.0
+# Checks of the devices come before the answer, and homing may: at the lowest speed an axis
+# of 800 mm takes 800 s. Who waits can stop the survey meanwhile.
+START_TIMEOUT_S = 1200.0
+
+
+class ControlClient:
+    """Tells a listener everything about main_control; asks it without waiting.
+
+    Args:
+        listener: Called with each event, from threads of ROS and of this class.
+    """
+
+    def __init__(self, listener: Callable[[Event], None]) -> None:
+        self._listener = listener
+        self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
+        self._start = ServiceClient("start_survey", StartSurvey)
+        self._stop = ServiceClient("stop_survey", Trigger)
+        self._resume = ServiceClient("resume_survey", ResumeSurvey)
+        self._reading_limits = threading.Lock()
+        self._subscribers: List[rospy.Subscriber] = []
+
+    def listen(self) -> None:
+        """Subscribe to what main_control says."""
+        self._subscribe("control_status", ControlStatus, conversions.control_state, None)
+        self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
+
+    def listen_to_robot(self) -> None:
+        """Subscribe to where the robot is."""
+        self._subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
+        self._subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
+        self._subscribe("measured_height", Range, conversions.measured_height, 1)
+
+    def close(self) -> None:
+        """Tell the listener nothing more from topics."""
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        self._subscribers.clear()
+
+    def start_survey(self, parameters: SurveyParameters) -> None:
+        """Ask to accept the parameters and to start; the answer is an event."""
+        self._in_background(
+            lambda: self._answer(Request.START, lambda: self._ask_start(parameters))
+        )
+
+    def stop_survey(self) -> None:
+        """Ask to stop the survey; the answer is an event."""
+        self._in_background(
+            lambda: self._answer(Request.STOP, lambda: self._stop.call(STOP_TIMEOUT_S))
+        )
+
+    def resume_survey(self, survey_id: str = "") -> None:
+        """Ask to go on with the paused survey or with the one named; the answer is an event."""
+        self._in_background(
+            lambda: self._answer(Request.RESUME, lambda: self._ask_resume(survey_id))
+        )
+
+    def read_axis_limits(self) -> None:
+        """Read what the axes can do; the answer is an event."""
+        # A master that hangs must not collect one thread per call.
+        if self._reading_limits.acquire(blocking=False):
+            self._in_background(self._read_axis_limits)
+
+    def _read_axis_limits(self) -> None:
+        try:
+            self._listener(read_axis_limits())
+        finally:
+            self._reading_limits.release()
+
+    def _ask_start(self, parameters: SurveyParameters) -> Any:
+        message = conversions.parameters_message(parameters)
+        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
+        if not accepted.success:
+            return accepted
+        self._listener(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
+        return self._start.call(START_TIMEOUT_S)
+
+    def _ask_resume(self, survey_id: str) -> Any:
+        # The long limit is for the answer, not for a service that is not there.
+        rospy.wait_for_service(self._resume.name, timeout=SET_TIMEOUT_S)
+        return self._resume.call(START_TIMEOUT_S, survey_id=survey_id)
+
+    def _answer(self, request: Request, ask: Callable[[], Any]) -> None:
+        try:
+            response = ask()
+        except (ServiceUnavailableError, rospy.ROSException) as error:
+            self._listener(Answer(request, False, str(error)))
+        else:
+            survey_id = getattr(response, "survey_id", "")
+            self._listener(Answer(request, response.success, response.message, survey_id))
+
+    def _subscribe(
+        self, name: str, message_class: Any, convert: Callable[[Any], Event], queue_size: Any
+    ) -> None:
+        self._subscribers.append(
+            rospy.Subscriber(
+                name,
+                message_class,
+                lambda message: self._listener(convert(message)),
+                queue_size=queue_size,
+            )
+        )
+
+    @staticmethod
+    def _in_background(work: Callable[[], None]) -> None:
+        # Daemons: a call that never returns must not keep the process alive.
+        threading.Thread(target=work, daemon=True).start()

@@ -1,0 +1,58 @@
+"""ROS messages from and to the records of this package."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from sensor_msgs.msg import Range
+
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_user_interface.mid.survey_state import (
+    ControlCode,
+    ControlState,
+    CurrentPosition,
+    MeasuredHeight,
+    Progress,
+    TargetPosition,
+)
+
+
+def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:
+    """Return the message with the same fields."""
+    return SurveyParametersMessage(**dataclasses.asdict(parameters))
+
+
+def control_state(message: ControlStatus) -> ControlState:
+    """Convert `control_status`."""
+    code = ControlCode(message.code)
+    return ControlState(code, message.message, message.survey_id, message.simulated)
+
+
+def progress(message: SurveyData) -> Progress:
+    """Convert `control_survey_data`."""
+    return Progress(
+        survey_id=message.survey_id,
+        completion_percent=message.completion_percent,
+        total_points=message.total_points,
+        visited_points=message.visited_points,
+        remaining_s=message.remaining_time.to_sec(),
+    )
+
+
+def current_position(message: Coordinates) -> CurrentPosition:
+    """Convert `control_current_coordinate`."""
+    return CurrentPosition(message.x_mm, message.y_mm, message.z_deg)
+
+
+def target_position(message: Coordinates) -> TargetPosition:
+    """Convert `control_target_coordinate`."""
+    return TargetPosition(message.x_mm, message.y_mm, message.z_deg)
+
+
+def measured_height(message: Range) -> MeasuredHeight:
+    """Convert `measured_height`; a value outside the sensor's range is none (REP 117)."""
+    within = message.min_range <= message.range <= message.max_range
+    return MeasuredHeight(message.range if within else math.nan)

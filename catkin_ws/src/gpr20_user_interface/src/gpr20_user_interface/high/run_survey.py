@@ -1,0 +1,88 @@
+"""The terminal client: run a survey without a window."""
+
+from __future__ import annotations
+
+import sys
+from typing import Callable, Dict
+
+import rospy
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.mid.errors import Gpr20Error
+from gpr20_main_control.mid.survey_parameters import RobotTravel, problems
+from gpr20_user_interface.high.control_client import ControlClient
+from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.high.robot_travel import read_axis_limits
+from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
+from gpr20_user_interface.low.terminal_bar import TerminalBar
+from gpr20_user_interface.mid.bar_display import BarDisplay
+from gpr20_user_interface.mid.errors import ParametersRefusedError
+from gpr20_user_interface.mid.event_queue import EventQueue
+from gpr20_user_interface.mid.plain_display import PlainDisplay
+from gpr20_user_interface.mid.survey_arguments import Bar, Options, parse_arguments
+from gpr20_user_interface.mid.survey_session import Display, SurveySession, outcome_lines
+from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL, Request, StopWish
+from gpr20_user_interface.mid.survey_watch import ExitStatus, Limits, Mode, SurveyWatch
+
+
+class RequestSender:
+    """Carries the requests of the watch out."""
+
+    def __init__(self, client: ControlClient, options: Options) -> None:
+        self._send: Dict[Request, Callable[[], None]] = {
+            Request.START: lambda: client.start_survey(options.parameters),
+            Request.STOP: client.stop_survey,
+            Request.RESUME: lambda: client.resume_survey(options.resume_id),
+        }
+
+    def send(self, request: Request) -> None:
+        """Ask main_control without waiting for the answer."""
+        self._send[request]()
+
+
+def main() -> int:
+    """Run a survey as the command line says; return the exit status."""
+    options = parse_arguments(rospy.myargv()[1:])
+    events = EventQueue()
+    try:
+        with StopSignals(lambda name: events.put(StopWish(name))) as signals:
+            return _run(options, events, signals)
+    except SecondStopSignal:
+        print("\nleft at once, without waiting: the robot may still run", file=sys.stderr)
+        leave_now(ExitStatus.STOPPED)
+
+
+def _run(options: Options, events: EventQueue, signals: StopSignals) -> int:
+    try:
+        # What can be refused at once needs no robot.
+        _check(options, DOCUMENTED_TRAVEL)
+        join_graph("run_survey", options.wait_s, lambda: signals.received, Clock())
+        _check(options, read_axis_limits().travel or DOCUMENTED_TRAVEL)
+    except Gpr20Error as error:
+        print(f"run_survey: {error}", file=sys.stderr)
+        return ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED
+    return _follow(options, events)
+
+
+def _check(options: Options, travel: RobotTravel) -> None:
+    found = problems(options.parameters, travel) if options.mode is Mode.START else []
+    if found:
+        raise ParametersRefusedError("refused: " + "; ".join(found))
+
+
+def _follow(options: Options, events: EventQueue) -> int:
+    client = ControlClient(events.put)
+    watch = SurveyWatch(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
+    session = SurveySession(watch, events, RequestSender(client, options), _display(options.bar))
+    client.listen()
+    outcome = session.run()
+    client.close()
+    lines = outcome_lines(outcome, watch.survey_id, session.simulated)
+    is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
+    print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
+    return outcome.status
+
+
+def _display(bar: Bar) -> Display:
+    wanted = sys.stdout.isatty() if bar is Bar.AUTO else bar is Bar.ALWAYS
+    return BarDisplay(TerminalBar(sys.stdout)) if wanted else PlainDisplay(sys.stdout)

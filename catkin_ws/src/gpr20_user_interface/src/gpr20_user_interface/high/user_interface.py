@@ -1,0 +1,83 @@
+"""The window: a client of main_control that may come and go without touching the survey."""
+
+from __future__ import annotations
+
+import sys
+
+import rospy
+from PyQt5.QtCore import Qt, QTimer
+from PyQt5.QtWidgets import QApplication
+
+from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
+from gpr20_common.low.clock import Clock
+from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.high.ros_link import RosLink
+from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
+from gpr20_user_interface.mid.errors import MasterUnavailableError
+from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.views.main_window import MainWindow
+from gpr20_user_interface.mid.window_presenter import WindowPresenter
+
+MASTER_WAIT_S = 30.0
+EXIT_NO_MASTER = 1
+EXIT_BY_SIGNAL = 130
+
+
+class UserInterface:
+    """The window and everything that it needs, connected."""
+
+    def __init__(self, model: SurveyModel) -> None:
+        self.window = MainWindow()
+        self.link = RosLink()
+        self.presenter = WindowPresenter(model, self.window, self.link)
+        # The signals come from ROS's threads: Qt carries them into the thread of the window.
+        self.link.event.connect(self.presenter.on_event, Qt.ConnectionType.QueuedConnection)
+
+    def begin(self) -> None:
+        """Show the window and listen to the graph."""
+        self.link.listen()
+        self.presenter.begin()
+        self.window.show()
+
+    def end(self) -> None:
+        """Let go of the graph; a survey that runs is not touched."""
+        self.presenter.end()
+        self.link.close()
+
+    def health(self) -> Health:
+        """Return what this node says of itself."""
+        # The snapshot is immutable: safe to look at from ROS's threads.
+        snapshot = self.presenter.snapshot
+        if snapshot.control_alive:
+            return OK, "shows main_control", {}
+        return WARN, "main_control is not heard", {"silent_s": snapshot.control_silent_s}
+
+
+def main() -> int:
+    """Show the window until it is closed, ROS asks it to end or a signal comes."""
+    application = QApplication(rospy.myargv())
+
+    def quit_soon(_name: str) -> None:
+        # A quit() before the event loop runs would be lost; this waits for the loop.
+        QTimer.singleShot(0, application.quit)
+
+    with StopSignals(quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
+        try:
+            join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
+        except MasterUnavailableError as error:
+            print(f"user_interface: {error}", file=sys.stderr)
+            return EXIT_NO_MASTER
+        return _show(application)
+
+
+def _show(application: QApplication) -> int:
+    interface = UserInterface(SurveyModel(Clock()))
+    interface.link.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
+    interface.begin()
+    diagnostics = Diagnostics("user_interface", interface.health)
+    status = application.exec_()
+    interface.end()
+    # While the objects that it tells still exist.
+    rospy.signal_shutdown("the window was closed")
+    del diagnostics
+    return status

@@ -1,0 +1,1 @@
+"""External things: the terminal and the signals of the process."""

@@ -1,0 +1,15 @@
+"""The errors of the user interface."""
+
+from gpr20_common.mid.errors import Gpr20Error
+
+
+class UserInterfaceError(Gpr20Error):
+    """The root of every error of this package."""
+
+
+class MasterUnavailableError(UserInterfaceError, OSError):
+    """There is no ROS master to ask."""
+
+
+class ParametersRefusedError(UserInterfaceError, ValueError):
+    """The parameters of the survey are not allowed; the message names each."""

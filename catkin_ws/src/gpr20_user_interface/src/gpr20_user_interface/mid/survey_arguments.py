@@ -1,0 +1,213 @@
+"""The command line of the terminal client."""
+
+from __future__ import annotations
+
+import argparse
+import enum
+import math
+from dataclasses import dataclass
+from typing import Optional, Sequence
+
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.survey_watch import Mode, OnPause
+from gpr20_user_interface.mid.units import hertz_from_megahertz, rotations_from_text
+
+DESCRIPTION = """\
+Run a survey without a window: set its parameters, start it and follow it to its end.
+Ctrl-C stops the survey and waits until main_control says that it has stopped."""
+
+EXIT_STATUS = """\
+exit status:
+    0  the survey finished: every planned trace is stored
+    1  it was refused or could not be started
+    2  the command line is wrong
+    3  it failed, was stopped by somebody else, or main_control was lost
+    4  it is paused and was left so (--on-pause exit)
+  130  it was stopped by Ctrl-C or by SIGTERM; after a second one it may still run
+"""
+
+
+class Bar(enum.Enum):
+    """How progress is shown."""
+
+    AUTO = "auto"
+    ALWAYS = "always"
+    NEVER = "never"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line asks for."""
+
+    mode: Mode
+    resume_id: str
+    parameters: SurveyParameters
+    wait_s: float
+    on_pause: OnPause
+    bar: Bar
+
+
+def parse_arguments(arguments: Sequence[str]) -> Options:
+    """Read the command line.
+
+    Args:
+        arguments: Without the program's name and without ROS remappings.
+
+    Raises:
+        SystemExit: With status 2 after a message, or 0 after the help.
+    """
+    given = _parser().parse_args(arguments)
+    return Options(
+        mode=_mode(given.attach, given.resume),
+        resume_id=given.resume or "",
+        parameters=SurveyParameters(
+            vna_address=given.vna_address,
+            start_frequency_hz=given.start_frequency_mhz,
+            stop_frequency_hz=given.stop_frequency_mhz,
+            frequency_points=given.frequency_points,
+            x_start_mm=given.x_start_mm,
+            x_stop_mm=given.x_stop_mm,
+            x_points=given.x_points,
+            y_start_mm=given.y_start_mm,
+            y_stop_mm=given.y_stop_mm,
+            y_points=given.y_points,
+            polarizations_deg=given.polarizations_deg,
+        ),
+        wait_s=given.wait,
+        on_pause=OnPause(given.on_pause),
+        bar=Bar(given.bar),
+    )
+
+
+def _mode(attach: bool, resume: Optional[str]) -> Mode:
+    if attach:
+        return Mode.ATTACH
+    return Mode.START if resume is None else Mode.RESUME
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="run_survey",
+        description=DESCRIPTION,
+        epilog=EXIT_STATUS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_parameters(parser.add_argument_group("what to measure"))
+    _add_conduct(parser.add_argument_group("how to run it"))
+    return parser
+
+
+def _add_parameters(group: argparse._ArgumentGroup) -> None:
+    default = " (default %(default)s)"
+    group.add_argument(
+        "--vna-address",
+        default="127.0.0.1",
+        metavar="A.B.C.D",
+        help="address of the network analyzer" + default,
+    )
+    # argparse converts a default that is a string like an argument.
+    for name, megahertz in (("start", "600"), ("stop", "6000")):
+        group.add_argument(
+            f"--{name}-frequency-mhz",
+            type=_megahertz,
+            default=megahertz,
+            metavar="MHZ",
+            help=f"{name} of the sweep" + default,
+        )
+    group.add_argument(
+        "--frequency-points",
+        type=int,
+        default=501,
+        metavar="N",
+        help="points of the sweep" + default,
+    )
+    for axis in ("x", "y"):
+        _add_axis(group, axis)
+    group.add_argument(
+        "--polarizations-deg",
+        type=_rotations,
+        default="0,90",
+        metavar="DEG,DEG",
+        help="rotations measured at each stop" + default,
+    )
+
+
+def _add_axis(group: argparse._ArgumentGroup, axis: str) -> None:
+    default = " (default %(default)g)"
+    for end, coordinate_mm in (("start", 50.0), ("stop", 150.0)):
+        group.add_argument(
+            f"--{axis}-{end}-mm",
+            type=float,
+            default=coordinate_mm,
+            metavar="MM",
+            help=f"{end} of the area along {axis}" + default,
+        )
+    group.add_argument(
+        f"--{axis}-points", type=int, default=5, metavar="N", help=f"stops along {axis}" + default
+    )
+
+
+def _add_conduct(group: argparse._ArgumentGroup) -> None:
+    which = group.add_mutually_exclusive_group()
+    which.add_argument(
+        "--attach",
+        action="store_true",
+        help="follow the survey that runs now, whoever started it; "
+        "Ctrl-C stops that survey, a closed terminal leaves it running",
+    )
+    which.add_argument(
+        "--resume",
+        nargs="?",
+        const="",
+        metavar="SURVEY_ID",
+        help="go on with the paused survey, or with the one named, and follow it",
+    )
+    group.add_argument(
+        "--on-pause",
+        choices=[choice.value for choice in OnPause],
+        default=OnPause.EXIT.value,
+        help="when the survey pauses: leave it paused and exit with status 4, "
+        "or wait until somebody resumes it (default %(default)s)",
+    )
+    group.add_argument(
+        "--wait",
+        type=_seconds,
+        default=15.0,
+        metavar="S",
+        help="seconds to wait for main_control (default %(default)g)",
+    )
+    group.add_argument(
+        "--bar",
+        choices=[choice.value for choice in Bar],
+        default=Bar.AUTO.value,
+        help="progress bar, or plain lines; auto: a bar on a terminal (default %(default)s)",
+    )
+
+
+def _converter_error(error: ValueError) -> argparse.ArgumentTypeError:
+    # argparse shows the text of this error, but not that of a ValueError.
+    return argparse.ArgumentTypeError(str(error))
+
+
+def _megahertz(text: str) -> float:
+    try:
+        return hertz_from_megahertz(text)
+    except ValueError as error:
+        raise _converter_error(error) from None
+
+
+def _rotations(text: str) -> tuple:
+    try:
+        return rotations_from_text(text)
+    except ValueError as error:
+        raise _converter_error(error) from None
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not (math.isfinite(seconds) and seconds > 0.0):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds above zero")
+    return seconds

@@ -1,0 +1,175 @@
+"""The state of the survey as a window shows it: what is known and what may be pressed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import FrozenSet, Generic, Optional, Set, TypeVar
+
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.mid.survey_parameters import RobotTravel
+from gpr20_user_interface.mid.survey_state import (
+    ACTIVE,
+    Answer,
+    AxisLimits,
+    ControlCode,
+    ControlState,
+    CurrentPosition,
+    Event,
+    MeasuredHeight,
+    Progress,
+    Request,
+    TargetPosition,
+)
+
+# main_control speaks at 2 Hz.
+CONTROL_SILENCE_S = 3.0
+# Beyond this a coordinate or a height is not what is the case now.
+STALE_S = 3.0
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Everything that the window shows at one moment; None is not known now."""
+
+    control_alive: bool
+    control_silent_s: Optional[float]
+    state: Optional[ControlState]
+    progress: Optional[Progress]
+    current: Optional[CurrentPosition]
+    target: Optional[TargetPosition]
+    height_m: Optional[float]
+    pending: FrozenSet[Request]
+    travel: Optional[RobotTravel]
+    # The survey of `state` was started by this window, which so knows its parameters.
+    started_here: bool
+
+    @property
+    def running(self) -> bool:
+        """Whether, by the last word of main_control, a survey exists that has not ended."""
+        return self.state is not None and self.state.code in ACTIVE
+
+    @property
+    def simulated(self) -> bool:
+        """Whether main_control said that the robot is simulated."""
+        return self.state is not None and self.state.simulated
+
+    @property
+    def fields_locked(self) -> bool:
+        """Whether the parameters are those of a survey that is on its way."""
+        return self.running or Request.START in self.pending
+
+    @property
+    def can_start(self) -> bool:
+        """Whether START makes sense, if the parameters are right."""
+        return self.control_alive and not self.fields_locked
+
+    @property
+    def can_stop(self) -> bool:
+        """Whether there may be something to stop; a stop that is pending may be repeated."""
+        return self.fields_locked or Request.RESUME in self.pending
+
+    @property
+    def can_resume(self) -> bool:
+        """Whether a survey is paused and nobody here has asked to go on."""
+        paused = self.state is not None and self.state.code is ControlCode.PAUSED
+        return paused and self.control_alive and not self.pending
+
+
+Value = TypeVar("Value")
+
+
+class _Latest(Generic[Value]):
+    """The last value of something that goes stale."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._value: Optional[Value] = None
+        self._heard_s = -math.inf
+
+    def set(self, value: Value) -> None:
+        self._value = value
+        self._heard_s = self._clock.now_s()
+
+    def fresh(self) -> Optional[Value]:
+        return self._value if self._clock.now_s() - self._heard_s <= STALE_S else None
+
+
+class SurveyModel:
+    """Takes events, gives snapshots. Belongs to one thread."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._heard_s: Optional[float] = None
+        self._state: Optional[ControlState] = None
+        self._progress: Optional[Progress] = None
+        self._current: _Latest[CurrentPosition] = _Latest(clock)
+        self._target: _Latest[TargetPosition] = _Latest(clock)
+        self._height: _Latest[MeasuredHeight] = _Latest(clock)
+        self._pending: Set[Request] = set()
+        self._limits = AxisLimits(None)
+        self._started_id = ""
+        self._started_s = -math.inf
+
+    def request_sent(self, request: Request) -> None:
+        """Take note that main_control was asked and has not answered yet."""
+        self._pending.add(request)
+
+    def handle(self, event: Event) -> None:
+        """Take note of an event."""
+        if isinstance(event, (ControlState, Progress)):
+            self._heard_s = self._clock.now_s()
+        if isinstance(event, ControlState):
+            self._state = event
+        elif isinstance(event, Progress):
+            self._progress = event
+        elif isinstance(event, CurrentPosition):
+            self._current.set(event)
+        elif isinstance(event, TargetPosition):
+            self._target.set(event)
+        elif isinstance(event, MeasuredHeight):
+            self._height.set(event)
+        elif isinstance(event, Answer):
+            self._answered(event)
+        elif isinstance(event, AxisLimits):
+            self._limits = event
+
+    def snapshot(self) -> Snapshot:
+        """Return what is known now."""
+        silent_s = None if self._heard_s is None else self._clock.now_s() - self._heard_s
+        return Snapshot(
+            control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
+            control_silent_s=silent_s,
+            state=self._state,
+            progress=self._progress,
+            current=self._current.fresh(),
+            target=self._known_target(),
+            height_m=self._known_height_m(),
+            pending=frozenset(self._pending | self._beginning()),
+            travel=self._limits.travel,
+            started_here=self._is_started_here(),
+        )
+
+    def _answered(self, answer: Answer) -> None:
+        self._pending.discard(answer.request)
+        if answer.request is Request.START and answer.success:
+            self._started_id = answer.survey_id
+            self._started_s = self._clock.now_s()
+
+    def _beginning(self) -> Set[Request]:
+        # The answer to START may come before the first status of its survey: START stays
+        # locked until then, but not for ever.
+        recent = self._clock.now_s() - self._started_s <= CONTROL_SILENCE_S
+        known = self._state is not None and self._state.survey_id == self._started_id
+        return {Request.START} if recent and not known else set()
+
+    def _is_started_here(self) -> bool:
+        return self._state is not None and self._state.survey_id == self._started_id != ""
+
+    def _known_target(self) -> Optional[TargetPosition]:
+        target = self._target.fresh()
+        return None if target is None or target.is_none else target
+
+    def _known_height_m(self) -> Optional[float]:
+        height = self._height.fresh()
+        return height.height_m if height is not None and math.isfinite(height.height_m) else None

@@ -1,0 +1,101 @@
+"""Between the window, the model and main_control; in the thread of the window."""
+
+from __future__ import annotations
+
+from typing import Callable, Protocol
+
+from PyQt5.QtCore import QObject, QTimer
+
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
+from gpr20_user_interface.mid.survey_state import Answer, Request
+from gpr20_user_interface.mid.views.main_window import MainWindow
+
+# Topics come at up to 50 Hz; nobody reads figures that change more often than this.
+REFRESH_MS = 100
+# A robot may be started, or started anew with other limits, after the window.
+LIMITS_MS = 5000
+
+
+class SurveyControl(Protocol):
+    """main_control, asked without waiting; what it answers comes as events."""
+
+    def start_survey(self, parameters: SurveyParameters) -> None:
+        """Ask to accept the parameters and to start."""
+
+    def stop_survey(self) -> None:
+        """Ask to stop."""
+
+    def resume_survey(self) -> None:
+        """Ask to go on."""
+
+    def read_axis_limits(self) -> None:
+        """Read what the axes can do."""
+
+
+class WindowPresenter(QObject):
+    """Carries events to the model, snapshots to the window and wishes to main_control."""
+
+    def __init__(self, model: SurveyModel, window: MainWindow, control: SurveyControl) -> None:
+        super().__init__()
+        self._model = model
+        self._window = window
+        self._snapshot = model.snapshot()
+        self._control = control
+        window.start_requested.connect(self._start)
+        window.stop_requested.connect(self._stop)
+        window.resume_requested.connect(self._resume)
+        self._refresh_timer = self._timer(REFRESH_MS, self.refresh)
+        self._limits_timer = self._timer(LIMITS_MS, control.read_axis_limits)
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """What the window shows now."""
+        return self._snapshot
+
+    def begin(self) -> None:
+        """Keep the window up to date from now on."""
+        self._control.read_axis_limits()
+        self.refresh()
+        self._refresh_timer.start()
+        self._limits_timer.start()
+
+    def end(self) -> None:
+        """Leave the window as it is."""
+        self._refresh_timer.stop()
+        self._limits_timer.stop()
+
+    def on_event(self, event: object) -> None:
+        """Take note of an event; tell the operator at once what was refused."""
+        self._model.handle(event)  # type: ignore[arg-type]
+        if isinstance(event, Answer) and not event.success:
+            self._window.show_refusal(event.request, event.message)
+        if isinstance(event, Answer):
+            self.refresh()
+
+    def refresh(self) -> None:
+        """Show what is known now."""
+        self._snapshot = self._model.snapshot()
+        self._window.refresh(self._snapshot)
+
+    def _start(self, parameters: SurveyParameters) -> None:
+        self._sent(Request.START)
+        self._control.start_survey(parameters)
+
+    def _stop(self) -> None:
+        self._sent(Request.STOP)
+        self._control.stop_survey()
+
+    def _resume(self) -> None:
+        self._sent(Request.RESUME)
+        self._control.resume_survey()
+
+    def _sent(self, request: Request) -> None:
+        self._model.request_sent(request)
+        self.refresh()
+
+    def _timer(self, period_ms: int, slot: Callable[[], None]) -> QTimer:
+        timer = QTimer(self)
+        timer.setInterval(period_ms)
+        timer.timeout.connect(slot)
+        return timer

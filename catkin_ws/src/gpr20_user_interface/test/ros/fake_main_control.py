@@ -1,0 +1,211 @@
+"""A main_control without a robot: keeps the contract of the graph, does as the test says."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from typing import Optional
+
+import rospy
+from sensor_msgs.msg import Range
+from std_srvs.srv import Trigger, TriggerResponse
+
+from gpr20_common.high.services import advertise
+from gpr20_common.mid.errors import Gpr20Error
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel, check
+from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.srv import (
+    ResumeSurvey,
+    ResumeSurveyResponse,
+    SetSurveyParameters,
+    SetSurveyParametersResponse,
+    StartSurvey,
+    StartSurveyResponse,
+)
+
+TRAVEL = RobotTravel(
+    x=Travel(0.0, 650.0, 0.01), y=Travel(0.0, 800.0, 0.01), z=Travel(-90.0, 90.0, 1.8)
+)
+ACTIVE = (
+    ControlStatus.CHECKING,
+    ControlStatus.HOMING,
+    ControlStatus.SURVEYING,
+    ControlStatus.PAUSED,
+    ControlStatus.STOPPING,
+)
+PERIOD_S = 0.5
+
+
+class FakeMainControl:
+    """Takes one trace per `point_s`; a test may hold it, pause it, fail it and take it away."""
+
+    def __init__(self, namespace: str, point_s: float = 0.05) -> None:
+        self._namespace = namespace
+        self._point_s = point_s
+        self._lock = threading.RLock()
+        self._closed = threading.Event()
+        self._parameters: Optional[SurveyParameters] = None
+        self._visited = 0
+        self.code = ControlStatus.IDLE
+        self.survey_id = ""
+        self.starts = 0
+        self.stops = 0
+        self.may_stop = threading.Event()
+        self.may_stop.set()
+        # An answer to START that a test holds back, or makes a refusal.
+        self.asked = 0
+        self.may_answer = threading.Event()
+        self.may_answer.set()
+        self.refusal = ""
+        # Points that the survey may take; a test that needs time gives them out slowly.
+        self.point_limit = 10**6
+        self._advertise()
+        self._say(ControlStatus.IDLE, "waiting for parameters")
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def set_axis_parameters(self) -> None:
+        for axis in "xyz":
+            travel = getattr(TRAVEL, axis)
+            rospy.set_param(
+                f"{self._namespace}/{axis}_axis/axis_driver",
+                {
+                    "min_coord": travel.lower,
+                    "max_coord": travel.upper,
+                    "step_size": travel.step,
+                },
+            )
+
+    @property
+    def visited(self) -> int:
+        return self._visited
+
+    def listeners(self) -> int:
+        return self._data.get_num_connections()
+
+    def pause(self, message: str) -> None:
+        self._say(ControlStatus.PAUSED, message)
+
+    def fail(self, message: str) -> None:
+        self._say(ControlStatus.FAILED, message)
+
+    def close(self) -> None:
+        self._closed.set()
+        for service in self._services:
+            service.shutdown()
+        for publisher in (self._status, self._data, self._current, self._target, self._height):
+            publisher.unregister()
+
+    def _advertise(self) -> None:
+        def name(relative: str) -> str:
+            return f"{self._namespace}/{relative}"
+
+        self._status = rospy.Publisher(
+            name("control_status"), ControlStatus, latch=True, queue_size=10
+        )
+        self._data = rospy.Publisher(name("control_survey_data"), SurveyData, queue_size=10)
+        self._current = rospy.Publisher(
+            name("control_current_coordinate"), Coordinates, queue_size=1
+        )
+        self._target = rospy.Publisher(name("control_target_coordinate"), Coordinates, queue_size=1)
+        self._height = rospy.Publisher(name("measured_height"), Range, queue_size=1)
+        self._services = [
+            advertise(name("set_survey_parameters"), SetSurveyParameters, self._set),
+            advertise(name("start_survey"), StartSurvey, self._start),
+            advertise(name("stop_survey"), Trigger, self._stop),
+            advertise(name("resume_survey"), ResumeSurvey, self._resume),
+        ]
+
+    def _set(self, request: object) -> SetSurveyParametersResponse:
+        message = request.parameters
+        values = {name: getattr(message, name) for name in message.__slots__}
+        parameters = SurveyParameters(**values)
+        check(parameters, TRAVEL)
+        with self._lock:
+            self._refuse_while_active()
+            self._parameters = parameters
+            self._say(ControlStatus.CONFIGURED, "ready to start")
+        estimate = rospy.Duration(parameters.total_points * self._point_s)
+        return SetSurveyParametersResponse(True, "accepted", parameters.total_points, estimate)
+
+    def _start(self, _request: object) -> StartSurveyResponse:
+        self.asked += 1
+        if not self.may_answer.wait(20.0):
+            raise Gpr20Error("the test did not let the fake answer")
+        if self.refusal:
+            raise Gpr20Error(self.refusal)
+        with self._lock:
+            self._refuse_while_active()
+            self.starts += 1
+            self.survey_id = str(uuid.uuid4())
+            self._visited = 0
+            self._say(ControlStatus.CHECKING, "checking the devices")
+        return StartSurveyResponse(True, "started", self.survey_id)
+
+    def _refuse_while_active(self) -> None:
+        if self.code in ACTIVE:
+            raise Gpr20Error(f"survey {self.survey_id} is running; stop it first")
+
+    def _stop(self, _request: object) -> TriggerResponse:
+        with self._lock:
+            self.stops += 1
+            if self.code not in ACTIVE:
+                raise Gpr20Error("no survey runs")
+            self._say(ControlStatus.STOPPING, "axes ramp down")
+        return TriggerResponse(True, "stopping")
+
+    def _resume(self, _request: object) -> ResumeSurveyResponse:
+        with self._lock:
+            if self.code != ControlStatus.PAUSED:
+                raise Gpr20Error("no survey is paused")
+            self._say(ControlStatus.SURVEYING, "going on")
+        return ResumeSurveyResponse(True, "going on")
+
+    def _say(self, code: int, message: str) -> None:
+        with self._lock:
+            self.code = code
+            status = ControlStatus(
+                code=code, message=message, survey_id=self.survey_id, simulated=True
+            )
+            status.header.stamp = rospy.Time.now()
+            self._status.publish(status)
+            self._publish_data()
+
+    def _run(self) -> None:
+        said_s = 0.0
+        while not self._closed.wait(self._point_s):
+            with self._lock:
+                self._step()
+                if rospy.get_time() - said_s >= PERIOD_S:
+                    said_s = rospy.get_time()
+                    self._publish_data()
+
+    def _step(self) -> None:
+        if self.code == ControlStatus.CHECKING:
+            self._say(ControlStatus.SURVEYING, "visiting the planned points")
+        elif self.code == ControlStatus.SURVEYING and self._visited < self.point_limit:
+            self._visited += 1
+            self._publish_data()
+            if self._visited == self._parameters.total_points:
+                self._say(ControlStatus.FINISHED, "every trace is stored in /data/survey")
+        elif self.code == ControlStatus.STOPPING and self.may_stop.is_set():
+            self._say(ControlStatus.STOPPED, "stopped by request")
+
+    def _publish_data(self) -> None:
+        total = self._parameters.total_points if self._parameters else 0
+        remaining = total - self._visited
+        self._data.publish(
+            SurveyData(
+                survey_id=self.survey_id,
+                completion_percent=100.0 * self._visited / total if total else 0.0,
+                total_points=total,
+                visited_points=self._visited,
+                remaining_points=remaining,
+                remaining_time=rospy.Duration(remaining * self._point_s),
+            )
+        )
+        at = float(self._visited)
+        self._current.publish(Coordinates(x_mm=at, y_mm=2 * at, z_deg=90.0))
+        running = self.code == ControlStatus.SURVEYING
+        target = (at + 1, 2 * at, 90.0) if running else (-1.0, -1.0, -1.0)
+        self._target.publish(Coordinates(rospy.Header(stamp=rospy.Time.now()), *target))
+        self._height.publish(Range(min_range=0.1, max_range=0.8, range=0.312))

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""The terminal client against a real ROS graph and a fake main_control."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import unittest
+from typing import List
+
+import rosnode
+import rospkg
+import rospy
+import rostest
+from fake_main_control import FakeMainControl
+from waiting import LIMIT_S, wait_until
+
+from gpr20_msgs.msg import ControlStatus
+from gpr20_user_interface.mid.survey_state import ControlCode
+
+SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
+
+
+class RunSurvey(unittest.TestCase):
+    def setUp(self) -> None:
+        self.namespace = "/" + self._testMethodName
+        self.fake = FakeMainControl(self.namespace)
+        self.addCleanup(self.fake.close)
+        self.processes: List[subprocess.Popen] = []
+
+    def tearDown(self) -> None:
+        for process in self.processes:
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+
+    def client(self, *arguments: str, master: str = "") -> subprocess.Popen:
+        folder = rospkg.RosPack().get_path("gpr20_user_interface")
+        process = subprocess.Popen(
+            [
+                sys.executable,
+                os.path.join(folder, "nodes", "run_survey"),
+                *arguments,
+                f"__ns:={self.namespace}",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            universal_newlines=True,
+            env={**os.environ, "ROS_MASTER_URI": master or os.environ["ROS_MASTER_URI"]},
+        )
+        self.processes.append(process)
+        return process
+
+    def end_of(self, process: subprocess.Popen) -> str:
+        output, _ = process.communicate(timeout=LIMIT_S)
+        return output
+
+    def surveying_client(self, *arguments: str) -> subprocess.Popen:
+        self.fake.point_limit = 5
+        process = self.client(*SMALL, *arguments)
+        wait_until(lambda: self.fake.visited == 5, "the survey takes points")
+        return process
+
+    def test_codes_are_those_of_the_message(self) -> None:
+        for code in ControlCode:
+            self.assertEqual(code, getattr(ControlStatus, code.name))
+
+    def test_follows_a_survey_to_its_end(self) -> None:
+        process = self.client(*SMALL)
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 0, output)
+        self.assertEqual(self.fake.visited, 18)
+        for part in ("18 traces", "100.0 %", "0d:0h:0m:0s remaining", "SIMULATED", "/data/survey"):
+            self.assertIn(part, output)
+        self.assertIn(f"survey id: {self.fake.survey_id}", output)
+
+    def test_bar_shows_the_same(self) -> None:
+        process = self.client(*SMALL, "--bar", "always")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 0, output)
+        for part in ("18/18", "100%", "remaining (measured)", "SIMULATED"):
+            self.assertIn(part, output)
+
+    def test_refusal_of_the_control_is_told(self) -> None:
+        # 700 mm is within the documented 0..800 and beyond this robot's axis.
+        process = self.client("--x-stop-mm", "700")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 1, output)
+        self.assertIn("x stop is 700 mm; it must lie between 0 and 650 mm", output)
+        self.assertEqual(self.fake.starts, 0)
+
+    def test_limits_of_the_axes_are_checked_before_asking(self) -> None:
+        self.fake.set_axis_parameters()
+        process = self.client("--x-stop-mm", "700")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 1, output)
+        self.assertIn("x stop is 700 mm; it must lie between 0 and 650 mm", output)
+        self.assertNotIn("no survey was run", output)
+
+    def test_ctrl_c_stops_the_survey_and_waits_for_it(self) -> None:
+        self.fake.may_stop.clear()
+        process = self.surveying_client()
+        process.send_signal(signal.SIGINT)
+        wait_until(lambda: self.fake.code == ControlStatus.STOPPING, "stop was asked")
+        self.assertIsNone(process.poll())
+        self.fake.may_stop.set()
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 130, output)
+        self.assertIn("survey stopped\nstopped by request", output)
+        self.assertEqual(self.fake.code, ControlStatus.STOPPED)
+
+    def test_sigterm_stops_the_survey_too(self) -> None:
+        process = self.surveying_client()
+        process.send_signal(signal.SIGTERM)
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 130, output)
+        self.assertEqual(self.fake.code, ControlStatus.STOPPED)
+
+    def test_second_ctrl_c_leaves_at_once_and_warns(self) -> None:
+        self.fake.may_stop.clear()
+        process = self.surveying_client()
+        process.send_signal(signal.SIGINT)
+        wait_until(lambda: self.fake.stops > 0, "stop was asked")
+        process.send_signal(signal.SIGINT)
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 130, output)
+        self.assertIn("the robot may still run", output)
+        self.assertEqual(self.fake.code, ControlStatus.STOPPING)
+
+    def test_paused_survey_is_left_paused_and_can_be_resumed(self) -> None:
+        process = self.surveying_client()
+        self.fake.pause("the VNA does not answer")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 4, output)
+        self.assertIn("the VNA does not answer", output)
+        self.assertIn("--resume", output)
+        self.assertEqual(self.fake.code, ControlStatus.PAUSED)
+        self.fake.point_limit = 18
+        resumed = self.client("--resume")
+        output = self.end_of(resumed)
+        self.assertEqual(resumed.returncode, 0, output)
+        self.assertIn(self.fake.survey_id, output)
+
+    def test_attached_client_follows_without_starting(self) -> None:
+        first = self.surveying_client()
+        second = self.client("--attach", "--on-pause", "wait")
+        wait_until(lambda: self.fake.listeners() >= 2, "both listen")
+        self.fake.point_limit = 18
+        outputs = [self.end_of(first), self.end_of(second)]
+        self.assertEqual((first.returncode, second.returncode), (0, 0), outputs)
+        self.assertEqual(self.fake.starts, 1)
+
+    def test_attaching_to_nothing_says_so(self) -> None:
+        process = self.client("--attach")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 1, output)
+        self.assertIn("no survey runs: main_control is IDLE", output)
+
+    def test_vanished_control_ends_the_client_with_a_failure(self) -> None:
+        process = self.surveying_client()
+        self.fake.close()
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 3, output)
+        self.assertIn("main_control has not been heard", output)
+
+    def test_failed_survey_is_a_failure(self) -> None:
+        process = self.surveying_client()
+        self.fake.fail("the disk is full")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 3, output)
+        self.assertIn("the disk is full", output)
+
+    def test_absent_control_is_told_with_what_to_start(self) -> None:
+        self.fake.close()
+        process = self.client("--wait", "1")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 1, output)
+        self.assertIn("roslaunch gpr20 survey.launch", output)
+
+    def test_absent_master_is_told_within_the_limit(self) -> None:
+        # Nobody listens on the discard port.
+        process = self.client("--wait", "1", master="http://127.0.0.1:9")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 1, output)
+        self.assertIn("no ROS master answers at http://127.0.0.1:9", output)
+
+    def test_ctrl_c_while_waiting_for_main_control_stops_nothing(self) -> None:
+        self.fake.close()
+        waiting = self.client("--wait", "60", "__name:=waiting")
+        node = f"{self.namespace}/waiting"
+        wait_until(lambda: node in rosnode.get_node_names(), "the client waits")
+        waiting.send_signal(signal.SIGINT)
+        output = self.end_of(waiting)
+        self.assertEqual(waiting.returncode, 130, output)
+        self.assertIn("nothing was started", output)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_run_survey", disable_signals=True)
+    rostest.rosrun("gpr20_user_interface", "run_survey", RunSurvey)

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""The window as a program: on the graph while it is open, and gone when asked."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import unittest
+
+import rosnode
+import rospkg
+import rospy
+import rostest
+from fake_main_control import FakeMainControl
+from virtual_screen import VirtualScreen
+from waiting import LIMIT_S, wait_until
+
+from gpr20_msgs.msg import ControlStatus
+
+
+def is_on_graph() -> bool:
+    return "/alone/window" in rosnode.get_node_names()
+
+
+class Program(unittest.TestCase):
+    def test_runs_and_leaves_the_survey_alone(self) -> None:
+        fake = FakeMainControl("/alone")
+        self.addCleanup(fake.close)
+        ways_to_end = (
+            lambda window: window.send_signal(signal.SIGINT),
+            lambda window: window.send_signal(signal.SIGTERM),
+            lambda _window: rosnode.kill_nodes(["/alone/window"]),
+        )
+        for end in ways_to_end:
+            process = self.program()
+            wait_until(is_on_graph, "the node is on the graph")
+            wait_until(lambda: fake.listeners() == 1, "the window listens")
+            end(process)
+            output, _ = process.communicate(timeout=LIMIT_S)
+            self.assertEqual(process.returncode, 0, output)
+            for trouble in ("Traceback", "Error", "QObject"):
+                self.assertNotIn(trouble, output)
+            wait_until(lambda: fake.listeners() == 0, "the window has left")
+        self.assertEqual((fake.stops, fake.code), (0, ControlStatus.IDLE))
+
+    def test_signal_while_it_starts_is_not_lost(self) -> None:
+        for _ in range(3):
+            process = self.program()
+            wait_until(is_on_graph, "the node is on the graph")
+            process.send_signal(signal.SIGTERM)
+            output, _ = process.communicate(timeout=LIMIT_S)
+            self.assertEqual(process.returncode, 0, output)
+            wait_until(lambda: not is_on_graph(), "the node has left the graph")
+
+    def program(self) -> subprocess.Popen:
+        folder = rospkg.RosPack().get_path("gpr20_user_interface")
+        path = os.path.join(folder, "nodes", "user_interface")
+        process = subprocess.Popen(
+            [sys.executable, path, "__ns:=/alone", "__name:=window"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            universal_newlines=True,
+        )
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+
+if __name__ == "__main__":
+    screen = VirtualScreen()
+    try:
+        os.environ["DISPLAY"] = screen.name
+        rospy.init_node("test_window_program", disable_signals=True)
+        rostest.rosrun("gpr20_user_interface", "window_program", Program)
+    finally:
+        screen.close()

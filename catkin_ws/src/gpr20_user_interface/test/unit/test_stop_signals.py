@@ -1,0 +1,65 @@
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
+from gpr20_user_interface.mid.event_queue import EventQueue
+from gpr20_user_interface.mid.survey_state import StopWish
+
+
+@pytest.mark.parametrize(
+    ("number", "name"), [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM")]
+)
+def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
+    events = EventQueue()
+    with StopSignals(lambda reason: events.put(StopWish(reason))) as signals:
+        assert not signals.received
+        os.kill(os.getpid(), number)
+        assert events.next(5.0) == StopWish(name)
+        assert signals.received
+        with pytest.raises(SecondStopSignal):
+            os.kill(os.getpid(), signal.SIGINT)
+            events.next(5.0)
+
+
+def test_second_signal_is_no_failure_that_could_be_handled():
+    assert not issubclass(SecondStopSignal, Exception)
+
+
+def test_further_signals_can_be_told_to_somebody_else():
+    told = []
+    with StopSignals(told.append, on_next=lambda: told.append("again")):
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGTERM)
+    assert told == ["Ctrl-C", "again"]
+
+
+def test_former_handlers_come_back():
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    with StopSignals(lambda _name: None):
+        assert signal.getsignal(signal.SIGINT) is not before[0]
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_queue_without_an_event_answers_none_in_time():
+    assert EventQueue().next(0.01) is None
+
+
+def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
+    program = (
+        "import atexit, time\n"
+        f"from {leave_now.__module__} import leave_now\n"
+        "atexit.register(time.sleep, 60)\n"
+        "print('last words')\n"
+        "leave_now(130)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program],
+        stdout=subprocess.PIPE,
+        timeout=20,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert (ended.returncode, ended.stdout) == (130, b"last words\n")

@@ -1,0 +1,79 @@
+import pytest
+
+from gpr20_main_control.mid.survey_parameters import SurveyParameters, problems
+from gpr20_user_interface.mid.survey_arguments import Bar, parse_arguments
+from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL
+from gpr20_user_interface.mid.survey_watch import Mode, OnPause
+
+
+def test_defaults_are_a_survey_that_can_be_run():
+    options = parse_arguments([])
+    assert problems(options.parameters, DOCUMENTED_TRAVEL) == []
+    assert options.parameters.vna_address == "127.0.0.1"
+    assert options.parameters.start_frequency_hz == 600e6
+    assert options.parameters.stop_frequency_hz == 6e9
+    assert options.parameters.frequency_points == 501
+    assert options.parameters.polarizations_deg == (0.0, 90.0)
+    assert (options.mode, options.on_pause, options.bar) == (Mode.START, OnPause.EXIT, Bar.AUTO)
+
+
+def test_every_parameter_can_be_given():
+    line = (
+        "--vna-address 10.0.0.7 --start-frequency-mhz 700.5 --stop-frequency-mhz 5000 "
+        "--frequency-points 101 --x-start-mm 10 --x-stop-mm 20.5 --x-points 4 --y-start-mm 600 "
+        "--y-stop-mm 30 --y-points 6 --polarizations-deg=-45,45"
+    )
+    assert parse_arguments(line.split()).parameters == SurveyParameters(
+        vna_address="10.0.0.7",
+        start_frequency_hz=700.5e6,
+        stop_frequency_hz=5e9,
+        frequency_points=101,
+        x_start_mm=10.0,
+        x_stop_mm=20.5,
+        x_points=4,
+        y_start_mm=600.0,
+        y_stop_mm=30.0,
+        y_points=6,
+        polarizations_deg=(-45.0, 45.0),
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "mode", "resume_id"),
+    [
+        ("--attach", Mode.ATTACH, ""),
+        ("--resume", Mode.RESUME, ""),
+        ("--resume 1234", Mode.RESUME, "1234"),
+    ],
+)
+def test_a_survey_that_exists_can_be_followed(line, mode, resume_id):
+    options = parse_arguments(line.split())
+    assert (options.mode, options.resume_id) == (mode, resume_id)
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("--x-points three", "three"),
+        ("--start-frequency-mhz abc", "is not a number of MHz"),
+        ("--polarizations-deg 0,x", "is not a list of rotations"),
+        ("--wait 0", "above zero"),
+        ("--wait nan", "above zero"),
+        ("--on-pause maybe", "exit"),
+        ("--attach --resume", "not allowed with"),
+        ("--unknown", "--unknown"),
+    ],
+)
+def test_wrong_command_line_has_status_2_and_names_the_fault(line, word, capsys):
+    with pytest.raises(SystemExit) as caught:
+        parse_arguments(line.split())
+    assert caught.value.code == 2
+    assert word in capsys.readouterr().err
+
+
+def test_help_tells_every_exit_status(capsys):
+    with pytest.raises(SystemExit) as caught:
+        parse_arguments(["--help"])
+    assert caught.value.code == 0
+    text = capsys.readouterr().out
+    assert all(f"\n  {status:>3}  " in text for status in (0, 1, 2, 3, 4, 130))

@@ -1,0 +1,164 @@
+import math
+
+import pytest
+
+from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
+from gpr20_user_interface.mid.survey_state import (
+    ACTIVE,
+    Answer,
+    AxisLimits,
+    ControlCode,
+    ControlState,
+    CurrentPosition,
+    MeasuredHeight,
+    Progress,
+    Request,
+    TargetPosition,
+)
+
+
+def state(code, survey_id="id", simulated=False):
+    return ControlState(ControlCode(code), "as it is", survey_id, simulated)
+
+
+PROGRESS = Progress("id", 50.0, 18, 9, 30.0)
+
+
+@pytest.fixture
+def model(clock):
+    return SurveyModel(clock)
+
+
+def allowed(snapshot):
+    names = ("start", "stop", "resume")
+    return [name for name in names if getattr(snapshot, f"can_{name}")]
+
+
+def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
+    snapshot = model.snapshot()
+    assert not snapshot.control_alive
+    assert snapshot.control_silent_s is None
+    assert (snapshot.state, snapshot.progress, snapshot.current, snapshot.height_m) == (None,) * 4
+    assert allowed(snapshot) == []
+
+
+@pytest.mark.parametrize("code", list(ControlCode))
+def test_buttons_follow_what_main_control_says(model, code):
+    model.handle(state(code))
+    expected = ["stop"] if code in ACTIVE else ["start"]
+    if code is ControlCode.PAUSED:
+        expected.append("resume")
+    snapshot = model.snapshot()
+    assert allowed(snapshot) == expected
+    assert snapshot.fields_locked == (code in ACTIVE)
+
+
+def test_stop_that_was_asked_for_is_not_taken_for_done(model):
+    model.handle(state(ControlCode.SURVEYING))
+    model.request_sent(Request.STOP)
+    model.handle(Answer(Request.STOP, True, "stopping"))
+    snapshot = model.snapshot()
+    assert snapshot.running and snapshot.fields_locked
+    assert allowed(snapshot) == ["stop"]
+
+
+def test_start_that_is_being_asked_for_locks_start_and_unlocks_stop(model):
+    model.handle(state(ControlCode.CONFIGURED))
+    model.request_sent(Request.START)
+    assert allowed(model.snapshot()) == ["stop"]
+    model.handle(Answer(Request.START, False, "no"))
+    assert allowed(model.snapshot()) == ["start"]
+
+
+def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
+    model.handle(state(ControlCode.CONFIGURED, ""))
+    model.request_sent(Request.START)
+    model.handle(Answer(Request.START, True, "started", "new"))
+    assert allowed(model.snapshot()) == ["stop"]
+    model.handle(state(ControlCode.FAILED, "new"))
+    assert allowed(model.snapshot()) == ["start"]
+
+
+def test_start_is_not_locked_for_ever_by_a_survey_that_never_showed(model, clock):
+    model.request_sent(Request.START)
+    model.handle(Answer(Request.START, True, "started", "new"))
+    clock.advance(CONTROL_SILENCE_S + 0.1)
+    model.handle(state(ControlCode.IDLE, ""))
+    assert allowed(model.snapshot()) == ["start"]
+
+
+def test_survey_of_this_window_is_told_from_others(model):
+    model.handle(state(ControlCode.SURVEYING, ""))
+    assert not model.snapshot().started_here
+    model.handle(Answer(Request.START, True, "started", "mine"))
+    model.handle(state(ControlCode.SURVEYING, "mine"))
+    assert model.snapshot().started_here
+    model.handle(state(ControlCode.SURVEYING, "another"))
+    assert not model.snapshot().started_here
+
+
+def test_resume_is_asked_for_once_at_a_time(model):
+    model.handle(state(ControlCode.PAUSED))
+    model.request_sent(Request.RESUME)
+    assert allowed(model.snapshot()) == ["stop"]
+
+
+def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, clock):
+    model.handle(state(ControlCode.FINISHED))
+    clock.advance(CONTROL_SILENCE_S)
+    assert model.snapshot().control_alive
+    clock.advance(0.1)
+    snapshot = model.snapshot()
+    assert not snapshot.control_alive
+    assert snapshot.control_silent_s == pytest.approx(CONTROL_SILENCE_S + 0.1)
+    assert snapshot.state.code is ControlCode.FINISHED
+    assert allowed(snapshot) == []
+    model.handle(PROGRESS)
+    assert allowed(model.snapshot()) == ["start"]
+
+
+def test_running_survey_can_be_stopped_while_main_control_is_silent(model, clock):
+    model.handle(state(ControlCode.PAUSED))
+    clock.advance(100)
+    assert allowed(model.snapshot()) == ["stop"]
+
+
+def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
+    model.handle(CurrentPosition(1.0, 2.0, 90.0))
+    model.handle(TargetPosition(3.0, 4.0, 0.0))
+    model.handle(MeasuredHeight(0.3))
+    clock.advance(STALE_S)
+    snapshot = model.snapshot()
+    assert snapshot.current == CurrentPosition(1.0, 2.0, 90.0)
+    assert snapshot.target == TargetPosition(3.0, 4.0, 0.0)
+    assert snapshot.height_m == 0.3
+    clock.advance(0.1)
+    snapshot = model.snapshot()
+    assert (snapshot.current, snapshot.target, snapshot.height_m) == (None, None, None)
+
+
+@pytest.mark.parametrize("height_m", [math.nan, math.inf, -math.inf])
+def test_height_out_of_range_is_none(model, height_m):
+    model.handle(MeasuredHeight(height_m))
+    assert model.snapshot().height_m is None
+
+
+def test_target_of_minus_one_is_none(model):
+    model.handle(TargetPosition(-1.0, -1.0, -1.0))
+    assert model.snapshot().target is None
+    model.handle(TargetPosition(0.0, 0.0, -1.0))
+    assert model.snapshot().target is not None
+
+
+def test_simulation_is_told_even_when_main_control_is_gone(model, clock):
+    model.handle(state(ControlCode.IDLE, simulated=True))
+    clock.advance(100)
+    assert model.snapshot().simulated
+
+
+def test_limits_of_the_axes_are_known_until_they_are_not(model):
+    limits = AxisLimits(object())
+    model.handle(limits)
+    assert model.snapshot().travel is limits.travel
+    model.handle(AxisLimits(None, "no axes"))
+    assert model.snapshot().travel is None

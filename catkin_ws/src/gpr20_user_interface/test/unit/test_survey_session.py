@@ -1,0 +1,142 @@
+import pytest
+
+from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
+from gpr20_user_interface.mid.survey_state import (
+    Accepted,
+    Answer,
+    ControlCode,
+    ControlState,
+    Progress,
+    Request,
+    StopWish,
+)
+from gpr20_user_interface.mid.survey_watch import (
+    ExitStatus,
+    Limits,
+    Mode,
+    OnPause,
+    Outcome,
+    SurveyWatch,
+)
+
+
+class ScriptedEvents:
+    """Gives the events of a list; None lets time pass."""
+
+    def __init__(self, clock, events):
+        self._clock = clock
+        self._events = list(events)
+
+    def next(self, timeout_s):
+        event = self._events.pop(0) if self._events else None
+        if event is None:
+            self._clock.advance(timeout_s)
+        return event
+
+
+class Recorder:
+    """Display and control that remember."""
+
+    def __init__(self):
+        self.shown = []
+        self.sent = []
+        self.closed = False
+
+    def send(self, request):
+        self.sent.append(request)
+
+    def note(self, text):
+        self.shown.append(text)
+
+    def status(self, state):
+        self.shown.append(state.code.name)
+
+    def progress(self, progress):
+        self.shown.append(progress.visited_points)
+
+    def close(self):
+        self.closed = True
+
+
+def state(code, survey_id="ours"):
+    return ControlState(ControlCode[code], "as it is", survey_id, True)
+
+
+def run(clock, *events):
+    recorder = Recorder()
+    watch = SurveyWatch(Mode.START, OnPause.EXIT, Limits(), clock)
+    session = SurveySession(watch, ScriptedEvents(clock, events), recorder, recorder)
+    return session.run(), recorder, session
+
+
+def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
+    outcome, recorder, session = run(
+        clock,
+        state("FINISHED", "former"),
+        Progress("former", 100.0, 8, 8, 0.0),
+        Accepted(18, 65.0),
+        state("CHECKING"),
+        Answer(Request.START, True, "", "ours"),
+        state("SURVEYING"),
+        None,
+        Progress("ours", 50.0, 18, 9, 30.0),
+        state("FINISHED"),
+    )
+    assert outcome.status is ExitStatus.FINISHED
+    assert recorder.sent == [Request.START]
+    assert recorder.shown == [
+        SIMULATED,
+        "parameters accepted: 18 traces, about 0d:0h:1m:5s",
+        "CHECKING",
+        "SURVEYING",
+        9,
+    ]
+    assert recorder.closed and session.simulated
+
+
+def test_stop_and_its_refusal_are_told(clock):
+    _, recorder, _ = run(
+        clock,
+        state("IDLE", ""),
+        Answer(Request.START, True, "", "ours"),
+        state("SURVEYING"),
+        StopWish("Ctrl-C"),
+        Answer(Request.STOP, False, "busy"),
+        state("STOPPED"),
+    )
+    assert recorder.sent == [Request.START, Request.STOP]
+    assert "Ctrl-C: asking main_control to stop the survey" in recorder.shown
+    assert "stop not accepted: busy" in recorder.shown
+
+
+def test_session_ends_by_itself_when_nobody_speaks(clock):
+    outcome, recorder, _ = run(clock)
+    assert outcome.status is ExitStatus.REFUSED
+    assert recorder.closed
+
+
+def test_display_is_closed_when_the_session_is_broken_off(clock):
+    recorder = Recorder()
+
+    class Broken:
+        def next(self, timeout_s):
+            raise KeyboardInterrupt
+
+    watch = SurveyWatch(Mode.START, OnPause.EXIT, Limits(), clock)
+    with pytest.raises(KeyboardInterrupt):
+        SurveySession(watch, Broken(), recorder, recorder).run()
+    assert recorder.closed
+
+
+@pytest.mark.parametrize("status", list(ExitStatus))
+def test_last_words_tell_outcome_survey_and_simulation(status):
+    lines = outcome_lines(Outcome(status, "for this reason"), "an-id", simulated=True)
+    assert lines[1] == "for this reason"
+    assert "survey id: an-id" in lines
+    assert lines[-1] == SIMULATED
+    assert any("--resume" in line for line in lines) == (status is ExitStatus.PAUSED)
+
+
+def test_last_words_claim_no_simulation_and_no_survey_that_was_not():
+    lines = outcome_lines(Outcome(ExitStatus.REFUSED, "why"), "", simulated=False)
+    assert lines == ["no survey was run", "why"]

@@ -1,0 +1,152 @@
+import os
+import threading
+
+import pytest
+
+pytest.importorskip("PyQt5")
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+from PyQt5.QtCore import QObject, Qt, pyqtSignal
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QMessageBox
+
+from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.survey_state import (
+    Answer,
+    ControlCode,
+    ControlState,
+    Progress,
+    Request,
+)
+from gpr20_user_interface.mid.views.main_window import MainWindow
+from gpr20_user_interface.mid.window_presenter import WindowPresenter
+
+
+class ControlThatRecords:
+    def __init__(self):
+        self.asked = []
+
+    def start_survey(self, parameters):
+        self.asked.append(parameters)
+
+    def stop_survey(self):
+        self.asked.append("stop")
+
+    def resume_survey(self):
+        self.asked.append("resume")
+
+    def read_axis_limits(self):
+        self.asked.append("limits")
+
+
+class Link(QObject):
+    event = pyqtSignal(object)
+
+
+class WatchedModel(SurveyModel):
+    def __init__(self, clock):
+        super().__init__(clock)
+        self.threads = []
+
+    def handle(self, event):
+        self.threads.append(threading.current_thread())
+        super().handle(event)
+
+
+@pytest.fixture(scope="module")
+def application():
+    yield QApplication.instance() or QApplication([])
+
+
+@pytest.fixture
+def parts(application, clock):
+    window, control, model = MainWindow(), ControlThatRecords(), WatchedModel(clock)
+    presenter = WindowPresenter(model, window, control)
+    window.show()
+    presenter.begin()
+    yield presenter, window, control, model
+    presenter.end()
+    window.close()
+
+
+def state(code):
+    return ControlState(code, "as it is", "id", False)
+
+
+def click(button):
+    QTest.mouseClick(button, Qt.LeftButton)
+
+
+def test_limits_of_the_axes_are_asked_for_at_once(parts):
+    _, _, control, _ = parts
+    assert control.asked == ["limits"]
+
+
+def test_one_press_of_start_is_one_request(parts):
+    presenter, window, control, _ = parts
+    presenter.on_event(state(ControlCode.IDLE))
+    presenter.refresh()
+    click(window.commands.start)
+    click(window.commands.start)
+    assert len(control.asked) == 2
+    assert control.asked[1].x_points == 5
+    assert window.commands.stop.isEnabled()
+
+
+def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
+    presenter, window, control, _ = parts
+    presenter.on_event(state(ControlCode.SURVEYING))
+    presenter.refresh()
+    click(window.commands.stop)
+    click(window.commands.stop)
+    assert control.asked[1:] == ["stop", "stop"]
+
+
+def test_resume_is_asked_for(parts):
+    presenter, window, control, _ = parts
+    presenter.on_event(state(ControlCode.PAUSED))
+    presenter.refresh()
+    click(window.commands.resume)
+    assert control.asked[1:] == ["resume"]
+
+
+def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
+    presenter, window, _, _ = parts
+    presenter.on_event(state(ControlCode.CONFIGURED))
+    presenter.refresh()
+    click(window.commands.start)
+    assert not window.commands.start.isEnabled()
+    presenter.on_event(Answer(Request.START, False, "the disk is full"))
+    dialog = window.findChild(QMessageBox)
+    assert dialog.informativeText() == "the disk is full"
+    assert window.commands.start.isEnabled()
+    dialog.close()
+
+
+def test_granted_request_opens_no_dialog(parts):
+    presenter, window, _, _ = parts
+    presenter.on_event(Answer(Request.START, True, "", "id"))
+    assert window.findChild(QMessageBox) is None
+
+
+def test_events_of_other_threads_reach_the_window_in_its_own(parts):
+    presenter, window, _, model = parts
+    link = Link()
+    link.event.connect(presenter.on_event, Qt.ConnectionType.QueuedConnection)
+    events = [state(ControlCode.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
+    for event in events:
+        thread = threading.Thread(target=link.event.emit, args=(event,))
+        thread.start()
+        thread.join()
+    assert model.threads == []
+    assert_within_5_s(lambda: window.progress.thousandths == 500)
+    assert set(model.threads) == {threading.current_thread()}
+    assert window.status.title == "SURVEYING"
+
+
+def assert_within_5_s(condition):
+    for _ in range(250):
+        if condition():
+            return
+        QTest.qWait(20)
+    raise AssertionError("not within 5 s")

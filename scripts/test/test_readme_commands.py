@@ -1,0 +1,142 @@
+"""The commands of the README, as a user runs them."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+
+ROOT = Path(__file__).resolve().parents[2]
+LIMIT_S = 600.0
+
+
+def fenced_lines(text):
+    """Return the lines inside fences, in order."""
+    blocks = re.findall(r"^```[a-z]*\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    return [line for block in blocks for line in block.splitlines()]
+
+
+def user_environment(data):
+    """Return the environment of a shell in which nothing of ROS or this checkout was sourced."""
+    sourced = (
+        "ROS_",
+        "ROSLISP",
+        "GPR20_",
+        "CMAKE_PREFIX",
+        "PYTHONPATH",
+        "PKG_CONFIG",
+        "LD_LIBRARY",
+    )
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(sourced)}
+    folders = [one for one in os.environ["PATH"].split(":") if not one.startswith(str(ROOT))]
+    return {**kept, "PATH": ":".join(folders), "GPR20_DATA": str(data)}
+
+
+def wait_until(condition, process):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert process.poll() is None, "it ended too early"
+        assert time.monotonic() < deadline_s, "it took too long"
+        time.sleep(0.05)
+
+
+def processes_about(text):
+    """Return the command lines of the processes that mention a text."""
+    listed = subprocess.run(["pgrep", "-af", text], capture_output=True, text=True, check=False)
+    return listed.stdout.splitlines()
+
+
+def test_the_readme_begins_with_the_two_commands():
+    lines = fenced_lines((ROOT / "README.md").read_text())
+    assert lines[:2] == ["scripts/survey.sh", "scripts/test.sh"]
+    assert "scripts/test.sh" in (ROOT / ".ci/run").read_text()
+
+
+@pytest.fixture(scope="module")
+def clean_survey(tmp_path_factory):
+    """A survey made by the first command in a clean clone: (what was printed, its folder)."""
+    clone = tmp_path_factory.mktemp("clone") / "gpr20"
+    data = tmp_path_factory.mktemp("data")
+    subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
+    command = fenced_lines((clone / "README.md").read_text())[0]
+    ended = subprocess.run(
+        [command],
+        cwd=clone,
+        env=user_environment(data),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    (folder,) = data.iterdir()
+    return ended.stdout, folder
+
+
+def test_the_first_command_runs_a_survey_to_its_end_in_a_clean_clone(clean_survey):
+    printed, folder = clean_survey
+    assert len(list((folder / "traces").glob("*.json"))) == 18
+    metadata = json.loads((folder / "survey.json").read_text())
+    assert (metadata["outcome"], metadata["stored_traces"]) == ("finished", 18)
+    assert "SIMULATED" in printed
+    for path in (folder / "traces", folder / "survey.bag", folder / "survey.mcap"):
+        assert str(path) in printed
+    assert f"rosbag play {folder}/survey.bag" in printed
+
+
+def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
+    _printed, folder = clean_survey
+    with AnyReader([folder / "survey.bag"]) as reader:
+        assert reader.topics["/trace"].msgcount == 18
+    with (folder / "survey.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_header().profile == "ros1"
+        assert sum(1 for _ in reader.iter_messages(topics=["/trace"])) == 18
+
+
+def test_nothing_keeps_running_after_it(clean_survey):
+    _printed, folder = clean_survey
+    assert processes_about(str(folder.parent)) == []
+
+
+def test_ctrl_c_stops_the_survey_cleanly_and_ends_everything(tmp_path):
+    # As a terminal does: the signal goes to the whole foreground group.
+    process = subprocess.Popen(
+        [str(ROOT / "scripts/survey.sh"), "--x-stop", "600"],
+        env=user_environment(tmp_path),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    wait_until(lambda: any(tmp_path.glob("*/traces/*.json")), process)
+    os.killpg(process.pid, signal.SIGINT)
+    printed, _nothing = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 130, printed
+    (survey,) = tmp_path.glob("*/survey.json")
+    metadata = json.loads(survey.read_text())
+    assert metadata["outcome"] == "stopped"
+    assert metadata["stored_traces"] == len(list(survey.parent.glob("traces/*.json")))
+    assert processes_about(str(tmp_path)) == []
+
+
+def test_a_refused_parameter_is_told_and_the_status_says_so(tmp_path):
+    ended = subprocess.run(
+        [str(ROOT / "scripts/survey.sh"), "--x-stop", "700"],
+        env=user_environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert ended.returncode == 1, ended.stdout + ended.stderr
+    assert "x stop is 700 mm; it must lie between 0 and 650 mm" in ended.stdout + ended.stderr
+    assert not any(tmp_path.glob("*"))
