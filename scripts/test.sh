@@ -45,7 +45,8 @@ unit_tests() {
 python38() {
     local candidate
     for candidate in python3.8 "$HOME"/.pyenv/versions/3.8.*/bin/python; do
-        if command -v "$candidate" >/dev/null; then command -v "$candidate"; return; fi
+        # A version manager may have a command of that name that only says which to choose.
+        if "$candidate" --version >/dev/null 2>&1; then command -v "$candidate"; return; fi
     done
 }
 

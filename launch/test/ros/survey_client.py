@@ -72,6 +72,13 @@ class SurveyClient:
         assert started.success, started.message
         return started.survey_id
 
+    def go_on(self, survey_id):
+        """Resume a paused survey; what was said before is forgotten."""
+        with self._changed:
+            self.statuses.clear()
+        answer = self.resume(survey_id)
+        assert answer.success, answer.message
+
     def wait_for_status(self, *codes):
         """Wait for one of the codes and return that status."""
         self.wait(lambda: self.statuses and self.statuses[-1].code in codes)

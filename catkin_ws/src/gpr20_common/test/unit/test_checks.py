@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.mid.checks import ipv4_address, number_between, positive_number
-from gpr20_common.mid.errors import Gpr20Error, InvalidValueError
 
 
 @pytest.mark.parametrize("value", [0.0, 5.0, 10.0])

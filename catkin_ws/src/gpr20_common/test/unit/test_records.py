@@ -7,7 +7,7 @@ from typing import Optional, Tuple
 
 import pytest
 
-from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import bounded, record_from
 
 

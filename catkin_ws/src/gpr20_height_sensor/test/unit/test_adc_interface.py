@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import pytest
 
+from gpr20_height_sensor.errors import HeightParameterError, SpiError
 from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.low.spi_bus import open_spi_bus
-from gpr20_height_sensor.mid.height_errors import HeightParameterError, SpiError
 
 
 class FakeSpi:

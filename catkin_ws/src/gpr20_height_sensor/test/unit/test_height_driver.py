@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
-from gpr20_height_sensor.mid.height_driver import HeightDriver
-from gpr20_height_sensor.mid.height_errors import (
+from gpr20_height_sensor.errors import (
     HeightError,
     HeightStoppedError,
     SensorNoiseError,
@@ -19,6 +18,7 @@ from gpr20_height_sensor.mid.height_errors import (
     SensorStuckError,
     SpiError,
 )
+from gpr20_height_sensor.mid.height_driver import HeightDriver
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
 PARAMETERS = HeightParameters(samples=5)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_height_sensor.mid.height_errors import HeightParameterError
+from gpr20_height_sensor.errors import HeightParameterError
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_height_sensor.mid.range_curve import RangeCurve
 

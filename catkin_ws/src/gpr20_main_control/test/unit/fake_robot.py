@@ -186,7 +186,7 @@ class FakeStorage:
 class Bench:
     """A control over a fake robot, and what it said."""
 
-    def __init__(self, **settings):
+    def __init__(self, time_scale=1.0, **settings):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = FakeAnalyzer(), FakeHeightSensor()
         self.storage = FakeStorage()
@@ -196,7 +196,7 @@ class Bench:
         self.board = StatusBoard(self._note)
         self.control = MainControl(
             robot,
-            RobotFacts(AXES, simulated=True),
+            RobotFacts(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.board,
             FastClock(),

@@ -358,3 +358,11 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
     final = bench.wait_for(State.FAILED)
     assert "z axis is silent" in final.message
     assert bench.x.moves == []
+
+
+def test_the_estimate_follows_the_speed_of_the_robot():
+    real = Bench(settle_s=1.0).control.set_parameters(PARAMETERS)
+    fast = Bench(time_scale=50.0, settle_s=1.0).control.set_parameters(PARAMETERS)
+    assert real.total_points == fast.total_points == 24
+    assert real.duration_s == pytest.approx(50.0 * fast.duration_s)
+    assert real.duration_s > 24 * 1.0

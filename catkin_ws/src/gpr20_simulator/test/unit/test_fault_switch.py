@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, open_world
-from gpr20_simulator.mid.errors import FaultError
 from gpr20_simulator.mid.fault_switch import FaultSwitch
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 

@@ -16,8 +16,8 @@ from vna_bench import (
     real_numbers,
 )
 
+from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.message_device import Conduct
-from gpr20_simulator.mid.errors import FaultError
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.probe_medium import probed_sweep
 from gpr20_simulator.mid.scpi import HeaderPattern

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from gpr20_common.low.clock import Clock
+from gpr20_height_sensor.errors import SensorRangeError, SensorStuckError
 from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.mid.height_driver import HeightDriver
-from gpr20_height_sensor.mid.height_errors import SensorRangeError, SensorStuckError
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_simulator.low.spi import SimulatedSpi
 from gpr20_simulator.low.world import AdcFault

@@ -12,10 +12,10 @@ import vxi11
 from rpc_wire import RawClient, wait_until
 from vna_bench import Carriage, MemoryCapture, complex_numbers, real_numbers
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.errors import InvalidValueError
+from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.scaled_clock import ScaledClock
-from gpr20_simulator.mid.errors import MediumError
 from gpr20_simulator.mid.ground import Ground
 from gpr20_simulator.mid.probe_medium import PositionProbe, probed_position_mm, probed_sweep
 from gpr20_simulator.mid.scene import InstrumentScene, Scene

@@ -19,7 +19,7 @@ from vxi11_wire import (
     InBackground,
 )
 
-from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError
 from gpr20_simulator.low.message_device import Conduct
 from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server

@@ -10,8 +10,8 @@ import rospy
 from sensor_msgs.msg import Range
 from std_srvs.srv import Trigger, TriggerResponse
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.services import advertise
-from gpr20_common.mid.errors import Gpr20Error
 from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel, check
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.srv import (

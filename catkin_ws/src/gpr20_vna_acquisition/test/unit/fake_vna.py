@@ -7,7 +7,7 @@ import threading
 from typing import Callable, Dict, List
 
 from gpr20_common.low.clock import Clock
-from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
+from gpr20_vna_acquisition.errors import VnaConnectionError
 
 IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
 EXCHANGE_S = 0.001

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import (
     TransferFormat,
     parse_frequencies,
     parse_numbers,
 )
-from gpr20_vna_acquisition.mid.vna_errors import VnaDataError
 
 REAL32, ASCII = TransferFormat.REAL32, TransferFormat.ASCII
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_vna_acquisition.errors import VnaDataError, VnaParameterError
 from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange, SweepSettings
-from gpr20_vna_acquisition.mid.vna_errors import VnaDataError, VnaParameterError
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 

@@ -7,9 +7,7 @@ import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
 from fake_vna import IDENTITY
 
-from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.mid.vna_errors import (
+from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaError,
     VnaIdentityError,
@@ -17,6 +15,8 @@ from gpr20_vna_acquisition.mid.vna_errors import (
     VnaParameterError,
     VnaSettingError,
 )
+from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 
 
 @pytest.fixture

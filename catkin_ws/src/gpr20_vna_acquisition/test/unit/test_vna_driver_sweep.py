@@ -9,14 +9,14 @@ import pytest
 from driver_bench import ADDRESS, WALL_NS, Bench
 from fake_vna import FakeVna
 
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
-from gpr20_vna_acquisition.mid.vna_errors import (
+from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaDataError,
     VnaError,
     VnaSweepError,
     VnaTimeoutError,
 )
+from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 
 
 @pytest.fixture

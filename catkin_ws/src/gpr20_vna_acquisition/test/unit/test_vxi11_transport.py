@@ -23,8 +23,8 @@ from hostile_server import (
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
-from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
 
 HOST = "127.0.0.1"
 QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)

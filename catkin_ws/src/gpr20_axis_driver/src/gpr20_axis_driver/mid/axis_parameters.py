@@ -8,8 +8,8 @@ from decimal import Decimal
 from typing import Optional
 
 from gpr20_axis_driver.axis_exceptions import AxisParameterError, TravelError
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_common.mid.errors import InvalidValueError
 
 # Pins of the 40-pin header that carry a GPIO line, in BOARD numbering (Raspberry Pi 4).
 BOARD_PINS = frozenset(

@@ -7,7 +7,7 @@ from typing import Any, Callable
 
 import rospy
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 def run_node(name: str, build: Callable[[], Any]) -> None:

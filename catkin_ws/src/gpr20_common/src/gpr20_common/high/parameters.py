@@ -6,7 +6,7 @@ from typing import Collection, Type, TypeVar
 
 import rospy
 
-from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
 
 Record = TypeVar("Record")

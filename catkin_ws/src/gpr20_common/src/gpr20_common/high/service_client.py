@@ -8,7 +8,7 @@ from typing import Any
 
 import rospy
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 class ServiceUnavailableError(Gpr20Error, OSError):

@@ -7,7 +7,7 @@ from typing import Any, Callable
 
 import rospy
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> rospy.Service:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError
 
 
 def number_between(name: str, value: float, lower: float, upper: float, unit: str = "") -> float:

@@ -8,8 +8,8 @@ import math
 import typing
 from typing import Any, Mapping, Optional, Type, TypeVar
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.errors import InvalidValueError
 
 Record = TypeVar("Record")
 UNBOUNDED = (-math.inf, math.inf)

@@ -15,10 +15,10 @@ from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.low.spi_bus import SpiBus, open_spi_bus
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
-from gpr20_height_sensor.mid.height_errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_msgs.srv import GetHeight, GetHeightRequest, GetHeightResponse
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 
+from gpr20_height_sensor.errors import HeightParameterError, SpiError
 from gpr20_height_sensor.low.spi_bus import SpiBus
-from gpr20_height_sensor.mid.height_errors import HeightParameterError, SpiError
 
 CHANNELS = 8
 LARGEST_CODE = 1023

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import List, Protocol
 
-from gpr20_height_sensor.mid.height_errors import SpiError
+from gpr20_height_sensor.errors import SpiError
 
 
 class SpiBus(Protocol):

@@ -9,13 +9,13 @@ from typing import Callable, List
 import numpy as np
 
 from gpr20_common.low.clock import Clock
-from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
-from gpr20_height_sensor.mid.height_errors import (
+from gpr20_height_sensor.errors import (
     HeightStoppedError,
     SensorNoiseError,
     SensorRangeError,
     SensorStuckError,
 )
+from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
 # Makes the median absolute deviation of normally distributed readings their standard deviation.

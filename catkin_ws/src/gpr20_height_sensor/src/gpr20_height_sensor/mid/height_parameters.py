@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_common.mid.errors import InvalidValueError
-from gpr20_height_sensor.mid.height_errors import HeightParameterError
+from gpr20_height_sensor.errors import HeightParameterError
 from gpr20_height_sensor.mid.range_curve import RangeCurve
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import positive_number
-from gpr20_common.mid.errors import InvalidValueError
-from gpr20_height_sensor.mid.height_errors import HeightParameterError
+from gpr20_height_sensor.errors import HeightParameterError
 
 
 @dataclass(frozen=True)

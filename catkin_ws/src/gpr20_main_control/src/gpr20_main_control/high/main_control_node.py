@@ -9,14 +9,14 @@ import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.high import diagnostics
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.errors import InvalidValueError
+from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_main_control.high.axis_link import AxisLink
 from gpr20_main_control.high.device_links import (
     AnalyzerLink,
@@ -195,6 +195,7 @@ def build_main_control_node() -> MainControlNode:
     facts = RobotFacts(
         axes={axis_id: _axis_parameters(axis_id) for axis_id in AxisId},
         simulated=_simulated(),
+        time_scale=positive_number("time_scale", float(rospy.get_param("time_scale", 1.0))),
     )
     robot = Robot(
         x=AxisLink("x_axis"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 import uuid
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Callable, Dict, Optional
 
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
@@ -43,10 +43,12 @@ class RobotFacts:
     Attributes:
         axes: Parameters of its axes.
         simulated: Whether it is simulated.
+        time_scale: How many times faster than the real robot it runs; 1 if it is real.
     """
 
     axes: Dict[AxisId, AxisParameters]
     simulated: bool
+    time_scale: float = 1.0
 
     @property
     def travel(self) -> RobotTravel:
@@ -178,12 +180,15 @@ class MainControl:
             self._settings.settle_s, self._settings.height_s, parameters.frequency_points
         )
         durations_s = point_durations_s(points, self._positioner.move_duration_s, times)
-        return SurveyPlan(str(uuid.uuid4()), points, durations_s)
+        scaled_s = [duration_s / self._facts.time_scale for duration_s in durations_s]
+        return SurveyPlan(str(uuid.uuid4()), points, scaled_s)
 
     def _new_run(self, plan: SurveyPlan, parameters: SurveyParameters) -> SurveyRun:
         def make_record(instrument: InstrumentState) -> SurveyRecord:
             return self._record(plan, parameters, instrument)
 
+        # Vibrations of a robot that runs N times faster die down N times faster.
+        settle_s = self._settings.settle_s / self._facts.time_scale
         preparation = Preparation(
             parameters, self._settings, self._robot, self._positioner, make_record
         )
@@ -192,7 +197,7 @@ class MainControl:
             self._robot,
             self._positioner,
             preparation,
-            self._settings,
+            replace(self._settings, settle_s=settle_s),
             self._board,
             self._stop,
             self._clock,

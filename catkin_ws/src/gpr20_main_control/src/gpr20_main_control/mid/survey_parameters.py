@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Callable, Iterable, List, Tuple
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import ipv4_address, number_between
-from gpr20_common.mid.errors import InvalidValueError
 
 # Range of the MS2026C (Anritsu 10580-00306, [SENSe]:FREQuency:STARt).
 MIN_FREQUENCY_HZ = 5.0e3

@@ -6,8 +6,8 @@ import enum
 from dataclasses import dataclass
 from typing import Tuple
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.errors import InvalidValueError
 
 
 class HeightPolicy(enum.Enum):

@@ -41,7 +41,7 @@ def open_simulated_part(robot_namespace: str) -> SimulatedPart:
     Raises:
         Gpr20Error: The scene or the time scale is not allowed, or the world cannot be opened.
     """
-    scene = read_scene(str(rospy.get_param("~scene")))
+    scene = read_scene(str(rospy.get_param("~scene", "")))
     clock = ScaledClock(float(rospy.get_param("~time_scale", 1.0)))
     world = open_world(world_path(robot_namespace), start_steps(scene.robot))
     return SimulatedPart(world, scene, clock)

@@ -11,8 +11,8 @@ import rospy
 from gpr20_common.high.node import run_node
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.world import World
+from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.high.vna_node import VNANode, build_vna_node, read_vna_parameters
-from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
 
 LOOPBACK = "127."
 # The simulator may still be starting when the first connection is asked for.

@@ -12,11 +12,11 @@ from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.services import advertise
+from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import Capture, CaptureFolder, NoCapture
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
 from gpr20_simulator.mid.carriage import carriage_position
-from gpr20_simulator.mid.errors import SimulatorError
 from gpr20_simulator.mid.fault_switch import FaultSwitch
 from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
 from gpr20_simulator.srv import SetFault, SetFaultResponse

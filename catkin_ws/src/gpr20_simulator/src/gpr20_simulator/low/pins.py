@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, Iterable, Optional, Protocol, Union
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 class PinError(Gpr20Error, RuntimeError):

@@ -6,7 +6,7 @@ import socket
 import threading
 from typing import Callable, List, Sequence, Tuple
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 from gpr20_simulator.low.rpc import RpcProgram, answer_call
 from gpr20_simulator.low.rpc_connection import RpcConnection
 from gpr20_simulator.low.xdr import XdrError

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from typing import Mapping
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 LAYOUT = 0x47505232_00000001
 WORD_BYTES = 8

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 _UINT = struct.Struct(">I")
 _INT = struct.Struct(">i")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import enum
 from typing import Dict, Type
 
+from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, World
-from gpr20_simulator.mid.errors import FaultError
 from gpr20_simulator.mid.faults import FaultBoard
 
 NO_FAULT = "NONE"

@@ -6,7 +6,7 @@ import enum
 import threading
 from typing import Dict
 
-from gpr20_simulator.mid.errors import FaultError
+from gpr20_simulator.errors import FaultError
 
 MOST_TIMES = 1_000_000
 UNTIL_CLEARED = 0

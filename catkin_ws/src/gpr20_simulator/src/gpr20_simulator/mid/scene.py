@@ -11,9 +11,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import bounded, record_from
+from gpr20_simulator.errors import SceneError
 from gpr20_simulator.low.yaml_file import read_yaml
-from gpr20_simulator.mid.errors import SceneError
-from gpr20_simulator.mid.strict_record import bounded, record_from
 
 
 class Shape(enum.Enum):
@@ -263,7 +264,10 @@ def read_scene(path: str) -> Scene:
         values = read_yaml(path)
     except (OSError, ValueError) as error:
         raise SceneError(f"scene file {path} cannot be read: {error}") from error
-    return record_from(Scene, values, "scene")
+    try:
+        return record_from(Scene, values, "scene")
+    except InvalidValueError as error:
+        raise SceneError(f"scene file {path}: {error}") from error
 
 
 def amplitude(level_db: float) -> float:

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
-from gpr20_simulator.mid.errors import SimulatorError
+from gpr20_simulator.errors import SimulatorError
 
 _LEVEL = re.compile(r"(\[?):([A-Za-z]+)(#?)(\]?)")
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d{1,3})?)\s*([A-Za-z]*)")

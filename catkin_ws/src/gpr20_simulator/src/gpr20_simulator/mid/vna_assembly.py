@@ -7,10 +7,10 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import number_between
+from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.capture import Capture, NoCapture
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.antenna_position import AntennaPosition
-from gpr20_simulator.mid.errors import MediumError
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.ground import Ground
 from gpr20_simulator.mid.instrument import SimulatedVna

@@ -9,7 +9,7 @@ import rosgraph
 import rospy
 
 from gpr20_common.low.clock import Clock
-from gpr20_user_interface.mid.errors import MasterUnavailableError
+from gpr20_user_interface.errors import MasterUnavailableError
 
 POLL_S = 0.2
 

@@ -7,16 +7,16 @@ from typing import Callable, Dict
 
 import rospy
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.errors import Gpr20Error
 from gpr20_main_control.mid.survey_parameters import RobotTravel, problems
+from gpr20_user_interface.errors import ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.bar_display import BarDisplay
-from gpr20_user_interface.mid.errors import ParametersRefusedError
 from gpr20_user_interface.mid.event_queue import EventQueue
 from gpr20_user_interface.mid.plain_display import PlainDisplay
 from gpr20_user_interface.mid.survey_arguments import Bar, Options, parse_arguments

@@ -10,10 +10,10 @@ from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
+from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.ros_link import RosLink
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
-from gpr20_user_interface.mid.errors import MasterUnavailableError
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.views.main_window import MainWindow
 from gpr20_user_interface.mid.window_presenter import WindowPresenter

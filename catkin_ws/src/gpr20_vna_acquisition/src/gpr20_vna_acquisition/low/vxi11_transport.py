@@ -13,8 +13,8 @@ from typing import Any, Callable, Optional, TypeVar
 
 from vxi11 import rpc, vxi11
 
+from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
-from gpr20_vna_acquisition.mid.vna_errors import VnaConnectionError
 
 Answer = TypeVar("Answer")
 

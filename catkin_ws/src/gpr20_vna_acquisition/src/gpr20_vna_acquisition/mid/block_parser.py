@@ -14,7 +14,7 @@ from typing import Collection, Tuple
 
 import numpy as np
 
-from gpr20_vna_acquisition.mid.vna_errors import VnaDataError
+from gpr20_vna_acquisition.errors import VnaDataError
 
 _HEADER_START = b"#"
 _NUMBER = re.compile(rb"[ ]*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ ]*")

@@ -8,6 +8,12 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 
+from gpr20_vna_acquisition.errors import (
+    VnaDataError,
+    VnaIdentityError,
+    VnaSettingError,
+    VnaSweepError,
+)
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.mid import settings
 from gpr20_vna_acquisition.mid.block_parser import parse_frequencies, parse_numbers
@@ -15,12 +21,6 @@ from gpr20_vna_acquisition.mid.patience import Patience
 from gpr20_vna_acquisition.mid.settings import Setting
 from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.transport import Transport
-from gpr20_vna_acquisition.mid.vna_errors import (
-    VnaDataError,
-    VnaIdentityError,
-    VnaSettingError,
-    VnaSweepError,
-)
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SWEEP_COMPLETE_BIT = 256

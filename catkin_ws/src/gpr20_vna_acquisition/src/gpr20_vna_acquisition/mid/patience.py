@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 
 from gpr20_common.low.clock import Clock
-from gpr20_vna_acquisition.mid.vna_errors import VnaClosedError, VnaTimeoutError
+from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
 
 class Patience:

@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Callable, List
 
+from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.sweep_settings import RESOLUTION_HZ, SweepSettings
-from gpr20_vna_acquisition.mid.vna_errors import VnaDataError
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.errors import InvalidValueError
-from gpr20_vna_acquisition.mid.vna_errors import VnaDataError, VnaParameterError
+from gpr20_vna_acquisition.errors import VnaDataError, VnaParameterError
 
 # The instrument may round to the resolution of its synthesizer.
 RESOLUTION_HZ = 1.0

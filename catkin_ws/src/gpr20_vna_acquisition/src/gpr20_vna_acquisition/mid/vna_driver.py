@@ -10,12 +10,7 @@ import numpy as np
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import ipv4_address
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
-from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus, Ms2026c, Sweep
-from gpr20_vna_acquisition.mid.patience import Patience
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.mid.transport import Connector
-from gpr20_vna_acquisition.mid.vna_errors import (
+from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaDataError,
     VnaError,
@@ -25,6 +20,11 @@ from gpr20_vna_acquisition.mid.vna_errors import (
     VnaSweepError,
     VnaTimeoutError,
 )
+from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus, Ms2026c, Sweep
+from gpr20_vna_acquisition.mid.patience import Patience
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.transport import Connector
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_common.mid.errors import InvalidValueError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange
 

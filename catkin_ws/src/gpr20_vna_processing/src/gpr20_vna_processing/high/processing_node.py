@@ -27,6 +27,7 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
+from gpr20_vna_processing.errors import ProcessingError
 from gpr20_vna_processing.high.messages import (
     METADATA_TOPIC,
     TRACE_TOPIC,
@@ -43,7 +44,6 @@ from gpr20_vna_processing.low.recording import Recording
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid import survey_folder, survey_metadata
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.errors import ProcessingError
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
 

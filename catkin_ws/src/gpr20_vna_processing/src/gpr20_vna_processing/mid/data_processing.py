@@ -7,15 +7,15 @@ import threading
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import survey_folder, survey_metadata, utc_time
-from gpr20_vna_processing.mid.errors import (
+from gpr20_vna_processing.errors import (
     ProcessingError,
     StorageFailedError,
     SurveyRefusedError,
     storing,
 )
+from gpr20_vna_processing.low import json_trace_file
+from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.mid import survey_folder, survey_metadata, utc_time
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
     BYTES_PER_MB,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Protocol, Sequence
 
+from gpr20_vna_processing.errors import StorageFailedError, TraceRefusedError, storing
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage, Recording
 from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_json
-from gpr20_vna_processing.mid.errors import StorageFailedError, TraceRefusedError, storing
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 COMMIT_BYTES = 1 << 20

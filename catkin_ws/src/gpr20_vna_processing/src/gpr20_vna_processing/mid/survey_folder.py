@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from gpr20_vna_processing.errors import SurveyRefusedError
 from gpr20_vna_processing.mid import utc_time
-from gpr20_vna_processing.mid.errors import SurveyRefusedError
 from gpr20_vna_processing.mid.trace_record import SURVEY_ID, TraceRecord
 
 SURVEY_FILE = "survey.json"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any, Dict, NoReturn
 
-from gpr20_vna_processing.mid.errors import SurveyRefusedError
+from gpr20_vna_processing.errors import SurveyRefusedError
 
 FORMAT = "gpr20-survey/1"
 MAX_BYTES = 1 << 20

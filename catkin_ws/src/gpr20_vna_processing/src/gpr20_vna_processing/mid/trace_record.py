@@ -9,8 +9,8 @@ from typing import NoReturn, Tuple
 
 import numpy as np
 
+from gpr20_vna_processing.errors import TraceRefusedError
 from gpr20_vna_processing.mid import utc_time
-from gpr20_vna_processing.mid.errors import TraceRefusedError
 
 FORMAT = "gpr20-trace/1"
 MAX_INDEX = 999_999  # six digits in the file name

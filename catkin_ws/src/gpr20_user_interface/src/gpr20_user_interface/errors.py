@@ -1,6 +1,6 @@
 """The errors of the user interface."""
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 class UserInterfaceError(Gpr20Error):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 class SimulatorError(Gpr20Error):

@@ -7,7 +7,7 @@ import errno
 from pathlib import Path
 from typing import Iterator
 
-from gpr20_common.mid.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error
 
 
 class ProcessingError(Gpr20Error):
