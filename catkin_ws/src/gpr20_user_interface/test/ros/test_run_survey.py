@@ -17,8 +17,8 @@ import rostest
 from fake_main_control import FakeMainControl
 from waiting import LIMIT_S, wait_until
 
+from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.mid.survey_state import ControlCode
 
 SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
 
@@ -64,7 +64,7 @@ class RunSurvey(unittest.TestCase):
         return process
 
     def test_codes_are_those_of_the_message(self) -> None:
-        for code in ControlCode:
+        for code in SurveyState:
             self.assertEqual(code, getattr(ControlStatus, code.name))
 
     def test_follows_a_survey_to_its_end(self) -> None:

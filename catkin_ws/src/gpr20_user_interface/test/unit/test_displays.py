@@ -2,12 +2,13 @@ import io
 
 import pytest
 
+from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.bar_display import BarDisplay
 from gpr20_user_interface.mid.plain_display import PlainDisplay
-from gpr20_user_interface.mid.survey_state import ControlCode, ControlState, Progress
+from gpr20_user_interface.mid.survey_state import ControlState, Progress
 
-SURVEYING = ControlState(ControlCode.SURVEYING, "visiting", "id", True)
+SURVEYING = ControlState(SurveyState.SURVEYING, "visiting", "id", True)
 TOTAL = 200
 
 
@@ -38,7 +39,7 @@ def test_plain_last_line_is_not_lost_below_five_percent():
 def test_plain_status_is_written_once_per_change():
     stream = io.StringIO()
     display = PlainDisplay(stream)
-    for state in (SURVEYING, SURVEYING, ControlState(ControlCode.PAUSED, "why", "id", True)):
+    for state in (SURVEYING, SURVEYING, ControlState(SurveyState.PAUSED, "why", "id", True)):
         display.status(state)
     assert stream.getvalue().splitlines() == ["SURVEYING: visiting", "PAUSED: why"]
 

@@ -2,12 +2,11 @@ import math
 
 import pytest
 
+from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
 from gpr20_user_interface.mid.survey_state import (
-    ACTIVE,
     Answer,
     AxisLimits,
-    ControlCode,
     ControlState,
     CurrentPosition,
     MeasuredHeight,
@@ -18,7 +17,7 @@ from gpr20_user_interface.mid.survey_state import (
 
 
 def state(code, survey_id="id", simulated=False):
-    return ControlState(ControlCode(code), "as it is", survey_id, simulated)
+    return ControlState(SurveyState(code), "as it is", survey_id, simulated)
 
 
 PROGRESS = Progress("id", 50.0, 18, 9, 30.0)
@@ -42,19 +41,19 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert allowed(snapshot) == []
 
 
-@pytest.mark.parametrize("code", list(ControlCode))
+@pytest.mark.parametrize("code", list(SurveyState))
 def test_buttons_follow_what_main_control_says(model, code):
     model.handle(state(code))
-    expected = ["stop"] if code in ACTIVE else ["start"]
-    if code is ControlCode.PAUSED:
+    expected = ["stop"] if code in RUNNING else ["start"]
+    if code is SurveyState.PAUSED:
         expected.append("resume")
     snapshot = model.snapshot()
     assert allowed(snapshot) == expected
-    assert snapshot.fields_locked == (code in ACTIVE)
+    assert snapshot.fields_locked == (code in RUNNING)
 
 
 def test_stop_that_was_asked_for_is_not_taken_for_done(model):
-    model.handle(state(ControlCode.SURVEYING))
+    model.handle(state(SurveyState.SURVEYING))
     model.request_sent(Request.STOP)
     model.handle(Answer(Request.STOP, True, "stopping"))
     snapshot = model.snapshot()
@@ -63,7 +62,7 @@ def test_stop_that_was_asked_for_is_not_taken_for_done(model):
 
 
 def test_start_that_is_being_asked_for_locks_start_and_unlocks_stop(model):
-    model.handle(state(ControlCode.CONFIGURED))
+    model.handle(state(SurveyState.CONFIGURED))
     model.request_sent(Request.START)
     assert allowed(model.snapshot()) == ["stop"]
     model.handle(Answer(Request.START, False, "no"))
@@ -71,11 +70,11 @@ def test_start_that_is_being_asked_for_locks_start_and_unlocks_stop(model):
 
 
 def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
-    model.handle(state(ControlCode.CONFIGURED, ""))
+    model.handle(state(SurveyState.CONFIGURED, ""))
     model.request_sent(Request.START)
     model.handle(Answer(Request.START, True, "started", "new"))
     assert allowed(model.snapshot()) == ["stop"]
-    model.handle(state(ControlCode.FAILED, "new"))
+    model.handle(state(SurveyState.FAILED, "new"))
     assert allowed(model.snapshot()) == ["start"]
 
 
@@ -83,42 +82,42 @@ def test_start_is_not_locked_for_ever_by_a_survey_that_never_showed(model, clock
     model.request_sent(Request.START)
     model.handle(Answer(Request.START, True, "started", "new"))
     clock.advance(CONTROL_SILENCE_S + 0.1)
-    model.handle(state(ControlCode.IDLE, ""))
+    model.handle(state(SurveyState.IDLE, ""))
     assert allowed(model.snapshot()) == ["start"]
 
 
 def test_survey_of_this_window_is_told_from_others(model):
-    model.handle(state(ControlCode.SURVEYING, ""))
+    model.handle(state(SurveyState.SURVEYING, ""))
     assert not model.snapshot().started_here
     model.handle(Answer(Request.START, True, "started", "mine"))
-    model.handle(state(ControlCode.SURVEYING, "mine"))
+    model.handle(state(SurveyState.SURVEYING, "mine"))
     assert model.snapshot().started_here
-    model.handle(state(ControlCode.SURVEYING, "another"))
+    model.handle(state(SurveyState.SURVEYING, "another"))
     assert not model.snapshot().started_here
 
 
 def test_resume_is_asked_for_once_at_a_time(model):
-    model.handle(state(ControlCode.PAUSED))
+    model.handle(state(SurveyState.PAUSED))
     model.request_sent(Request.RESUME)
     assert allowed(model.snapshot()) == ["stop"]
 
 
 def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, clock):
-    model.handle(state(ControlCode.FINISHED))
+    model.handle(state(SurveyState.FINISHED))
     clock.advance(CONTROL_SILENCE_S)
     assert model.snapshot().control_alive
     clock.advance(0.1)
     snapshot = model.snapshot()
     assert not snapshot.control_alive
     assert snapshot.control_silent_s == pytest.approx(CONTROL_SILENCE_S + 0.1)
-    assert snapshot.state.code is ControlCode.FINISHED
+    assert snapshot.state.code is SurveyState.FINISHED
     assert allowed(snapshot) == []
     model.handle(PROGRESS)
     assert allowed(model.snapshot()) == ["start"]
 
 
 def test_running_survey_can_be_stopped_while_main_control_is_silent(model, clock):
-    model.handle(state(ControlCode.PAUSED))
+    model.handle(state(SurveyState.PAUSED))
     clock.advance(100)
     assert allowed(model.snapshot()) == ["stop"]
 
@@ -151,7 +150,7 @@ def test_target_of_minus_one_is_none(model):
 
 
 def test_simulation_is_told_even_when_main_control_is_gone(model, clock):
-    model.handle(state(ControlCode.IDLE, simulated=True))
+    model.handle(state(SurveyState.IDLE, simulated=True))
     clock.advance(100)
     assert model.snapshot().simulated
 

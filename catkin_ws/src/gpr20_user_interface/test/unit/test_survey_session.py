@@ -1,10 +1,10 @@
 import pytest
 
+from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
 from gpr20_user_interface.mid.survey_state import (
     Accepted,
     Answer,
-    ControlCode,
     ControlState,
     Progress,
     Request,
@@ -59,7 +59,7 @@ class Recorder:
 
 
 def state(code, survey_id="ours"):
-    return ControlState(ControlCode[code], "as it is", survey_id, True)
+    return ControlState(SurveyState[code], "as it is", survey_id, True)
 
 
 def run(clock, *events):

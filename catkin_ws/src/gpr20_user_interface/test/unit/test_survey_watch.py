@@ -1,14 +1,7 @@
 import pytest
 
-from gpr20_user_interface.mid.survey_state import (
-    ACTIVE,
-    Answer,
-    ControlCode,
-    ControlState,
-    Progress,
-    Request,
-    StopWish,
-)
+from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
+from gpr20_user_interface.mid.survey_state import Answer, ControlState, Progress, Request, StopWish
 from gpr20_user_interface.mid.survey_watch import (
     ExitStatus,
     Limits,
@@ -22,7 +15,7 @@ STARTED = Answer(Request.START, True, "started", "ours")
 
 
 def state(code, survey_id="ours", message="as it is"):
-    return ControlState(ControlCode[code], message, survey_id, False)
+    return ControlState(SurveyState[code], message, survey_id, False)
 
 
 def progress(survey_id="ours"):
@@ -209,7 +202,7 @@ def test_stop_before_anything_began_asks_for_nothing(robot):
     assert (robot.status, robot.requests) == (ExitStatus.STOPPED, [])
 
 
-@pytest.mark.parametrize("code", sorted(set(ControlCode) - ACTIVE))
+@pytest.mark.parametrize("code", sorted(set(SurveyState) - RUNNING))
 def test_attaching_needs_a_survey_that_runs(clock, code):
     robot = Robot(clock, Mode.ATTACH).say(state(code.name))
     assert (robot.status, robot.requests) == (ExitStatus.REFUSED, [])

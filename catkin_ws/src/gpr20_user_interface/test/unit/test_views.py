@@ -10,9 +10,9 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel, QLineEdit, QMessageBox, QPushButton
 
 from gpr20_main_control.mid.survey_parameters import RobotTravel, Travel
+from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_state import (
-    ControlCode,
     ControlState,
     CurrentPosition,
     Progress,
@@ -74,7 +74,7 @@ def click(button):
 
 def test_start_carries_what_the_operator_entered(window):
     heard = wishes(window)
-    window.refresh(snapshot(ControlCode.IDLE))
+    window.refresh(snapshot(SurveyState.IDLE))
     enter(window, "x_points", "7")
     enter(window, "start_frequency_hz", "700.5")
     click(window.commands.start)
@@ -83,7 +83,7 @@ def test_start_carries_what_the_operator_entered(window):
 
 def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window):
     heard = wishes(window)
-    window.refresh(snapshot(ControlCode.IDLE))
+    window.refresh(snapshot(SurveyState.IDLE))
     edit = window.form.edit("x_stop_mm")
     right = edit.grab().toImage().pixelColor(60, 8)
     enter(window, "x_stop_mm", "651")
@@ -100,30 +100,30 @@ def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window):
 
 def test_limits_that_become_known_are_applied_to_what_stands_there(window):
     enter(window, "x_stop_mm", "700")
-    window.refresh(snapshot(ControlCode.IDLE, travel=None))
+    window.refresh(snapshot(SurveyState.IDLE, travel=None))
     assert window.commands.start.isEnabled()
-    window.refresh(snapshot(ControlCode.IDLE))
+    window.refresh(snapshot(SurveyState.IDLE))
     assert not window.commands.start.isEnabled()
 
 
 def test_parameters_of_somebody_elses_survey_are_not_claimed_to_be_known(window):
-    window.refresh(snapshot(ControlCode.SURVEYING, started_here=False))
+    window.refresh(snapshot(SurveyState.SURVEYING, started_here=False))
     assert "was not started here" in window.problems.toPlainText()
-    window.refresh(snapshot(ControlCode.SURVEYING))
+    window.refresh(snapshot(SurveyState.SURVEYING))
     assert window.problems.toPlainText() == ""
-    window.refresh(snapshot(ControlCode.FINISHED, started_here=False))
+    window.refresh(snapshot(SurveyState.FINISHED, started_here=False))
     assert window.problems.toPlainText() == ""
 
 
 def test_stop_and_resume_are_told(window):
     heard = wishes(window)
-    window.refresh(snapshot(ControlCode.PAUSED))
+    window.refresh(snapshot(SurveyState.PAUSED))
     click(window.commands.stop)
     click(window.commands.resume)
     assert heard == ["stop", "resume"]
 
 
-@pytest.mark.parametrize("code", list(ControlCode))
+@pytest.mark.parametrize("code", list(SurveyState))
 def test_title_is_what_main_control_says(window, code):
     window.refresh(snapshot(code))
     assert window.status.title == code.name
@@ -132,17 +132,17 @@ def test_title_is_what_main_control_says(window, code):
 
 def test_progress_is_shown_and_never_full_before_the_end(window):
     progress = Progress("id", 99.999, 20000, 19999, 1128.0)
-    window.refresh(snapshot(ControlCode.SURVEYING, progress=progress))
+    window.refresh(snapshot(SurveyState.SURVEYING, progress=progress))
     assert window.progress.thousandths == 999
     assert window.progress.texts == "19999 of 20000 traces\n0d:0h:18m:48s remaining (measured)"
-    window.refresh(snapshot(ControlCode.SURVEYING, progress=Progress("id", 0.0, 18, 0, 60.0)))
+    window.refresh(snapshot(SurveyState.SURVEYING, progress=Progress("id", 0.0, 18, 0, 60.0)))
     assert "0d:0h:1m:0s remaining (by the plan)" in window.progress.texts
 
 
 def test_positions_are_shown_or_said_to_be_unknown(window):
     window.refresh(
         snapshot(
-            ControlCode.SURVEYING,
+            SurveyState.SURVEYING,
             current=CurrentPosition(1.0, 2.5, -90.0),
             target=TargetPosition(650.0, 800.0, 90.0),
             height_m=0.3121,
@@ -151,14 +151,14 @@ def test_positions_are_shown_or_said_to_be_unknown(window):
     cells = [window.positions.cell("current", column) for column in range(1, 5)]
     assert cells == ["1.00", "2.50", "-90.00", "0.312"]
     assert window.positions.cell("target", 1) == "650.00"
-    window.refresh(snapshot(ControlCode.IDLE))
+    window.refresh(snapshot(SurveyState.IDLE))
     assert window.positions.cell("current", 1) == window.positions.cell("current", 4) == "—"
 
 
 def test_absence_and_simulation_cannot_be_overlooked(window):
-    window.refresh(snapshot(ControlCode.SURVEYING))
+    window.refresh(snapshot(SurveyState.SURVEYING))
     assert window.banners.texts == "SIMULATED robot: these data show no real ground"
-    window.refresh(snapshot(ControlCode.SURVEYING, alive=False))
+    window.refresh(snapshot(SurveyState.SURVEYING, alive=False))
     assert "main_control not heard for 7 s: the robot may still move" in window.banners.texts
     window.refresh(snapshot(None, alive=False, control_silent_s=None))
     assert "roslaunch gpr20 survey.launch" in window.banners.texts
@@ -168,7 +168,7 @@ def test_absence_and_simulation_cannot_be_overlooked(window):
 @pytest.mark.parametrize("request_", list(Request))
 def test_refusal_is_a_dialog_that_leaves_the_window_usable(window, request_):
     heard = wishes(window)
-    window.refresh(snapshot(ControlCode.SURVEYING))
+    window.refresh(snapshot(SurveyState.SURVEYING))
     window.show_refusal(request_, "<b>the reason</b>")
     dialog = window.findChild(QMessageBox)
     assert dialog.isVisible() and not dialog.isModal()
@@ -186,10 +186,10 @@ def busiest(window):
     enter(window, "polarizations_deg", "0, 0")
     window.refresh(
         snapshot(
-            ControlCode.CONFIGURED,
+            SurveyState.CONFIGURED,
             alive=False,
             control_silent_s=None,
-            state=ControlState(ControlCode.CONFIGURED, long, "id", True),
+            state=ControlState(SurveyState.CONFIGURED, long, "id", True),
             progress=Progress("id", 99.9, 1000000, 999999, 10**7),
             current=CurrentPosition(650.0, 800.0, -90.0),
             target=TargetPosition(650.0, 800.0, -90.0),
@@ -220,6 +220,6 @@ def test_long_sentences_can_be_scrolled_to(window):
 
 
 def test_everything_to_touch_is_large_enough_for_a_glove(window):
-    window.refresh(snapshot(ControlCode.IDLE))
+    window.refresh(snapshot(SurveyState.IDLE))
     assert all(edit.height() >= TOUCH_PX for edit in window.findChildren(QLineEdit))
     assert all(button.height() >= COMMAND_PX for button in window.findChildren(QPushButton))

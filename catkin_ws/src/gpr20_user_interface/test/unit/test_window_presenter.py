@@ -10,14 +10,9 @@ from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QMessageBox
 
+from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_state import (
-    Answer,
-    ControlCode,
-    ControlState,
-    Progress,
-    Request,
-)
+from gpr20_user_interface.mid.survey_state import Answer, ControlState, Progress, Request
 from gpr20_user_interface.mid.views.main_window import MainWindow
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 
@@ -84,7 +79,7 @@ def test_limits_of_the_axes_are_asked_for_at_once(parts):
 
 def test_one_press_of_start_is_one_request(parts):
     presenter, window, control, _ = parts
-    presenter.on_event(state(ControlCode.IDLE))
+    presenter.on_event(state(SurveyState.IDLE))
     presenter.refresh()
     click(window.commands.start)
     click(window.commands.start)
@@ -95,7 +90,7 @@ def test_one_press_of_start_is_one_request(parts):
 
 def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
     presenter, window, control, _ = parts
-    presenter.on_event(state(ControlCode.SURVEYING))
+    presenter.on_event(state(SurveyState.SURVEYING))
     presenter.refresh()
     click(window.commands.stop)
     click(window.commands.stop)
@@ -104,7 +99,7 @@ def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
 
 def test_resume_is_asked_for(parts):
     presenter, window, control, _ = parts
-    presenter.on_event(state(ControlCode.PAUSED))
+    presenter.on_event(state(SurveyState.PAUSED))
     presenter.refresh()
     click(window.commands.resume)
     assert control.asked[1:] == ["resume"]
@@ -112,7 +107,7 @@ def test_resume_is_asked_for(parts):
 
 def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     presenter, window, _, _ = parts
-    presenter.on_event(state(ControlCode.CONFIGURED))
+    presenter.on_event(state(SurveyState.CONFIGURED))
     presenter.refresh()
     click(window.commands.start)
     assert not window.commands.start.isEnabled()
@@ -133,7 +128,7 @@ def test_events_of_other_threads_reach_the_window_in_its_own(parts):
     presenter, window, _, model = parts
     link = Link()
     link.event.connect(presenter.on_event, Qt.ConnectionType.QueuedConnection)
-    events = [state(ControlCode.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
+    events = [state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
     for event in events:
         thread = threading.Thread(target=link.event.emit, args=(event,))
         thread.start()

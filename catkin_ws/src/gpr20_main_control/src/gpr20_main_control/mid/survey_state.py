@@ -38,6 +38,7 @@ RUNNING = frozenset(
     ]
 )
 AT_REST = frozenset(SurveyState) - RUNNING
+ENDED = frozenset([SurveyState.FINISHED, SurveyState.STOPPED, SurveyState.FAILED])
 
 _S = SurveyState
 TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {

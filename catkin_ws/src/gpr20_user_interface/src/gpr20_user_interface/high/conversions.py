@@ -8,10 +8,10 @@ import math
 from sensor_msgs.msg import Range
 
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_user_interface.mid.survey_state import (
-    ControlCode,
     ControlState,
     CurrentPosition,
     MeasuredHeight,
@@ -27,7 +27,7 @@ def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:
 
 def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
-    code = ControlCode(message.code)
+    code = SurveyState(message.code)
     return ControlState(code, message.message, message.survey_id, message.simulated)
 
 

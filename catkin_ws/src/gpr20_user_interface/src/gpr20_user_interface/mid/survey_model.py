@@ -8,11 +8,10 @@ from typing import FrozenSet, Generic, Optional, Set, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.mid.survey_parameters import RobotTravel
+from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.mid.survey_state import (
-    ACTIVE,
     Answer,
     AxisLimits,
-    ControlCode,
     ControlState,
     CurrentPosition,
     Event,
@@ -47,7 +46,7 @@ class Snapshot:
     @property
     def running(self) -> bool:
         """Whether, by the last word of main_control, a survey exists that has not ended."""
-        return self.state is not None and self.state.code in ACTIVE
+        return self.state is not None and self.state.code in RUNNING
 
     @property
     def simulated(self) -> bool:
@@ -72,7 +71,7 @@ class Snapshot:
     @property
     def can_resume(self) -> bool:
         """Whether a survey is paused and nobody here has asked to go on."""
-        paused = self.state is not None and self.state.code is ControlCode.PAUSED
+        paused = self.state is not None and self.state.code is SurveyState.PAUSED
         return paused and self.control_alive and not self.pending
 
 

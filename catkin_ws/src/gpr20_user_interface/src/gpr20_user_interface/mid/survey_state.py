@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import FrozenSet, Optional, Union
+from typing import Optional, Union
 
 from gpr20_main_control.mid.survey_parameters import (
     MAX_COORDINATE_MM,
@@ -12,36 +12,7 @@ from gpr20_main_control.mid.survey_parameters import (
     RobotTravel,
     Travel,
 )
-
-
-class ControlCode(enum.IntEnum):
-    """What main_control is doing; the numbers of gpr20_msgs/ControlStatus."""
-
-    IDLE = 0
-    CONFIGURED = 1
-    CHECKING = 2
-    HOMING = 3
-    SURVEYING = 4
-    PAUSED = 5
-    STOPPING = 6
-    FINISHED = 7
-    STOPPED = 8
-    FAILED = 9
-
-
-# A survey exists and has not ended.
-ACTIVE: FrozenSet[ControlCode] = frozenset(
-    {
-        ControlCode.CHECKING,
-        ControlCode.HOMING,
-        ControlCode.SURVEYING,
-        ControlCode.PAUSED,
-        ControlCode.STOPPING,
-    }
-)
-ENDED: FrozenSet[ControlCode] = frozenset(
-    {ControlCode.FINISHED, ControlCode.STOPPED, ControlCode.FAILED}
-)
+from gpr20_main_control.mid.survey_state import SurveyState
 
 # The limits of the documented system, for as long as the axes' own are not known:
 # main_control, which knows them, refuses what lies between the two.
@@ -56,7 +27,7 @@ DOCUMENTED_TRAVEL = RobotTravel(
 class ControlState:
     """One message of `control_status`."""
 
-    code: ControlCode
+    code: SurveyState
     message: str
     survey_id: str
     simulated: bool

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from typing import List, Optional
 
 from gpr20_common.low.clock import Clock
+from gpr20_main_control.mid.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.survey_state import (
-    ACTIVE,
-    ENDED,
     Answer,
-    ControlCode,
     ControlState,
     Event,
     Progress,
@@ -113,7 +111,7 @@ class SurveyWatch:
     def concerns(self, event: Event) -> bool:
         """Return whether a word of main_control is about this survey."""
         if isinstance(event, ControlState) and not self._survey_id:
-            return event is self._state and event.code in ACTIVE
+            return event is self._state and event.code in RUNNING
         if isinstance(event, (ControlState, Progress)):
             return bool(self._survey_id) and event.survey_id == self._survey_id
         return True
@@ -178,7 +176,7 @@ class SurveyWatch:
         if self._mode is not Mode.ATTACH:
             self._phase = _Phase.REQUESTED
             return [_FIRST_REQUEST[self._mode]]
-        if state.code not in ACTIVE:
+        if state.code not in RUNNING:
             self._end(
                 ExitStatus.REFUSED,
                 f"no survey runs: main_control is {state.code.name} ({state.message})",
@@ -221,7 +219,7 @@ class SurveyWatch:
             self._follow(state)
 
     def _follow(self, state: ControlState) -> None:
-        if not self._survey_id and state.code in ACTIVE | ENDED:
+        if not self._survey_id and state.code in RUNNING | ENDED:
             self._survey_id = state.survey_id
         if state.survey_id != self._survey_id:
             # Before the first word about our survey, this one is from before it began.
@@ -231,17 +229,17 @@ class SurveyWatch:
         self._seen = True
         if state.code in ENDED:
             self._end(self._status_of_end(state.code), state.message)
-        elif state.code is ControlCode.PAUSED and self._leaves_paused:
+        elif state.code is SurveyState.PAUSED and self._leaves_paused:
             self._end(ExitStatus.PAUSED, state.message)
 
     @property
     def _leaves_paused(self) -> bool:
         return self._on_pause is OnPause.EXIT and not self._stopping
 
-    def _status_of_end(self, code: ControlCode) -> ExitStatus:
-        if code is ControlCode.FINISHED:
+    def _status_of_end(self, code: SurveyState) -> ExitStatus:
+        if code is SurveyState.FINISHED:
             return ExitStatus.FINISHED
-        if code is ControlCode.STOPPED and self._stopping:
+        if code is SurveyState.STOPPED and self._stopping:
             return ExitStatus.STOPPED
         return ExitStatus.FAILED
 

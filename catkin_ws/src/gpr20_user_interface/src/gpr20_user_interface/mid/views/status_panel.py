@@ -7,7 +7,8 @@ from typing import Dict, Optional
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
 
-from gpr20_user_interface.mid.survey_state import ControlCode, ControlState
+from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.mid.survey_state import ControlState
 
 
 class StatusPanel(QWidget):
@@ -46,16 +47,16 @@ class StatusPanel(QWidget):
         self._title.setText("—" if state is None else self._titles()[state.code])
         self._message.setPlainText("" if state is None else state.message)
 
-    def _titles(self) -> Dict[ControlCode, str]:
+    def _titles(self) -> Dict[SurveyState, str]:
         return {
-            ControlCode.IDLE: self.tr("IDLE"),
-            ControlCode.CONFIGURED: self.tr("CONFIGURED"),
-            ControlCode.CHECKING: self.tr("CHECKING"),
-            ControlCode.HOMING: self.tr("HOMING"),
-            ControlCode.SURVEYING: self.tr("SURVEYING"),
-            ControlCode.PAUSED: self.tr("PAUSED"),
-            ControlCode.STOPPING: self.tr("STOPPING"),
-            ControlCode.FINISHED: self.tr("FINISHED"),
-            ControlCode.STOPPED: self.tr("STOPPED"),
-            ControlCode.FAILED: self.tr("FAILED"),
+            SurveyState.IDLE: self.tr("IDLE"),
+            SurveyState.CONFIGURED: self.tr("CONFIGURED"),
+            SurveyState.CHECKING: self.tr("CHECKING"),
+            SurveyState.HOMING: self.tr("HOMING"),
+            SurveyState.SURVEYING: self.tr("SURVEYING"),
+            SurveyState.PAUSED: self.tr("PAUSED"),
+            SurveyState.STOPPING: self.tr("STOPPING"),
+            SurveyState.FINISHED: self.tr("FINISHED"),
+            SurveyState.STOPPED: self.tr("STOPPED"),
+            SurveyState.FAILED: self.tr("FAILED"),
         }
