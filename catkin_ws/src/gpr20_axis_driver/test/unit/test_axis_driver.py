@@ -142,10 +142,11 @@ def test_the_antennas_turn_by_whole_steps_without_an_endstop():
     assert axis.driver.coordinate == -90.0
 
 
-def test_closing_leaves_the_pins_low_and_released(axis):
+def test_closing_in_the_middle_of_a_pulse_leaves_the_pins_low_and_released(axis):
     axis.driver.move_to(1.0, never)
+    axis.machine.levels[15] = axis.machine.HIGH
     axis.driver.close(timeout_s=1.0)
-    assert axis.machine.levels[15] == axis.machine.LOW
+    assert axis.machine.levels[15] == axis.machine.levels[13] == axis.machine.LOW
     assert sorted(axis.machine.released) == [13, 15, 16]
     with pytest.raises(AxisBusyError):
         axis.driver.move_to(2.0, never)

@@ -81,3 +81,15 @@ def test_an_axis_that_fails_homing_is_no_longer_homed():
     with pytest.raises(EndstopError):
         axis.driver.home(never)
     assert not axis.driver.homed
+
+
+def test_an_endstop_that_stays_pressed_after_the_first_touch_is_an_error():
+    axis = Axis(X_PARAMETERS)
+
+    def stick():
+        axis.machine.stuck = True if len(axis.machine.pulses) > 620 else None
+        return False
+
+    with pytest.raises(EndstopError, match="still pressed 1 mm away"):
+        axis.driver.home(stick)
+    assert not axis.driver.homed

@@ -48,6 +48,21 @@ class FastClock(Clock):
         return event.wait(timeout_s / self.FACTOR)
 
 
+class ManualClock(Clock):
+    """Time passes only when a test says so; a wait ends at once and is noted."""
+
+    def __init__(self):
+        self.time_s = 0.0
+        self.waits_s = []
+
+    def now_s(self):
+        return self.time_s
+
+    def wait_s(self, event, timeout_s):
+        self.waits_s.append(timeout_s)
+        return event.wait(0.001)
+
+
 class FakeAxis:
     """An axis that arrives at once, unless told otherwise."""
 
@@ -63,6 +78,7 @@ class FakeAxis:
         self.fail_homing = ""
         self.lose_result = False
         self.stay = False
+        self.offset = 0.0
         self.blocked = threading.Event()
         self.blocked.set()
         self.begun = threading.Event()
@@ -81,7 +97,7 @@ class FakeAxis:
             self._outcome = MoveOutcome(False, self.fail_move)
             return
         if not self.stay and self.blocked.is_set():
-            self.coordinate = target
+            self.coordinate = target + self.offset
         self._outcome = None if self.lose_result else MoveOutcome(True, "")
 
     def move_outcome(self, wait_s):
@@ -108,6 +124,7 @@ class FakeAnalyzer:
         self.sweeps = 0
         self.failures = 0
         self.on_sweep = lambda: None
+        self.accept = lambda setting: setting
         self._setting = None
 
     def connect(self, address):
@@ -118,8 +135,8 @@ class FakeAnalyzer:
         return self.calibration_status
 
     def configure(self, setting):
-        self._setting = setting
-        return setting
+        self._setting = self.accept(setting)
+        return self._setting
 
     def frequencies_hz(self):
         span = self._setting.stop_frequency_hz - self._setting.start_frequency_hz
@@ -186,7 +203,7 @@ class FakeStorage:
 class Bench:
     """A control over a fake robot, and what it said."""
 
-    def __init__(self, time_scale=1.0, **settings):
+    def __init__(self, time_scale=1.0, clock=None, **settings):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = FakeAnalyzer(), FakeHeightSensor()
         self.storage = FakeStorage()
@@ -199,7 +216,7 @@ class Bench:
             RobotFacts(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.board,
-            FastClock(),
+            clock or FastClock(),
             time.time_ns,
         )
 
@@ -228,6 +245,13 @@ class Bench:
             assert self._changed.wait_for(
                 lambda: self.board.status.visited_points >= points, LIMIT_S
             ), f"still {self.board.status}"
+
+    def wait_for_message(self, text):
+        """Wait until the control says something."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: text in self.board.status.message, LIMIT_S), (
+                f"still {self.board.status}"
+            )
 
     def wait_for(self, *states):
         """Wait until the control is in one of the states and return its status."""

@@ -3,11 +3,13 @@
 import json
 import math
 import threading
+from dataclasses import replace
 
 import pytest
-from fake_robot import LIMIT_S, PARAMETERS, TRAVEL, Bench
+from fake_robot import LIMIT_S, PARAMETERS, TRAVEL, Bench, ManualClock
 
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.survey_parameters import SurveyParametersError
 from gpr20_main_control.mid.survey_plan import survey_points
 from gpr20_main_control.mid.survey_state import SurveyState as State
 
@@ -228,6 +230,7 @@ def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
     assert "could not be stored: the disk is full" in status.message
     bench.control.resume("")
     bench.wait_for(State.FINISHED)
+    assert len(bench.storage.records) == 1
     assert [sample.index for sample in bench.storage.samples] == list(range(24))
 
 
@@ -366,3 +369,93 @@ def test_the_estimate_follows_the_speed_of_the_robot():
     assert real.total_points == fast.total_points == 24
     assert real.duration_s == pytest.approx(50.0 * fast.duration_s)
     assert real.duration_s > 24 * 1.0
+
+
+@pytest.mark.parametrize("offset", [0.01, -0.01, 0.04])
+def test_an_axis_that_rests_a_step_beside_its_target_is_never_measured(bench, offset):
+    bench.x.offset = offset
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "instead of 10 mm" in status.message
+    assert bench.storage.samples == []
+
+
+def test_an_instrument_that_accepts_another_sweep_is_refused(bench):
+    bench.analyzer.accept = lambda setting: replace(setting, points=201)
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert "points=201" in final.message
+    assert bench.storage.records == []
+
+
+def test_a_survey_never_goes_on_with_other_frequencies(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.y.fail_move = ""
+    usual = bench.analyzer.frequencies_hz
+    bench.analyzer.frequencies_hz = lambda: (*usual()[:-1], 5.9e9)
+    bench.control.resume("")
+    bench.wait_for_message("no longer those of this survey")
+    bench.wait_for(State.PAUSED)
+    assert bench.storage.samples == []
+
+
+def test_wrong_parameters_are_refused_and_the_former_ones_stay(bench):
+    bench.control.set_parameters(PARAMETERS)
+    with pytest.raises(SurveyParametersError, match="x points is 2"):
+        bench.control.set_parameters(replace(PARAMETERS, x_points=2))
+    bench.control.start()
+    bench.wait_for(State.FINISHED)
+    assert len(bench.storage.samples) == 24
+
+
+def test_a_survey_can_follow_one_that_was_stopped(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    bench.y.fail_move = ""
+    bench.start()
+    bench.wait_for(State.FINISHED)
+
+
+def test_shutting_down_stops_the_axes_and_ends_the_survey(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    threading.Timer(0.05, bench.x.blocked.set).start()
+    bench.control.shut_down(LIMIT_S)
+    assert all(axis.stops > 0 for axis in bench.axes)
+    assert bench.board.status.state is State.STOPPED
+
+
+def test_every_sweep_comes_after_the_antennas_have_settled():
+    clock = ManualClock()
+    bench = Bench(clock=clock, settle_s=0.7)
+    settled = []
+    bench.analyzer.on_sweep = lambda: settled.append(clock.waits_s.count(0.7))
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert settled == list(range(1, 25))
+
+
+def test_a_pause_does_not_count_for_the_remaining_time():
+    clock = ManualClock()
+    bench = Bench(clock=clock)
+
+    def pass_time():
+        clock.time_s += 10.0
+        if bench.analyzer.sweeps == 5:
+            bench.y.fail_move = "the endstop was pressed"
+
+    bench.analyzer.on_sweep = pass_time
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    clock.time_s += 1.0e6
+    bench.y.fail_move = ""
+    bench.analyzer.on_sweep = lambda: None
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert max(status.remaining_s for status in bench.history) < 1000.0

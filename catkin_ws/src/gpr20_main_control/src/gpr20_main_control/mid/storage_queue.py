@@ -90,15 +90,6 @@ class StorageQueue:
                     "check the disk and the processing node"
                 )
 
-    def check(self) -> None:
-        """Raise the failure of storing, if there is one.
-
-        Raises:
-            DeviceError: Storing has failed.
-        """
-        with self._changed:
-            self._raise_failure()
-
     def retry(self) -> None:
         """Forget a failure and try again with the sample that failed."""
         with self._changed:

@@ -94,7 +94,6 @@ class SurveyRun:
                 self._queue.drain()
                 return
             except DeviceError as error:
-                self._positioner.stop()
                 if not self._preparation.survey_is_open:
                     raise
                 self._pause(str(error))
@@ -108,7 +107,6 @@ class SurveyRun:
         self._queue.retry()
 
     def _visit(self, point: SurveyPoint) -> None:
-        self._queue.check()
         self._raise_if_stopped()
         self._board.aim(point)
         self._positioner.move_to(point)
@@ -170,7 +168,9 @@ class SurveyRun:
     def _pause(self, reason: str) -> None:
         self._hold_time()
         self._resume.clear()
-        self._board.enter(SurveyState.PAUSED, f"paused: {reason}; resume when it is mended")
+        self._board.enter(
+            SurveyState.PAUSED, f"paused: {reason}; resume when it is mended, or stop"
+        )
         while not self._resume.is_set():
             self._raise_if_stopped()
             self._clock.wait_s(self._resume, POLL_S)
