@@ -441,7 +441,7 @@ def test_every_sweep_comes_after_the_antennas_have_settled():
     assert settled == list(range(1, 25))
 
 
-def test_a_pause_does_not_count_for_the_remaining_time():
+def test_a_pause_does_not_count_for_the_remaining_time_and_loses_none():
     clock = ManualClock()
     bench = Bench(clock=clock)
 
@@ -459,3 +459,5 @@ def test_a_pause_does_not_count_for_the_remaining_time():
     bench.control.resume("")
     bench.wait_for(State.FINISHED)
     assert max(status.remaining_s for status in bench.history) < 1000.0
+    # Nor is the pace before the pause forgotten.
+    assert all(status.remaining_s > 0.0 for status in bench.history if status.visited_points == 6)

@@ -160,8 +160,7 @@ class MainControl:
     def shut_down(self, time_limit_s: float) -> None:
         """Stop a running survey and wait for its end."""
         self._stop.set()
-        if self._thread is not None and self._thread.is_alive():
-            self._positioner.stop()
+        if self._thread is not None:
             self._thread.join(time_limit_s)
 
     def _refuse_while_running(self, consequence: str) -> None:
