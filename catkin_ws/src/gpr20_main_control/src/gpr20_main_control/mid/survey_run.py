@@ -94,6 +94,8 @@ class SurveyRun:
                 self._queue.drain()
                 return
             except DeviceError as error:
+                # A part that was told to stop fails, too; that is no reason to pause.
+                self._raise_if_stopped()
                 if not self._preparation.survey_is_open:
                     raise
                 self._pause(str(error))
