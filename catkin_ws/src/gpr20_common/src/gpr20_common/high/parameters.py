@@ -28,7 +28,7 @@ def read_parameters(
     Raises:
         InvalidValueError: A parameter is missing, unknown or of the wrong type.
     """
-    place = rospy.resolve_name(namespace.rstrip("/") or "/")
+    place = rospy.resolve_name(namespace).rstrip("/")
     values = rospy.get_param(place, {})
     if not isinstance(values, dict):
         raise InvalidValueError(f"{place} must be a group of parameters, but is {values!r}")
