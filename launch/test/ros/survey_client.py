@@ -3,7 +3,10 @@
 import json
 import threading
 from pathlib import Path
+from xmlrpc.client import ServerProxy
 
+import rosgraph
+import rosnode
 import rospy
 from std_srvs.srv import Trigger
 
@@ -84,6 +87,10 @@ class SurveyClient:
         self.wait(lambda: self.statuses and self.statuses[-1].code in codes)
         return self.statuses[-1]
 
+    def wait_for_visited(self, points):
+        """Wait until so many points of the survey are stored."""
+        self.wait(lambda: self.progress and self.progress[-1].visited_points >= points)
+
     def run_to_end(self, **changes):
         """Run a survey; return (its id, the last status)."""
         survey_id = self.begin(**changes)
@@ -98,6 +105,13 @@ class SurveyClient:
         """Return the folder of a survey."""
         (folder,) = self.data.glob(f"*_{survey_id[:8]}")
         return folder
+
+
+def node_pid(name):
+    """Return the process of a node."""
+    server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name)
+    _code, _message, pid = ServerProxy(server).getPid(rospy.get_name())
+    return pid
 
 
 def json_traces(folder):

@@ -18,7 +18,10 @@ class SpiError(HeightError, OSError):
 
 
 class SensorStuckError(HeightError):
-    """The converter reads one end of its scale: the sensor is off, unplugged or broken."""
+    """The converter reads one end of its scale, or the same code for ever.
+
+    The sensor is off, unplugged or broken.
+    """
 
 
 class SensorRangeError(HeightError, ValueError):

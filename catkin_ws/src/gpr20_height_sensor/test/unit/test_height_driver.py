@@ -146,6 +146,42 @@ def test_the_spread_of_normal_noise_is_its_standard_deviation():
     assert measured.height_m == pytest.approx(0.2, abs=0.0005)
 
 
+FROZEN = HeightParameters(samples=5, frozen_readings=30)
+
+
+def test_the_very_same_code_for_ever_is_no_height_and_another_code_ends_that():
+    good = code_at(0.2)
+    driver, _ = driver_with([good] * 35 + [good + 1] + [good] * 4, FROZEN)
+    for _ in range(5):
+        driver.measure()
+    for count in (30, 35):
+        with pytest.raises(SensorStuckError, match=f"last {count} readings .* hold a hand"):
+            driver.measure()
+    assert driver.measure().height_m == pytest.approx(0.2, abs=0.001)
+
+
+def test_readings_with_the_least_noise_are_never_stuck():
+    good = code_at(0.2)
+    driver, _ = driver_with([good, good, good, good, good + 1] * 40, FROZEN)
+    for _ in range(40):
+        driver.measure()
+
+
+def test_the_check_for_the_same_code_can_be_switched_off():
+    driver, _ = driver_with([code_at(0.2)] * 1000, HeightParameters(samples=5, frozen_readings=0))
+    for _ in range(200):
+        driver.measure()
+
+
+def test_a_usual_sensor_under_a_still_robot_is_never_taken_for_stuck():
+    # Noise of 1 mV is a third of a converter step; the height lies in the middle of a step.
+    random = np.random.default_rng(5)
+    codes = np.round(code_at(0.2) + random.normal(0.0, 1.0 / 3.2, 50_000)).astype(int)
+    driver, _ = driver_with(codes.tolist())
+    for _ in range(10_000):
+        driver.measure()
+
+
 def test_a_converter_that_does_not_answer_is_no_height():
     driver, _ = driver_with([code_at(0.2), SpiError("nothing there")])
     with pytest.raises(SpiError):

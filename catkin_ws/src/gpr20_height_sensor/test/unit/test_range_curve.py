@@ -45,6 +45,8 @@ def test_zero_volts_is_infinitely_far():
         ("max_spread_m", math.nan),
         ("publish_rate_hz", 0.0),
         ("height_offset_m", 5.0),
+        ("frozen_readings", -1),
+        ("frozen_readings", 29),
     ],
 )
 def test_parameters_that_make_no_sense_are_refused(name, value):

@@ -8,14 +8,36 @@ from __future__ import annotations
 import socket
 import struct
 import threading
+import time
 from typing import Callable, List, Optional
 
+from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
+
+HOST = "127.0.0.1"
+QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)
+# What a call may take with these limits: the answer, the margin, and closing the link.
+LONGEST_S = 0.3 + 1.0 + 0.5 + 0.7
 GETPORT, CREATE_LINK, WRITE, READ, CLEAR, DESTROY_LINK = 3, 10, 11, 12, 15, 23
 END = 4
 
 
 class HangUp(Exception):
     """Close the connection instead of answering."""
+
+
+def wait_until(condition, limit_s: float = 2.0) -> None:
+    deadline = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < deadline, "the condition did not come true in time"
+        time.sleep(0.005)
+
+
+def hang_up(_procedure: int, _proper: bytes) -> bytes:
+    raise HangUp
+
+
+def on(procedure: int, what):
+    return lambda called, proper: what(called, proper) if called == procedure else proper
 
 
 def opaque(data: bytes) -> bytes:

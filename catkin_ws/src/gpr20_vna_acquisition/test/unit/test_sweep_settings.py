@@ -85,6 +85,11 @@ def test_refuses_a_logarithmic_grid():
         ("transfer_format", "REAL,64"),
         ("seconds_per_point", -1.0),
         ("max_frequency_hz", 1.0),
+        ("min_level_db", math.nan),
+        ("min_level_db", 0.0),
+        ("max_level_db", math.inf),
+        ("same_points", 1),
+        ("duration_tolerance_s", -0.1),
     ],
 )
 def test_parameters_that_make_no_sense_are_named(name, value):

@@ -15,7 +15,7 @@ from gpr20_vna_acquisition.errors import (
     VnaParameterError,
     VnaSettingError,
 )
-from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus
+from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
 from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 
 
@@ -120,7 +120,7 @@ def test_a_refused_setting_is_named_and_nothing_is_measured_with_the_former_one(
 
 def test_a_failed_setup_forgets_the_former_one(bench):
     bench.vna.refused = [":SENS:SWE:POIN"]
-    with pytest.raises(VnaSettingError, match="number of points shall be 21 and is 11"):
+    with pytest.raises(VnaSettingError, match="number of points shall be 21 and is '11'"):
         bench.driver.configure(SweepSettings(600e6, 6e9, 21))
     with pytest.raises(VnaNotReadyError):
         bench.driver.sweep()
@@ -153,7 +153,7 @@ def test_no_calibration_is_not_the_best_one():
 @pytest.mark.parametrize("answer", ["5", "-1", "1.5", "", "nan", "high"])
 def test_a_calibration_off_the_scale_is_an_error(bench, answer):
     bench.vna.calibration = answer
-    with pytest.raises(VnaError, match="reading the calibration failed 3 times"):
+    with pytest.raises(VnaError, match="reading the VNA's calibration failed 3 times"):
         bench.driver.calibration_status()
 
 

@@ -181,6 +181,8 @@ def test_another_instrument_after_a_reconnection_is_refused(bench):
         (":SENS:FREQ:STAR", "700000000"),
         (":SENS:TRACE1:SPAR", "S11"),
         (":INIT:CONT", "1"),
+        (":SENS:TRACE1:DOM", "TIME"),
+        (":SENS:AVER:COUN", "4"),
     ],
 )
 def test_a_hand_at_the_instrument_during_the_sweep_is_noticed(bench, header, value):

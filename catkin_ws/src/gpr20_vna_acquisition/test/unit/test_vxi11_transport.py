@@ -13,23 +13,23 @@ from hostile_server import (
     CREATE_LINK,
     DESTROY_LINK,
     GETPORT,
+    HOST,
+    LONGEST_S,
+    QUICK,
     READ,
     WRITE,
-    HangUp,
     HostileServer,
+    hang_up,
+    on,
     read_reply,
     record,
+    wait_until,
 )
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
-
-HOST = "127.0.0.1"
-QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)
-# What a call may take with these limits: the answer, the margin, and closing the link.
-LONGEST_S = 0.3 + 1.0 + 0.5 + 0.7
+from gpr20_vna_acquisition.low.vxi11_transport import connect
 
 
 @pytest.fixture
@@ -37,21 +37,6 @@ def server():
     one = HostileServer()
     yield one
     one.close()
-
-
-def wait_until(condition, limit_s: float = 2.0) -> None:
-    deadline = time.monotonic() + limit_s
-    while not condition():
-        assert time.monotonic() < deadline, "the condition did not come true in time"
-        time.sleep(0.005)
-
-
-def hang_up(_procedure: int, _proper: bytes) -> bytes:
-    raise HangUp
-
-
-def on(procedure: int, what):
-    return lambda called, proper: what(called, proper) if called == procedure else proper
 
 
 def test_asks_and_answers(server):

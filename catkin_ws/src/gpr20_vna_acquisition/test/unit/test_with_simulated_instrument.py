@@ -19,7 +19,7 @@ from gpr20_simulator.mid.scene import InstrumentScene
 from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
-from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus
+from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
 from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -142,7 +142,8 @@ def test_calibration_status_is_the_instruments(accuracy):
 
 
 @pytest.mark.parametrize(
-    "fault", ["DROP", "SILENT", "TRUNCATE", "NAN", "GARBAGE", "STALE", "WRONG_IDENTITY"]
+    "fault",
+    ["HANG", "DROP", "SILENT", "LATE", "TRUNCATE", "NAN", "GARBAGE", "STALE", "WRONG_IDENTITY"],
 )
 def test_after_any_fault_the_next_sweep_is_new_and_no_link_is_left_over(bench, fault):
     robot, vna = bench

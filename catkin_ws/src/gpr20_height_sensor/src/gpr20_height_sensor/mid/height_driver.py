@@ -41,6 +41,26 @@ class HeightMeasurement:
     measured_us: int
 
 
+class SameCode:
+    """Counts how many readings in a row were the very same code; usable from any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._code = -1
+        self._count = 0
+
+    @property
+    def count(self) -> int:
+        """How many of the last readings were the same."""
+        return self._count
+
+    def note(self, code: int) -> None:
+        """Take a reading into account."""
+        with self._lock:
+            self._count = self._count + 1 if code == self._code else 1
+            self._code = code
+
+
 class HeightDriver:
     """Takes fresh readings and makes a robust height of them, or says why it cannot.
 
@@ -66,6 +86,7 @@ class HeightDriver:
         self._parameters = parameters
         self._clock = clock
         self._time_of_day_us = time_of_day_us
+        self._same_code = SameCode()
         self._stop = threading.Event()
 
     @property
@@ -87,6 +108,7 @@ class HeightDriver:
         distances_m = self._parameters.curve.distances_m(voltages_v)
         distance_m = float(np.median(distances_m))
         self._check_in_range(distance_m)
+        self._check_not_frozen()
         spread_m = NORMAL_MAD_SCALE * float(np.median(np.abs(distances_m - distance_m)))
         self._check_quiet(spread_m, distances_m)
         height_m = distance_m + self._parameters.height_offset_m
@@ -105,6 +127,7 @@ class HeightDriver:
             if self._clock.wait_s(self._stop, max(0.0, next_s - self._clock.now_s())):
                 raise HeightStoppedError("the height sensor's node is being shut down")
             codes.append(self._adc.read_code())
+            self._same_code.note(codes[-1])
             # From now, not from the plan: a reading that came late must not be followed by
             # one of the same period of the sensor.
             next_s = self._clock.now_s() + period_s
@@ -126,6 +149,16 @@ class HeightDriver:
                 f"the height sensor reads {distance_m:.3f} m; it measures from "
                 f"{curve.min_distance_m:g} to {curve.max_distance_m:g} m; check that it sees "
                 "the ground and how high the antennas hang"
+            )
+
+    def _check_not_frozen(self) -> None:
+        # One measurement cannot tell a dead sensor from a still one; the noise of many can.
+        limit, count = self._parameters.frozen_readings, self._same_code.count
+        if 0 < limit <= count:
+            raise SensorStuckError(
+                f"the height sensor is stuck: its last {count} readings are the very same, "
+                "without any noise; hold a hand under it: if that ends this, it works, and "
+                "frozen_readings may be larger, or 0 for no such check; if not, replace it"
             )
 
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:

@@ -9,6 +9,8 @@ from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_height_sensor.errors import HeightParameterError
 from gpr20_height_sensor.mid.range_curve import RangeCurve
 
+FEWEST_FROZEN = 30
+
 
 @dataclass(frozen=True)
 class HeightParameters:
@@ -30,7 +32,11 @@ class HeightParameters:
         samples: Readings per height.
         update_period_s: Longest time the sensor takes for a new value [s]; the data sheet
             says 38.3 ms with 9.6 ms more or less.
-        max_spread_m: Largest scaled median absolute deviation of the readings [m].
+        max_spread_m: Largest scaled median absolute deviation of the readings [m]; about two
+            steps of the converter at 0.8 m, where one is 5 mm (it is 0.4 mm at 0.2 m).
+        frozen_readings: So many readings in a row with the very same code are a sensor that
+            is stuck; 0: never. Noise of one converter step alone makes 600 equal readings,
+            a minute of the published ones, impossible.
         publish_rate_hz: Heights published per second [1/s].
         frame_id: Frame of the sensor in the published message.
         field_of_view_rad: Opening of the sensor's beam in the published message [rad]; for
@@ -50,6 +56,7 @@ class HeightParameters:
     samples: int = 5
     update_period_s: float = 0.048
     max_spread_m: float = 0.010
+    frozen_readings: int = 600
     publish_rate_hz: float = 2.0
     frame_id: str = "height_sensor"
     field_of_view_rad: float = 0.05
@@ -63,6 +70,12 @@ class HeightParameters:
             number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
             # With fewer than three readings a single bad one decides.
             number_between("samples", self.samples, 3, 1000)
+            number_between("frozen_readings", self.frozen_readings, 0, 1_000_000)
+            if 0 < self.frozen_readings < FEWEST_FROZEN:
+                raise InvalidValueError(
+                    f"frozen_readings is {self.frozen_readings}; it must be 0 for no check, or at "
+                    f"least {FEWEST_FROZEN}, because a few readings are equal by chance"
+                )
             number_between("height_offset_m", self.height_offset_m, -2.0, 2.0, "m")
         except InvalidValueError as error:
             raise HeightParameterError(str(error)) from error

@@ -137,7 +137,7 @@ class Vxi11Transport:
             self._abandon()
             raise VnaConnectionError(
                 f"{what} at {self._address} failed: {_reason(error)}; "
-                "check the instrument and its network cable"
+                "check the VNA and its network cable"
             ) from error
 
     def _abandon(self) -> None:
@@ -175,8 +175,8 @@ def connect(
     except LIBRARY_ERRORS as error:
         _end(instrument)
         raise VnaConnectionError(
-            f"no connection to a VXI-11 instrument at {address}: {_reason(error)}; "
-            "check the address, the cable and that the instrument is on"
+            f"no connection to the VNA at {address}: {_reason(error)}; "
+            "check the address, the cable and that it is on"
         ) from error
     return Vxi11Transport(address, instrument, limits)
 

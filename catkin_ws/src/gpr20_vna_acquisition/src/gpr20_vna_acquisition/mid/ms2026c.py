@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import enum
-from dataclasses import dataclass
 from typing import List, Sequence, Tuple
-
-import numpy as np
 
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
@@ -19,6 +15,7 @@ from gpr20_vna_acquisition.mid import settings
 from gpr20_vna_acquisition.mid.block_parser import parse_frequencies, parse_numbers
 from gpr20_vna_acquisition.mid.patience import Patience
 from gpr20_vna_acquisition.mid.settings import Setting
+from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
 from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.transport import Transport
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -33,47 +30,6 @@ SETTING_POLL_S = 0.05
 # Looking more often than this loads the instrument and wins nothing.
 SHORTEST_POLL_S = 0.0005
 POLL_FRACTION = 0.1
-
-
-class CalibrationStatus(enum.IntEnum):
-    """The calibration by the instrument's own scale; its order is not one of quality."""
-
-    NONE = 0
-    HIGH = 1
-    MODERATE_POWER = 2
-    MODERATE_TEMPERATURE = 3
-    LOW = 4
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """One complete sweep.
-
-    Attributes:
-        s21_real: Real part, linear [float64].
-        s21_imag: Imaginary part, linear [float64], same length.
-        started_us: Just before it was triggered [microseconds since 1970, UTC].
-        ended_us: When its end was seen [microseconds since 1970, UTC].
-        quality: Remarks on the quality; empty means none.
-    """
-
-    s21_real: np.ndarray
-    s21_imag: np.ndarray
-    started_us: int
-    ended_us: int
-    quality: Tuple[str, ...] = ()
-
-    @property
-    def duration_s(self) -> float:
-        """How long it took [s]."""
-        return (self.ended_us - self.started_us) * 1e-6
-
-    def same_data(self, other: Sweep) -> bool:
-        """Return whether every bit of the measured data is the same."""
-        return (
-            self.s21_real.tobytes() == other.s21_real.tobytes()
-            and self.s21_imag.tobytes() == other.s21_imag.tobytes()
-        )
 
 
 class Ms2026c:
@@ -121,7 +77,7 @@ class Ms2026c:
         model, *options = fields[1].split("/") if len(fields) == IDENTITY_FIELDS else [""]
         if (fields[0], model) != expected:
             raise VnaIdentityError(
-                f"the instrument says it is '{identity[:80]}'; expected is {expected[0]} "
+                f"the VNA says it is {identity[:80]!r}; expected is {expected[0]} "
                 f"{expected[1]}; check the address, or the parameters maker and model"
             )
         self._has_time_domain = TIME_DOMAIN_OPTION in options
@@ -143,7 +99,10 @@ class Ms2026c:
             settings.whole_number(ask(settings.points(sweep.points).query)),
         )
         if accepted.points != sweep.points:
-            raise VnaSettingError(f"the number of points changed to {accepted.points} by itself")
+            raise VnaSettingError(
+                f"the VNA's number of points changed to {accepted.points} by itself; check that "
+                "nobody operates it by hand"
+            )
         answer = self._ask_raw(":SENSE1:FREQ:DATA?")
         accepted.check_reported(parse_frequencies(answer, accepted.points))
         return accepted
@@ -211,10 +170,12 @@ class Ms2026c:
         return bool(status & SWEEP_COMPLETE_BIT)
 
     def _check_unchanged(self, sweep: SweepSettings) -> None:
-        changed = self._differing(settings.watched_settings(sweep))
+        changed = self._differing(settings.watched_settings(sweep, self._has_time_domain))
         if changed:
             raise VnaSettingError(
-                "the instrument was changed during the sweep: " + _described(changed)
+                "the VNA was changed during the sweep: "
+                + _described(changed)
+                + "; nobody may operate it by hand during a survey"
             )
 
     def _apply(self, wanted: Sequence[Setting]) -> None:
@@ -226,7 +187,7 @@ class Ms2026c:
             if not refused:
                 return
         raise VnaSettingError(
-            "the instrument did not take a setting: "
+            "the VNA did not take a setting: "
             + _described(refused)
             + "; check that it is in VNA mode and not operated by hand"
         )
@@ -259,6 +220,6 @@ class Ms2026c:
 
 def _described(differing: Sequence[Tuple[Setting, str]]) -> str:
     return ", ".join(
-        f"{setting.name} shall be {setting.value} and is {answer[:40]}"
+        f"{setting.name} shall be {setting.value} and is {answer[:40]!r}"
         for setting, answer in differing
     )

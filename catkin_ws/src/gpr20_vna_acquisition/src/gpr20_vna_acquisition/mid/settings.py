@@ -58,7 +58,7 @@ def number(answer: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise VnaDataError(f"the instrument answers '{answer[:40]}' where a number is expected")
+        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a number is expected")
     return value
 
 
@@ -70,7 +70,7 @@ def whole_number(answer: str) -> int:
     """
     value = number(answer)
     if value != int(value):
-        raise VnaDataError(f"the instrument answers '{answer[:40]}' where a whole number must be")
+        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a whole number must be")
     return int(value)
 
 
@@ -93,6 +93,9 @@ def _frequency(name: str, header: str, value_hz: float) -> Setting:
 # In hold, nothing sweeps until it is triggered. `INIT:CONT?` answers 0 in hold.
 HOLD = _word("hold", ":INIT:CONT", "OFF", answer="0")
 S21 = _word("S-parameter of trace 1", ":SENS:TRACE1:SPAR", "S21")
+FREQUENCY_DOMAIN = _word("domain of trace 1", ":SENS:TRACE1:DOM", "FREQ")
+# An average would mix sweeps taken before and after a move.
+NO_AVERAGE = _count("number of averages", ":SENS:AVER:COUN", 1)
 
 
 def start_frequency(value_hz: float) -> Setting:
@@ -120,8 +123,6 @@ def survey_settings(
         transfer: How the numbers shall travel.
         has_time_domain: Whether the instrument has the option that transforms traces.
     """
-    # Without the option the instrument does not know the command and would not answer.
-    domain = [_word("domain of trace 1", ":SENS:TRACE1:DOM", "FREQ")] if has_time_domain else []
     return [
         HOLD,
         start_frequency(sweep.start_frequency_hz),
@@ -130,18 +131,27 @@ def survey_settings(
         # More traces on the display could only make the sweep slower.
         _count("number of traces", ":SENS:TRAC:TOT", 1),
         S21,
-        *domain,
-        # An average would mix sweeps taken before and after a move.
-        _count("number of averages", ":SENS:AVER:COUN", 1),
+        *_domain(has_time_domain),
+        NO_AVERAGE,
         _word("transfer format", ":FORM", transfer.value),
     ]
 
 
-def watched_settings(sweep: SweepSettings) -> List[Setting]:
-    """Return what is looked at after each sweep: a hand at the instrument may change it."""
+def watched_settings(sweep: SweepSettings, has_time_domain: bool) -> List[Setting]:
+    """Return what is looked at after each sweep: a hand at the instrument may change it.
+
+    A changed number of points or transfer format shows in the data themselves.
+    """
     return [
         HOLD,
         start_frequency(sweep.start_frequency_hz),
         stop_frequency(sweep.stop_frequency_hz),
         S21,
+        *_domain(has_time_domain),
+        NO_AVERAGE,
     ]
+
+
+def _domain(has_time_domain: bool) -> List[Setting]:
+    # Without the option the instrument does not know the command and would not answer.
+    return [FREQUENCY_DOMAIN] if has_time_domain else []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, replace
-from typing import Callable, Optional, Tuple, Type, TypeVar
+from typing import Callable, List, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 
@@ -21,9 +21,11 @@ from gpr20_vna_acquisition.errors import (
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
-from gpr20_vna_acquisition.mid.ms2026c import CalibrationStatus, Ms2026c, Sweep
+from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
 from gpr20_vna_acquisition.mid.patience import Patience
+from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
 from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.trace_quality import TraceQuality, refuse_impossible
 from gpr20_vna_acquisition.mid.transport import Connector
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -42,6 +44,7 @@ class VnaState:
         sweeps: How many good sweeps were taken.
         repeats: How many attempts of any kind had to be repeated.
         last_sweep_s: How long the last sweep took [s].
+        last_quality: Remarks on the last sweep.
         last_error: Why the last attempt failed; empty if it did not.
     """
 
@@ -52,6 +55,7 @@ class VnaState:
     sweeps: int = 0
     repeats: int = 0
     last_sweep_s: float = 0.0
+    last_quality: Tuple[str, ...] = ()
     last_error: str = ""
 
 
@@ -86,6 +90,7 @@ class VNADriver:
         self._lock = threading.RLock()
         self._instrument: Optional[Ms2026c] = None
         self._previous: Optional[Sweep] = None
+        self._quality = TraceQuality(parameters.quality_limits)
         self._state = VnaState()
 
     @property
@@ -132,11 +137,13 @@ class VNADriver:
             # If this fails, nobody knows what the instrument would measure.
             self._state = replace(self._state, sweep=None)
             self._patience.begin(self._parameters.request_limit_s())
-            accepted = self._repeated(
-                "setting up the sweep", lambda instrument: instrument.configure(sweep),
+            accepted, _failures = self._repeated(
+                "setting up the VNA", lambda instrument: instrument.configure(sweep),
                 final=(VnaSettingError,),
             )  # fmt: skip
             self._state = replace(self._state, sweep=accepted)
+            # Another sweep has another usual duration.
+            self._quality = TraceQuality(self._parameters.quality_limits)
             return accepted
 
     def frequencies_hz(self) -> np.ndarray:
@@ -155,7 +162,10 @@ class VNADriver:
         """
         with self._lock:
             self._patience.begin(self._parameters.request_limit_s())
-            return self._repeated("reading the calibration", Ms2026c.calibration_status)
+            status, _failures = self._repeated(
+                "reading the VNA's calibration", Ms2026c.calibration_status
+            )
+            return status
 
     def sweep(self) -> Sweep:
         """Return one sweep that was triggered after this call.
@@ -166,19 +176,24 @@ class VNADriver:
         with self._lock:
             points = self._configured_sweep().points
             self._patience.begin(self._parameters.request_limit_s(points))
-            sweep = self._repeated("the sweep", self._fresh_sweep)
+            (sweep, calibration), failures = self._repeated("the VNA's sweep", self._fresh_sweep)
             self._previous = sweep
+            quality = self._quality.remarks(sweep, calibration, failures)
             self._state = replace(
-                self._state, sweeps=self._state.sweeps + 1, last_sweep_s=sweep.duration_s
+                self._state,
+                sweeps=self._state.sweeps + 1,
+                last_sweep_s=sweep.duration_s,
+                last_quality=quality,
             )
-            return sweep
+            return replace(sweep, quality=quality)
 
-    def _fresh_sweep(self, instrument: Ms2026c) -> Sweep:
+    def _fresh_sweep(self, instrument: Ms2026c) -> Tuple[Sweep, CalibrationStatus]:
         sweep = instrument.sweep(self._configured_sweep())
         # Noise makes every sweep differ; the same bits again are an old buffer.
         if self._previous is not None and sweep.same_data(self._previous):
             raise VnaDataError("the instrument gave the very same data as for the sweep before")
-        return sweep
+        refuse_impossible(sweep)
+        return sweep, instrument.calibration_status()
 
     def _configured_sweep(self) -> SweepSettings:
         state = self._state
@@ -195,32 +210,40 @@ class VNADriver:
         what: str,
         action: Callable[[Ms2026c], Result],
         final: Tuple[Type[VnaError], ...] = (),
-    ) -> Result:
+    ) -> Tuple[Result, List[VnaError]]:
         """Do something with the instrument, again after a failure, each time on a new link.
 
         A failed exchange leaves it open which answers are still on their way; on a new link
         with emptied buffers there are none.
+
+        Returns:
+            The result, and why the attempts before it failed.
         """
-        failure = VnaError("nothing")
-        for attempt in range(1, self._parameters.attempts + 1):
+        failures: List[VnaError] = []
+        while len(failures) < self._parameters.attempts:
             try:
-                if attempt > 1:
-                    self._warn_of_repetition(what, failure)
+                if failures:
+                    self._warn_of_repetition(what, failures[-1])
                     self._patience.pause_s(self._parameters.retry_pause_s)
                 result = action(self._linked_instrument())
             except (VnaClosedError, VnaNotReadyError):
                 raise
             except VnaTimeoutError as error:
-                text = f"{what} was given up: {error}; it failed before with: {failure}"
+                text = f"{what} was given up: {error}"
+                if failures:
+                    text += f"; it failed before with: {failures[-1]}"
                 raise self._failed(VnaTimeoutError(text)) from error
             except VnaError as error:
-                failure = self._failed(error)
+                failures.append(self._failed(error))
                 if isinstance(error, final):
                     raise
             else:
                 self._state = replace(self._state, last_error="")
-                return result
-        raise VnaSweepError(f"{what} failed {self._parameters.attempts} times: {failure}")
+                return result, failures
+        text = f"{what} failed {len(failures)} times: {failures[-1]}"
+        if isinstance(failures[-1], VnaDataError):
+            text += "; look at the VNA's display, and switch it off and on if this goes on"
+        raise VnaSweepError(text)
 
     def _failed(self, error: VnaError) -> VnaError:
         self._drop()
@@ -245,7 +268,7 @@ class VNADriver:
         try:
             if identity != state.identity:
                 raise VnaIdentityError(
-                    f"the instrument at {state.address} is now '{identity}' and was "
+                    f"the VNA at {state.address} is now '{identity}' and was "
                     f"'{state.identity}'; call the service connection again"
                 )
             if state.sweep is not None and instrument.configure(state.sweep) != state.sweep:

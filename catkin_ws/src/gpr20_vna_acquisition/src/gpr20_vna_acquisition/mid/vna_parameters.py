@@ -8,6 +8,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange
+from gpr20_vna_acquisition.mid.trace_quality import QualityLimits
 
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
@@ -38,6 +39,14 @@ class VnaParameters:
         transfer_format: "REAL,32" or "ASC".
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
+        min_level_db: Least median magnitude of S21 without a remark [dB]. No maker's figure:
+            well below what two antennas over the ground give, well above a receiver with
+            nothing connected; measure both with the robot's own and choose a value between.
+        max_level_db: Largest magnitude of S21 without a remark [dB]; two antennas and cables
+            give back less than they get, so that more than 0 dB is no transmission of theirs.
+        same_points: Fewest equal points in a row with a remark.
+        duration_tolerance_s: How much later [s] than twice the usual a sweep may end without
+            a remark; covers a busy computer and network.
     """
 
     maker: str = "Anritsu"
@@ -56,6 +65,10 @@ class VnaParameters:
     transfer_format: str = TransferFormat.REAL32.value
     min_frequency_hz: float = InstrumentRange.min_frequency_hz
     max_frequency_hz: float = InstrumentRange.max_frequency_hz
+    min_level_db: float = QualityLimits.min_level_db
+    max_level_db: float = QualityLimits.max_level_db
+    same_points: int = QualityLimits.same_points
+    duration_tolerance_s: float = QualityLimits.duration_tolerance_s
 
     def __post_init__(self) -> None:
         for name in ("connect_timeout_s", "answer_timeout_s", "settle_s", "poll_interval_s"):
@@ -73,6 +86,16 @@ class VnaParameters:
                 f"transfer_format is '{self.transfer_format}'; it must be one of "
                 f"{', '.join(one.value for one in TransferFormat)}"
             )
+
+        # Limits that make no sense stop the node at its start.
+        _ = self.quality_limits
+
+    @property
+    def quality_limits(self) -> QualityLimits:
+        """Beyond which a trace gets a remark."""
+        return QualityLimits(
+            self.min_level_db, self.max_level_db, self.same_points, self.duration_tolerance_s
+        )
 
     @property
     def transfer(self) -> TransferFormat:

@@ -1,0 +1,41 @@
+"""Heights are measured at every point, never assumed."""
+
+import pytest
+from fake_robot import LIMIT_S, Bench
+
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+
+@pytest.fixture
+def bench():
+    bench = Bench()
+    yield bench
+    bench.control.shut_down(LIMIT_S)
+
+
+def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench, monkeypatch):
+    def ground_below():
+        return 0.1 + bench.x.coordinate / 1000.0 + bench.y.coordinate / 100.0
+
+    monkeypatch.setattr(bench.height, "height_m", ground_below)
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    heights = {(s.x_coord_mm, s.y_coord_mm): s.antennae_height_m for s in bench.storage.samples}
+    assert len(set(heights.values())) == 12
+    for (x_mm, y_mm), height_m in heights.items():
+        assert height_m == pytest.approx(0.1 + x_mm / 1000.0 + y_mm / 100.0)
+
+
+def test_a_height_is_asked_for_at_every_point(bench, monkeypatch):
+    places = []
+
+    def height_m():
+        places.append((bench.x.coordinate, bench.y.coordinate, bench.z.coordinate))
+        return 0.2
+
+    monkeypatch.setattr(bench.height, "height_m", height_m)
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    measured = [(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in bench.storage.samples]
+    # One more comes from the check before the survey.
+    assert places[1:] == measured
