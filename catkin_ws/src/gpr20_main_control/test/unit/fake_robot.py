@@ -82,6 +82,8 @@ class FakeAxis:
         self.blocked = threading.Event()
         self.blocked.set()
         self.begun = threading.Event()
+        self.hanging = threading.Event()
+        self.hanging.set()
         self._outcome = None
 
     def reading(self):
@@ -107,6 +109,7 @@ class FakeAxis:
 
     def home(self, time_limit_s):
         self.homings += 1
+        self.hanging.wait(LIMIT_S)
         if self.fail_homing:
             raise DeviceError(self.fail_homing)
         self.coordinate, self.homed = 0.0, True

@@ -461,3 +461,37 @@ def test_a_pause_does_not_count_for_the_remaining_time_and_loses_none():
     assert max(status.remaining_s for status in bench.history) < 1000.0
     # Nor is the pace before the pause forgotten.
     assert all(status.remaining_s > 0.0 for status in bench.history if status.visited_points == 6)
+
+
+def test_a_stop_does_not_wait_for_an_instrument_that_hangs(bench):
+    swept, hang = threading.Event(), threading.Event()
+
+    def hang_up():
+        swept.set()
+        hang.wait(LIMIT_S)
+
+    bench.analyzer.on_sweep = hang_up
+    bench.start()
+    assert swept.wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    assert not hang.is_set()
+    hang.set()
+    assert bench.storage.samples == []
+
+
+def test_a_stop_does_not_wait_for_an_axis_that_hangs_in_its_homing(bench):
+    bench.y.hanging.clear()
+    bench.start()
+    bench.wait_for(State.HOMING)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    bench.y.hanging.set()
+
+
+def test_every_axis_is_homed_even_if_one_fails_and_the_failure_is_told(bench):
+    bench.x.fail_homing = "it is stuck open"
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "homing the x axis failed: it is stuck open" in status.message
+    assert [axis.homings for axis in bench.axes] == [1, 1, 1]

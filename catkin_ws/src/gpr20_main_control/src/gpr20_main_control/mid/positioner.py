@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import Callable, Dict, List, Optional, Tuple
 
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
 from gpr20_main_control.mid.survey_plan import SurveyPoint
 
@@ -91,13 +92,16 @@ class Positioner:
             StopRequested: The survey was told to stop.
         """
         pending = [axis_id for axis_id in self._axes if not self._reading(axis_id).homed]
-        with ThreadPoolExecutor(max_workers=len(self._axes)) as threads:
-            homings = [threads.submit(self._home, axis_id) for axis_id in pending]
-            failures = [one.exception() for one in homings]
+        homings = [in_background(partial(self._home, axis_id)) for axis_id in pending]
+        failures = []
+        for homing in homings:
+            try:
+                result_of(homing, self._stop)
+            except DeviceError as error:
+                failures.append(error)
         self._raise_if_stopped()
-        for failure in failures:
-            if failure is not None:
-                raise failure
+        if failures:
+            raise failures[0]
         self._wait(lambda: all(self._reading(axis_id).homed for axis_id in pending))
 
     def move_to(self, point: SurveyPoint) -> None:

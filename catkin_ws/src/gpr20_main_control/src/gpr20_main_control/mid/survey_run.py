@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import threading
 import uuid
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Callable, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.preparation import Preparation
 from gpr20_main_control.mid.robot import Robot, Sample, Sweep
@@ -139,10 +139,9 @@ class SurveyRun:
         self._queue.put(sample, self._stop)
 
     def _measure(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
-        with ThreadPoolExecutor(max_workers=1) as threads:
-            height = threads.submit(self._height)
-            sweep = self._sweep()
-            height_m, remarks = height.result()
+        height, sweep_call = in_background(self._height), in_background(self._sweep)
+        sweep = result_of(sweep_call, self._stop)
+        height_m, remarks = result_of(height, self._stop)
         self._raise_if_stopped()
         return sweep, height_m, remarks
 

@@ -1,0 +1,44 @@
+"""Calls that may take long, waited for without ignoring a stop."""
+
+from __future__ import annotations
+
+import threading
+from concurrent.futures import Future
+from concurrent.futures import wait as wait_for_futures
+from typing import Callable, TypeVar
+
+from gpr20_main_control.errors import StopRequested
+
+Result = TypeVar("Result")
+POLL_S = 0.05
+
+
+def in_background(call: Callable[[], Result]) -> Future[Result]:
+    """Begin a call in a thread of its own.
+
+    The thread is a daemon: a call that hangs in a device outlives the survey that has given
+    it up, but not the node.
+    """
+    future: Future[Result] = Future()
+
+    def run() -> None:
+        try:
+            future.set_result(call())
+        except BaseException as error:
+            # Raised again where the result is asked for.
+            future.set_exception(error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return future
+
+
+def result_of(future: Future[Result], stop: threading.Event) -> Result:
+    """Return the result of a call, or raise what it raised.
+
+    Raises:
+        StopRequested: `stop` was set before the call had ended.
+    """
+    while not wait_for_futures([future], POLL_S).done:
+        if stop.is_set():
+            raise StopRequested("the survey was told to stop")
+    return future.result()
