@@ -44,6 +44,7 @@ GRAPH_TOPICS = {
 }
 GRAPH_SERVICES = {
     *(f"/{axis}_axis/{service}" for axis in "xyz" for service in ("homing", "stop")),
+    "/z_axis/set_zero",
     "/get_height",
     "/connection",
     "/freq_sweep_setup",

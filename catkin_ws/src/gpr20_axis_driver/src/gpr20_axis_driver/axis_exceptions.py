@@ -31,3 +31,19 @@ class EndstopError(AxisException, OSError):
 
 class MotionStopped(AxisException):
     """The motion was ended on request before it was complete."""
+
+
+class PositionLostError(AxisException, RuntimeError):
+    """Steps may have been lost, so the position is not trusted any more."""
+
+
+class ZeroUnknownError(AxisException, RuntimeError):
+    """An axis without endstop does not remember where its zero is."""
+
+
+class StepMemoryError(AxisException, OSError):
+    """The file that holds an axis's step count cannot be used."""
+
+
+class PulseProcessError(AxisException, OSError):
+    """The process that makes the pulses could not be started, or has ended."""

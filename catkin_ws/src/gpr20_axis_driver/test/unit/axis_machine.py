@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import List, Optional, Tuple
 
-from gpr20_axis_driver.low.endstop_interface import EndstopInterface
-from gpr20_axis_driver.low.stepper_interface import StepperInterface
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.motion import Ending
+from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
 from gpr20_common.low.clock import Clock
 
 X_PARAMETERS = AxisParameters(
@@ -36,16 +36,17 @@ Z_PARAMETERS = AxisParameters(
 
 
 class SteppedClock(Clock):
-    """Time passes only by being slept."""
+    """Time passes only by being slept, each sleep as much too long as `oversleep_s` says."""
 
     def __init__(self) -> None:
         self.time_s = 0.0
+        self.oversleep_s = lambda: 0.0
 
     def now_s(self) -> float:
         return self.time_s
 
     def sleep_until_s(self, deadline_s: float) -> None:
-        self.time_s = max(self.time_s, deadline_s)
+        self.time_s = max(self.time_s, deadline_s) + self.oversleep_s()
 
 
 class Machine:
@@ -65,6 +66,7 @@ class Machine:
         self.numbering = None
         self.released: List[int] = []
         self.pulses: List[Tuple[float, int]] = []
+        self.edges_s: List[float] = []
 
     def setmode(self, mode):
         self.numbering = mode
@@ -78,6 +80,8 @@ class Machine:
 
     def output(self, channel, level):
         rising = level == self.HIGH and self.levels[channel] == self.LOW
+        if channel == self.parameters.step_pin and level != self.levels[channel]:
+            self.edges_s.append(self.clock.now_s())
         self.levels[channel] = level
         if channel == self.parameters.step_pin and rising:
             direction = 1 if self.levels[self.parameters.dir_pin] == self.HIGH else -1
@@ -94,19 +98,66 @@ class Machine:
         self.released += channel
 
 
+class Count:
+    """The steps, in this process."""
+
+    def __init__(self):
+        self.steps = 0
+        self.trusted = False
+
+    def begin(self):
+        self.trusted = False
+
+    def count(self, change):
+        self.steps += change
+
+    def rest(self):
+        self.trusted = True
+
+
+class DirectEngine:
+    """Makes the pulses here and now, with no process in between."""
+
+    def __init__(self, runner, count):
+        self.runner = runner
+        self.memory = count
+        self.failure = ""
+
+    @property
+    def steps(self):
+        return self.memory.steps
+
+    @property
+    def trusted(self):
+        return self.memory.trusted
+
+    def run(self, motion, stop_requested):
+        report = self.runner.run(motion, stop_requested)
+        assert self.trusted == (report.ending is not Ending.GAP)
+        return report
+
+    def place(self, steps):
+        self.memory.steps = steps
+        self.memory.rest()
+
+    def revive(self):
+        self.failure = ""
+
+    def close(self):
+        self.runner.close()
+
+
 class Axis:
     """A driver and the machine that it drives."""
 
     def __init__(self, parameters: AxisParameters, start_steps: int = 500) -> None:
         self.clock = SteppedClock()
         self.machine = Machine(parameters, self.clock, start_steps)
-        stepper = StepperInterface(
-            self.machine, parameters.dir_pin, parameters.step_pin, self.clock
-        )
-        endstop = None
-        if parameters.sensor_pin is not None:
-            endstop = EndstopInterface(self.machine, parameters.sensor_pin)
-        self.driver = AxisDriver(parameters, stepper, endstop, self.clock)
+        count = Count()
+        limits = late_limits(parameters)
+        loop = pulse_loop_on_pins(self.machine, parameters, self.clock, limits, count)
+        self.engine = DirectEngine(loop, count)
+        self.driver = AxisDriver(parameters, self.engine)
 
     @property
     def pauses_s(self) -> List[float]:

@@ -26,11 +26,23 @@ from gpr20_axis_driver.axis_exceptions import AxisParameterError, TravelError
         ("max_coord", 0.001, "max_coord is 0.001"),
         ("type", "LINEAR", "type is 'LINEAR'"),
         ("homing_backoff", 0.0, "homing_backoff is 0"),
+        ("late_limit_s", 0.0, "late_limit_s is 0"),
+        ("late_limit_s", 0.0016, "late_limit_s is 0.0016 s; it must lie between 2e-06 and 0.0015"),
+        ("gap_limit_s", 0.0001, "gap_limit_s is 0.0001 s; it must lie between 0.0005"),
+        ("gap_limit_s", math.nan, "gap_limit_s is nan"),
+        ("backend", "wiringpi", "backend is 'wiringpi'; it must be rpi_gpio or pigpio"),
+        ("memory_file", "/var/lib/z", "has an endstop"),
     ],
 )
 def test_a_wrong_parameter_is_refused_by_name(field, value, message):
     with pytest.raises(AxisParameterError, match=message):
         dataclasses.replace(X_PARAMETERS, **{field: value})
+
+
+def test_the_memory_file_has_an_absolute_path():
+    dataclasses.replace(Z_PARAMETERS, memory_file="/var/lib/gpr20/z_axis")
+    with pytest.raises(AxisParameterError, match="must be an absolute path"):
+        dataclasses.replace(Z_PARAMETERS, memory_file="z_axis")
 
 
 @pytest.mark.parametrize("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])

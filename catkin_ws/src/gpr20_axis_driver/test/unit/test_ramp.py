@@ -66,10 +66,19 @@ def test_the_duration_is_the_sum_of_the_pauses(ramp, steps):
 @given(ramps(), st.integers(1, 200))
 def test_braking_ends_at_the_lowest_speed_within_the_allowed_changes(ramp, step):
     pause_s = list(ramp.pauses_s(400))[step]
-    braking = [pause_s, *ramp.braking_pauses_s(pause_s)]
+    steps = ramp.braking_steps(pause_s)
+    braking = [pause_s, *(ramp.pause_s(left) for left in reversed(range(steps)))]
     assert braking[-1] == pytest.approx(ramp.max_pause_s)
     for earlier, later in zip(braking, braking[1:]):
-        assert 0.0 <= later - earlier <= ramp.delta_s + TOLERANCE_S
+        assert -TOLERANCE_S <= later - earlier <= ramp.delta_s + TOLERANCE_S
+
+
+@given(ramps(), st.floats(0.0, 0.2))
+def test_after_a_gap_the_next_pause_is_the_shortest_that_the_ramp_allows(ramp, pause_s):
+    height = ramp.height_after(pause_s)
+    slow_s = min(max(pause_s, ramp.min_pause_s), ramp.max_pause_s)
+    assert ramp.pause_s(height) >= slow_s - ramp.delta_s - 1e-9 * ramp.delta_s - TOLERANCE_S
+    assert height == 0 or ramp.max_pause_s - ramp.delta_s * height < pause_s + TOLERANCE_S
 
 
 def test_the_robots_x_axis_reaches_its_top_speed_after_35_steps():

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Callable, Collection, Optional
+from typing import Callable, Collection, Tuple
 
 import actionlib
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
-from gpr20_axis_driver.low.endstop_interface import EndstopInterface
-from gpr20_axis_driver.low.pins import Pins, raspberry_pi_pins
-from gpr20_axis_driver.low.stepper_interface import StepperInterface
+from gpr20_axis_driver.high.goal_clients import GoalClients
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.process_engine import AxisHardware, ProcessEngine
+from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.high import diagnostics
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
-from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 
 MOVING_RATE_HZ = 50
@@ -29,11 +28,15 @@ SHUTDOWN_LIMIT_S = 5.0
 
 
 class AxisNode:
-    """Action `axis`, topic `current_coord`, services `homing` and `stop` of one axis."""
+    """Action `axis`, topic `current_coord`, services `homing` and `stop` of one axis.
 
-    def __init__(self, driver: AxisDriver, unit: str, hardware_id: str) -> None:
+    An axis without endstop has the service `set_zero` as well.
+    """
+
+    def __init__(self, driver: AxisDriver, engine: ProcessEngine, hardware: AxisHardware) -> None:
         self._driver = driver
-        self._unit = unit
+        self._engine = engine
+        self._unit = hardware.parameters.unit
         self._stops = 0
         self._last_error = ""
         self._ticks = 0
@@ -41,21 +44,24 @@ class AxisNode:
         self._server = actionlib.SimpleActionServer(
             "axis", AxisAction, execute_cb=self._execute, auto_start=False
         )
+        self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
+        self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
+        rospy.on_shutdown(self._shut_down)
+        self._server.start()
         self._services = [
             advertise("homing", Trigger, self._home),
             advertise("stop", Trigger, self._stop),
         ]
-        self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
-        self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
-        rospy.on_shutdown(self._shut_down)
-        self._server.start()
+        if hardware.parameters.sensor_pin is None:
+            self._services.append(advertise("set_zero", Trigger, self._set_zero))
 
     def _execute(self, goal: AxisGoal) -> None:
         stopped = self._stop_since_now()
+        client_gone = self._goal_clients().watch(self._server.current_goal.get_goal_id().id)
         try:
             self._driver.move_to(
                 goal.target_coordinate,
-                lambda: stopped() or self._server.is_preempt_requested(),
+                lambda: stopped() or self._server.is_preempt_requested() or client_gone(),
             )
         except MotionStopped as stop:
             self._finish(self._server.set_preempted, False, str(stop))
@@ -66,6 +72,8 @@ class AxisNode:
         else:
             self._last_error = ""
             self._finish(self._server.set_succeeded, True, "")
+        if client_gone():
+            rospy.logwarn("the client of the last move has gone; the axis stands still")
 
     def _finish(self, set_state: Callable[..., None], success: bool, message: str) -> None:
         # The resting coordinate goes out before the result, so that nobody who has the
@@ -73,9 +81,18 @@ class AxisNode:
         self._publish()
         set_state(AxisResult(success, message, self._driver.coordinate), text=message)
 
-    def _home(self, _request: TriggerRequest) -> TriggerResponse:
+    def _home(self, request: TriggerRequest) -> TriggerResponse:
+        stopped = self._stop_since_now()
+        caller = request._connection_header.get("callerid", "")
+        client_gone = self._goal_clients().watch_node(caller)
+        return self._find_zero(lambda: self._driver.home(lambda: stopped() or client_gone()))
+
+    def _set_zero(self, _request: TriggerRequest) -> TriggerResponse:
+        return self._find_zero(self._driver.set_zero)
+
+    def _find_zero(self, action: Callable[[], None]) -> TriggerResponse:
         try:
-            self._driver.home(self._stop_since_now())
+            action()
         except AxisException as error:
             self._last_error = str(error)
             raise
@@ -83,6 +100,9 @@ class AxisNode:
             self._publish()
         self._last_error = ""
         return TriggerResponse(True, f"homed at {self._driver.coordinate:g} {self._unit}")
+
+    def _goal_clients(self) -> GoalClients:
+        return GoalClients(self._server.action_server.goal_sub)
 
     def _stop(self, _request: TriggerRequest) -> TriggerResponse:
         self._stops += 1
@@ -109,17 +129,38 @@ class AxisNode:
         self._publisher.publish(message)
 
     def _health(self) -> diagnostics.Health:
+        lateness = self._driver.last_lateness
         values = {
             f"coordinate [{self._unit}]": self._driver.coordinate,
             "homed": self._driver.homed,
             "moving": self._driver.moving,
             "last error": self._last_error,
+            "pulses": self._engine.scheduling,
+            "last motion [s]": f"{self._driver.last_duration_s:.6f}",
+            "lateness median [us]": round(lateness.median_s * 1e6),
+            "lateness 99 % [us]": round(lateness.p99_s * 1e6),
+            "lateness max [us]": round(lateness.max_s * 1e6),
+            "edges that slowed it down": lateness.slowed,
         }
-        if self._last_error:
-            return diagnostics.ERROR, self._last_error, values
+        level, sentence = self._state()
+        return level, sentence, values
+
+    def _state(self) -> Tuple[int, str]:
+        error = self._driver.failure or self._last_error
+        if error:
+            return diagnostics.ERROR, error
         if not self._driver.homed:
-            return diagnostics.WARN, "not homed", values
-        return diagnostics.OK, "homed", values
+            return diagnostics.WARN, "not homed"
+        if self._engine.unpunctual:
+            return diagnostics.WARN, f"homed; {self._engine.scheduling}"
+        lateness = self._driver.last_lateness
+        if lateness.slowed:
+            return (
+                diagnostics.WARN,
+                f"homed; the last motion was slowed down by {lateness.slowed} late edges, the "
+                f"latest pulse by {lateness.max_s * 1e3:.1f} ms: this computer does too much else",
+            )
+        return diagnostics.OK, "homed"
 
     def _shut_down(self) -> None:
         self._stops += 1
@@ -127,34 +168,25 @@ class AxisNode:
 
 
 def build_axis_node(
-    pins_of: Callable[[AxisParameters], Pins],
-    clock: Clock,
-    hardware_id: str,
+    hardware_of: Callable[[AxisParameters], AxisHardware],
     other_parameters: Collection[str] = (),
 ) -> AxisNode:
     """Read the node's parameters and build an axis from the bottom up.
 
     Args:
-        pins_of: Gives the pins that an axis with these parameters is wired to.
-        clock: Decides how long a second takes.
-        hardware_id: What the diagnostics call the hardware.
+        hardware_of: Gives what an axis with these parameters is wired to.
         other_parameters: Parameters of the node that are not the axis's.
 
     Raises:
         Gpr20Error: A parameter is not allowed, or the pins cannot be used.
     """
-    parameters = read_parameters(AxisParameters, others=other_parameters)
-    pins = pins_of(parameters)
-    stepper = StepperInterface(pins, parameters.dir_pin, parameters.step_pin, clock)
-    endstop: Optional[EndstopInterface] = None
-    if parameters.sensor_pin is not None:
-        endstop = EndstopInterface(pins, parameters.sensor_pin)
-    return AxisNode(AxisDriver(parameters, stepper, endstop, clock), parameters.unit, hardware_id)
+    hardware = hardware_of(read_parameters(AxisParameters, others=other_parameters))
+    engine = ProcessEngine(hardware)
+    if engine.unpunctual:
+        rospy.logwarn(engine.scheduling)
+    return AxisNode(AxisDriver(hardware.parameters, engine), engine, hardware)
 
 
 def main() -> None:
     """Run one axis of the real robot."""
-    run_node(
-        "axis_driver",
-        lambda: build_axis_node(lambda _parameters: raspberry_pi_pins(), Clock(), "DRV8825"),
-    )
+    run_node("axis_driver", lambda: build_axis_node(RobotHardware))

@@ -4,65 +4,79 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import Callable, Iterable, Iterator, Optional
+from typing import Iterator
 
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
     EndstopError,
     MotionStopped,
     NotHomedError,
+    PositionLostError,
+    ZeroUnknownError,
 )
-from gpr20_axis_driver.low.endstop_interface import EndstopInterface
-from gpr20_axis_driver.low.stepper_interface import StepperInterface
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
-from gpr20_axis_driver.mid.homing import Homing, StopRequested
+from gpr20_axis_driver.mid.homing import Homing
+from gpr20_axis_driver.mid.motion import (
+    Ending,
+    Lateness,
+    Motion,
+    MotionReport,
+    PulseEngine,
+    StopRequested,
+)
 from gpr20_axis_driver.mid.ramp import Ramp
-from gpr20_common.low.clock import Clock
 
 
 class AxisDriver:
-    """Moves one axis and counts its steps. One motion at a time.
+    """Moves one axis and knows its coordinate. One motion at a time.
 
     Nothing is known about the position until the axis has been homed.
     """
 
-    def __init__(
-        self,
-        parameters: AxisParameters,
-        stepper: StepperInterface,
-        endstop: Optional[EndstopInterface],
-        clock: Clock,
-    ) -> None:
+    def __init__(self, parameters: AxisParameters, engine: PulseEngine) -> None:
         self._parameters = parameters
-        self._stepper = stepper
-        self._endstop = endstop
-        self._clock = clock
+        self._engine = engine
         self._ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
         self._motion = threading.Lock()
-        self._steps = 0
         self._homed = False
+        self._last = MotionReport(Ending.COMPLETE, 0, False)
 
     @property
     def coordinate(self) -> float:
         """Where the axis is [mm or deg]; meaningful only if it is homed."""
-        return self._parameters.coordinate_of(self._steps)
+        return self._parameters.coordinate_of(self._engine.steps)
 
     @property
     def homed(self) -> bool:
         """Whether the coordinate is referred to the axis's zero."""
-        return self._homed
+        return self._homed and not self._engine.failure
 
     @property
     def moving(self) -> bool:
         """Whether a motion is being carried out now."""
         return self._motion.locked()
 
+    @property
+    def failure(self) -> str:
+        """Why the axis cannot move now, whatever it is told; empty if it can."""
+        return self._engine.failure
+
+    @property
+    def last_lateness(self) -> Lateness:
+        """How late the pulses of the last motion were."""
+        return self._last.lateness
+
+    @property
+    def last_duration_s(self) -> float:
+        """How long the pulses of the last motion took [s]."""
+        return self._last.duration_s
+
     def move_to(self, target: float, stop_requested: StopRequested) -> None:
         """Move to a coordinate and return when the axis stands there.
 
         Args:
             target: Coordinate [mm or deg]; the nearest motor step is taken.
-            stop_requested: Asked at every step; once true the axis slows down and stops.
+            stop_requested: Asked again and again; once true the axis slows down and stops.
 
         Raises:
             TravelError: The target is outside the axis; nothing moved.
@@ -70,38 +84,49 @@ class AxisDriver:
             AxisBusyError: Another motion is under way.
             MotionStopped: A stop was requested; the coordinate is exact.
             EndstopError: The endstop was pressed; the axis must be homed again.
+            PositionLostError: Steps may have been lost; the axis must be homed again.
+            PulseProcessError: The pulses ended; the axis must be homed again.
         """
         with self._exclusive_motion():
-            if not self._homed:
+            if not self.homed:
                 raise NotHomedError("the axis is not homed; home it before moving it")
-            target_steps = self._parameters.steps_to(target)
-            distance = target_steps - self._steps
-            self._step_along(distance > 0, self._ramp.pauses_s(abs(distance)), stop_requested)
-            if self._steps != target_steps:
-                raise MotionStopped(
-                    f"stopped at {self.coordinate:.12g} {self._parameters.unit}, before the "
-                    f"target {target:.12g} {self._parameters.unit}"
-                )
+            self._go_to(self._parameters.steps_to(target), stop_requested)
 
     def home(self, stop_requested: StopRequested) -> None:
         """Find the zero of the axis and stand there.
 
-        An axis without endstop takes the place where it stands as its zero: the
-        antennas must have been turned to their mark before.
+        An axis without endstop turns to the zero that it remembers.
 
         Raises:
             AxisBusyError: Another motion is under way.
             EndstopError: The endstop is stuck, or out of reach; the axis is not homed.
+            ZeroUnknownError: There is no endstop and nothing is remembered; nothing moved.
             MotionStopped: A stop was requested; the axis is not homed.
+            PulseProcessError: The pulses ended, or cannot begin; the axis is not homed.
         """
         with self._exclusive_motion():
             self._homed = False
-            if self._endstop is None:
-                self._steps = 0
+            self._engine.revive()
+            if self._parameters.sensor_pin is None:
+                self._turn_to_remembered_zero(stop_requested)
             else:
-                homing = Homing(self._parameters, self._endstop, self._step_slowly)
-                homing.run(stop_requested)
-                self._steps = self._parameters.distance_steps(self._parameters.min_coord)
+                Homing(self._parameters, self._run).run(stop_requested)
+                self._engine.place(self._parameters.distance_steps(self._parameters.min_coord))
+            self._homed = True
+
+    def set_zero(self) -> None:
+        """Take the place where an axis without endstop stands as its zero.
+
+        Raises:
+            AxisBusyError: A motion is under way.
+            EndstopError: The axis has an endstop, which says where its zero is.
+            PulseProcessError: The pulses cannot begin.
+        """
+        if self._parameters.sensor_pin is not None:
+            raise EndstopError("the endstop says where this axis has its zero; home the axis")
+        with self._exclusive_motion():
+            self._engine.revive()
+            self._engine.place(0)
             self._homed = True
 
     def close(self, timeout_s: float) -> None:
@@ -112,9 +137,7 @@ class AxisDriver:
         """
         # Never released: whoever asks for a motion from now on finds the axis busy.
         self._motion.acquire(timeout=timeout_s)
-        self._stepper.close()
-        if self._endstop is not None:
-            self._endstop.close()
+        self._engine.close()
 
     @contextmanager
     def _exclusive_motion(self) -> Iterator[None]:
@@ -125,51 +148,48 @@ class AxisDriver:
         finally:
             self._motion.release()
 
-    def _step_along(
-        self, forward: bool, pauses_s: Iterable[float], stop_requested: StopRequested
-    ) -> None:
-        """Step through the pauses; slow down and return early once a stop is requested."""
-        guard = None if forward else self._endstop
-        self._stepper.set_direction(forward)
-        due_s = self._clock.now_s()
-        for pause_s in pauses_s:
-            due_s = self._step(forward, due_s, pause_s, guard)
-            if stop_requested():
-                for braking_pause_s in self._ramp.braking_pauses_s(pause_s):
-                    due_s = self._step(forward, due_s, braking_pause_s, guard)
-                return
+    def _turn_to_remembered_zero(self, stop_requested: StopRequested) -> None:
+        if not self._engine.trusted:
+            raise ZeroUnknownError(
+                "the zero of this axis is not known: it has no endstop, and nothing says where "
+                "it stopped last; turn the antennas to their mark and call the service set_zero"
+            )
+        self._go_to(0, stop_requested)
 
-    def _step(
-        self, forward: bool, due_s: float, pause_s: float, guard: Optional[EndstopInterface]
-    ) -> float:
-        if guard is not None and guard.is_pressed():
+    def _go_to(self, target_steps: int, stop_requested: StopRequested) -> None:
+        distance = target_steps - self._engine.steps
+        if distance == 0:
+            return
+        guarded = distance < 0 and self._parameters.sensor_pin is not None
+        motion = Motion(distance > 0, abs(distance), self._ramp, guarded=guarded)
+        ending = self._run(motion, stop_requested).ending
+        unit = self._parameters.unit
+        if ending is Ending.PRESSED:
             self._homed = False
             raise EndstopError(
-                f"the endstop was pressed at {self.coordinate:.12g} {self._parameters.unit}, where "
+                f"the endstop was pressed at {self.coordinate:.12g} {unit}, where "
                 "it should be open: steps were lost or the switch is stuck; home the axis"
             )
-        self._stepper.raise_step()
-        # Counted at the edge on which the motor moves, so a stop in between loses nothing.
-        self._steps += 1 if forward else -1
-        return self._stepper.finish_step(due_s, pause_s)
+        if ending is Ending.STOPPED:
+            target = self._parameters.coordinate_of(target_steps)
+            raise MotionStopped(
+                f"stopped at {self.coordinate:.12g} {unit}, before the target {target:.12g} {unit}"
+            )
 
-    def _step_slowly(
-        self,
-        forward: bool,
-        steps: int,
-        until: Callable[[], bool],
-        stop_requested: StopRequested,
-    ) -> int:
-        """Step at the lowest speed until a condition holds; return the steps made.
+    def _run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        report = self._engine.run(motion, stop_requested)
+        if motion.steps > 0:
+            self._last = report
+        if report.ending is Ending.GAP:
+            self._homed = False
+            raise PositionLostError(
+                f"a pulse was {report.gap_s * 1e3:.0f} ms late near {self.coordinate:.12g} "
+                f"{self._parameters.unit} at a speed at which the motor can lose steps: the "
+                f"position is not trusted; {self._way_back()}"
+            )
+        return report
 
-        At the lowest speed the axis can stop on any step, so no ramp is needed.
-        """
-        self._stepper.set_direction(forward)
-        due_s = self._clock.now_s()
-        for made in range(steps):
-            if until():
-                return made
-            if stop_requested():
-                raise MotionStopped("homing was stopped; the axis is not homed")
-            due_s = self._step(forward, due_s, self._parameters.max_step, None)
-        return steps
+    def _way_back(self) -> str:
+        if self._parameters.sensor_pin is not None:
+            return "home the axis, and lighten the load of this computer"
+        return "turn the antennas to their mark and call the service set_zero"

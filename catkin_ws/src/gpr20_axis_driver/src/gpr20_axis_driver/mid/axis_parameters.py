@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 from decimal import Decimal
+from pathlib import PurePosixPath
 from typing import Optional
 
 from gpr20_axis_driver.axis_exceptions import AxisParameterError, TravelError
@@ -19,6 +20,17 @@ BOARD_PINS = frozenset(
 # A pause shorter than this is below what a DRV8825 accepts as a step pulse (1.9 us high).
 MIN_PAUSE_S = 2.0e-6
 MAX_PAUSE_S = 1.0
+
+
+# A gap of this length is no lateness any more: the process has been halted.
+MAX_GAP_S = 10.0
+
+
+class Backend(enum.Enum):
+    """The library that drives the pins of the real robot."""
+
+    RPI_GPIO = "rpi_gpio"
+    PIGPIO = "pigpio"
 
 
 class AxisType(enum.Enum):
@@ -47,6 +59,13 @@ class AxisParameters:
         sensor_pin: Endstop's pin [BOARD number]; none on an axis without endstop.
         homing_backoff: Distance from the endstop's switching point to coordinate
             `min_coord`, so that a move to the end does not press the switch.
+        late_limit_s: A pulse that is later slows the rest of the move down [s]; also what a
+            pause can be shorter than its due length.
+        gap_limit_s: A pulse that is later ends a move that was faster than the slowest
+            speed, and the axis must be homed again [s].
+        memory_file: Where the step count of an axis without endstop outlives the power;
+            empty: it outlives the node, but not the power.
+        backend: rpi_gpio or pigpio; the simulated robot uses neither.
     """
 
     dir_pin: int
@@ -60,11 +79,16 @@ class AxisParameters:
     type: str
     sensor_pin: Optional[int] = None
     homing_backoff: float = 1.0
+    late_limit_s: float = 0.0005
+    gap_limit_s: float = 0.05
+    memory_file: str = ""
+    backend: str = Backend.RPI_GPIO.value
 
     def __post_init__(self) -> None:
         try:
             self._check_pins()
             self._check_sizes()
+            self._check_pulses()
         except InvalidValueError as error:
             raise AxisParameterError(str(error)) from None
 
@@ -96,6 +120,21 @@ class AxisParameters:
             raise InvalidValueError(
                 f"max_coord is {self.max_coord:g} {self.unit}; it must be at least one step, "
                 f"{self.step_size:g} {self.unit}, above min_coord, {self.min_coord:g} {self.unit}"
+            )
+
+    def _check_pulses(self) -> None:
+        number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
+        number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
+        if self.backend not in {one.value for one in Backend}:
+            raise InvalidValueError(f"backend is '{self.backend}'; it must be rpi_gpio or pigpio")
+        if self.memory_file and self.sensor_pin is not None:
+            raise InvalidValueError(
+                f"memory_file is '{self.memory_file}', but the axis has an endstop, sensor_pin "
+                f"{self.sensor_pin}, which finds its zero; give one of the two"
+            )
+        if self.memory_file and not PurePosixPath(self.memory_file).is_absolute():
+            raise InvalidValueError(
+                f"memory_file is '{self.memory_file}'; it must be an absolute path"
             )
 
     @property

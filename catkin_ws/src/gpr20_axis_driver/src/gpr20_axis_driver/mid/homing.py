@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Callable
 
-from gpr20_axis_driver.axis_exceptions import EndstopError
-from gpr20_axis_driver.low.endstop_interface import EndstopInterface
+from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.motion import Ending, Motion, MotionReport, StopRequested, Until
+from gpr20_axis_driver.mid.ramp import Ramp
 
-# Asked at every step: whether the motion shall end now.
-StopRequested = Callable[[], bool]
-# Steps at the lowest speed: (forward, most steps, until, stop requested) -> steps made.
-SlowSteps = Callable[[bool, int, Callable[[], bool], StopRequested], int]
+RunMotion = Callable[[Motion, StopRequested], MotionReport]
 
 # A carriage may stand a little beyond its travel when homing begins.
 TRAVEL_MARGIN = 1.05
@@ -27,15 +25,14 @@ class Homing:
     Everything happens at the lowest speed and is bounded by the length of the axis.
     """
 
-    def __init__(
-        self, parameters: AxisParameters, endstop: EndstopInterface, slow_steps: SlowSteps
-    ) -> None:
+    def __init__(self, parameters: AxisParameters, run: RunMotion) -> None:
         self._unit = parameters.unit
         self._step_size = parameters.step_size
         self._travel_steps = parameters.travel_steps
         self._backoff_steps = max(1, parameters.distance_steps(parameters.homing_backoff))
-        self._endstop = endstop
-        self._slow_steps = slow_steps
+        # At the lowest speed the axis can stop on any step, so no ramp is needed.
+        self._slow = Ramp(parameters.max_step, parameters.max_step, parameters.delta_step)
+        self._run = run
 
     def run(self, stop: StopRequested) -> None:
         """Carry out the whole homing; the axis then stands at its zero.
@@ -44,7 +41,7 @@ class Homing:
             EndstopError: The switch is stuck or cannot be reached.
             MotionStopped: A stop was requested.
         """
-        if self._endstop.is_pressed():
+        if self._step(True, 0, Until.NOTHING, stop).endstop_pressed:
             self._release(stop)
         self._touch(int(self._travel_steps * TRAVEL_MARGIN) + self._backoff_steps, stop)
         self._back_off(stop)
@@ -58,18 +55,17 @@ class Homing:
         self._back_off(stop)
 
     def _touch(self, most_steps: int, stop: StopRequested) -> int:
-        made = self._slow_steps(False, most_steps, self._endstop.is_pressed, stop)
-        if not self._endstop.is_pressed():
+        report = self._step(False, most_steps, Until.PRESSED, stop)
+        if not report.endstop_pressed:
             raise EndstopError(
                 f"the endstop was not reached within {most_steps * self._step_size:g} "
                 f"{self._unit}: it is stuck open, unplugged, or the motor does not turn; check "
                 "the switch, its cable and the motor"
             )
-        return made
+        return report.steps_made
 
     def _back_off(self, stop: StopRequested) -> None:
-        self._slow_steps(True, self._backoff_steps, lambda: False, stop)
-        if self._endstop.is_pressed():
+        if self._step(True, self._backoff_steps, Until.NOTHING, stop).endstop_pressed:
             raise EndstopError(
                 f"the endstop is still pressed {self._backoff_steps * self._step_size:g} "
                 f"{self._unit} away from it: it is stuck closed or the motor does not turn; "
@@ -78,10 +74,17 @@ class Homing:
 
     def _release(self, stop: StopRequested) -> None:
         most_steps = RELEASE_BACKOFFS * self._backoff_steps
-        self._slow_steps(True, most_steps, lambda: not self._endstop.is_pressed(), stop)
-        if self._endstop.is_pressed():
+        if self._step(True, most_steps, Until.RELEASED, stop).endstop_pressed:
             raise EndstopError(
                 f"the endstop stayed pressed for {most_steps * self._step_size:g} {self._unit}: "
                 "it is stuck closed, short-circuited, or the motor does not turn; check the "
                 "switch, its cable and the motor"
             )
+
+    def _step(
+        self, forward: bool, most_steps: int, until: Until, stop: StopRequested
+    ) -> MotionReport:
+        report = self._run(Motion(forward, most_steps, self._slow, until), stop)
+        if report.ending is Ending.STOPPED:
+            raise MotionStopped("homing was stopped; the axis is not homed")
+        return report

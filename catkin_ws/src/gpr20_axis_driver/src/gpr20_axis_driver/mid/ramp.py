@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Iterator
 
+# Keeps a rounding error of the pauses from adding or taking a step.
+ROUNDING = 1.0e-9
+
 
 @dataclass(frozen=True)
 class Ramp:
@@ -21,6 +24,10 @@ class Ramp:
     max_pause_s: float
     delta_s: float
 
+    def pause_s(self, height: int) -> float:
+        """Return the pause [s] so many steps up the ramp; 0 is the slowest."""
+        return max(self.min_pause_s, self.max_pause_s - self.delta_s * height)
+
     def pauses_s(self, steps: int) -> Iterator[float]:
         """Yield the pause [s] of each step of a move.
 
@@ -30,26 +37,21 @@ class Ramp:
         the start and the way to the end allow.
         """
         for step in range(steps):
-            from_end = min(step, steps - 1 - step)
-            yield max(self.min_pause_s, self.max_pause_s - self.delta_s * from_end)
+            yield self.pause_s(min(step, steps - 1 - step))
 
-    def braking_pauses_s(self, pause_s: float) -> Iterator[float]:
-        """Yield the pauses [s] that bring an axis from a pause to the slowest one."""
-        for step in range(1, self.braking_steps(pause_s) + 1):
-            yield min(self.max_pause_s, pause_s + self.delta_s * step)
+    def height_after(self, pause_s: float) -> int:
+        """Return how high on the ramp the step after one with this pause [s] may be."""
+        if pause_s >= self.max_pause_s:
+            return 0
+        return math.floor((self.max_pause_s - pause_s) / self.delta_s + ROUNDING) + 1
 
     def braking_steps(self, pause_s: float) -> int:
         """Return how many steps an axis needs to come from a pause to the slowest one."""
-        # The tolerance keeps a rounding error of the pauses from adding a step.
-        return max(0, math.ceil((self.max_pause_s - pause_s) / self.delta_s - 1.0e-9))
+        return max(0, math.ceil((self.max_pause_s - pause_s) / self.delta_s - ROUNDING))
 
     def duration_s(self, steps: int) -> float:
         """Return how long a move takes [s]; each step is two pauses."""
         ramp_steps = min(self.braking_steps(self.min_pause_s), steps // 2)
-        ramp_s = sum(
-            max(self.min_pause_s, self.max_pause_s - self.delta_s * step)
-            for step in range(ramp_steps)
-        )
+        ramp_s = sum(self.pause_s(step) for step in range(ramp_steps))
         middle = steps - 2 * ramp_steps
-        middle_pause_s = max(self.min_pause_s, self.max_pause_s - self.delta_s * ramp_steps)
-        return 2.0 * (2.0 * ramp_s + middle * middle_pause_s)
+        return 2.0 * (2.0 * ramp_s + middle * self.pause_s(ramp_steps))

@@ -5,12 +5,13 @@ from __future__ import annotations
 import rospy
 
 from gpr20_axis_driver.high.axis_node import AxisNode, build_axis_node
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.high.node import run_node
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
-from gpr20_simulator.low.pins import SimulatedPins
+from gpr20_simulator.high.world_path import world_path
 from gpr20_simulator.low.world import AxisName
-from gpr20_simulator.mid.carriage import AxisMotor, mechanics_of
-from gpr20_simulator.mid.wiring import WIRING
+from gpr20_simulator.mid.axis_hardware import SimulatedHardware
+from gpr20_simulator.mid.carriage import mechanics_of
 
 
 def main() -> None:
@@ -22,10 +23,17 @@ def build_simulated_axis() -> AxisNode:
     """Build the real node over pins that move the simulated carriage."""
     group = rospy.get_namespace().rstrip("/")
     axis = AxisName(group.rsplit("/", 1)[-1][:1])
-    part = open_simulated_part(robot_namespace=group.rsplit("/", 1)[0] + "/")
-    motor = AxisMotor(part.world, axis, mechanics_of(part.scene.robot, axis))
-    wiring = WIRING[axis]
-    pins = SimulatedPins(motor, wiring.dir_pin, wiring.step_pin, wiring.sensor_pin)
-    return build_axis_node(
-        lambda _parameters: pins, part.clock, "simulated DRV8825", SimulatedPart.PARAMETERS
-    )
+    robot_namespace = group.rsplit("/", 1)[0] + "/"
+    part = open_simulated_part(robot_namespace)
+
+    def hardware_of(parameters: AxisParameters) -> SimulatedHardware:
+        return SimulatedHardware(
+            parameters,
+            world_path(robot_namespace),
+            axis,
+            mechanics_of(part.scene.robot, axis),
+            part.clock.factor,
+            part.world.steps(axis),
+        )
+
+    return build_axis_node(hardware_of, SimulatedPart.PARAMETERS)

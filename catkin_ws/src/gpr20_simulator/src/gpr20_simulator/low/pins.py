@@ -20,6 +20,9 @@ class Motor(Protocol):
     def endstop_closed(self) -> bool:
         """Return whether the endstop's switch is closed."""
 
+    def note_levels(self, step_high: bool, dir_high: bool) -> None:
+        """Take note of the levels of the step and direction pins."""
+
 
 class SimulatedPins:
     """Stands in for the module RPi.GPIO; a rising edge on a step pin turns the motor.
@@ -60,6 +63,7 @@ class SimulatedPins:
         self._directions[channel] = direction
         if direction == self.OUT:
             self._levels[channel] = self.LOW if initial is None else initial
+            self._note_levels()
 
     def output(self, channel: int, level: Union[int, bool]) -> None:
         """Drive an output pin."""
@@ -67,6 +71,7 @@ class SimulatedPins:
             raise PinError(f"pin {channel} has not been set up as an output")
         rising = level and not self._levels[channel]
         self._levels[channel] = self.HIGH if level else self.LOW
+        self._note_levels()
         if rising and channel == self._step_pin:
             self._motor.step(forward=bool(self._levels.get(self._dir_pin)))
 
@@ -88,3 +93,9 @@ class SimulatedPins:
         for one in channels:
             self._directions.pop(one, None)
             self._levels.pop(one, None)
+        # The motor driver pulls its inputs down where nothing drives them.
+        self._note_levels()
+
+    def _note_levels(self) -> None:
+        step, direction = self._levels.get(self._step_pin), self._levels.get(self._dir_pin)
+        self._motor.note_levels(bool(step), bool(direction))

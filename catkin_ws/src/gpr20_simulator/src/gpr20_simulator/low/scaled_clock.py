@@ -18,6 +18,11 @@ class ScaledClock(Clock):
     def __init__(self, factor: float) -> None:
         self._factor = positive_number("time_scale", factor)
 
+    @property
+    def factor(self) -> float:
+        """How many times faster than the real time this clock runs."""
+        return self._factor
+
     def now_s(self) -> float:
         """Return the scaled time [s] since some fixed moment."""
         return time.monotonic() * self._factor

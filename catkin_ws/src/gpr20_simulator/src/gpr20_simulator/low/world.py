@@ -16,7 +16,7 @@ from typing import Mapping
 
 from gpr20_common.errors import Gpr20Error
 
-LAYOUT = 0x47505232_00000001
+LAYOUT = 0x47505232_00000002
 WORD_BYTES = 8
 
 
@@ -60,6 +60,9 @@ class _Word(enum.IntEnum):
     Y_ENDSTOP_FAULT = 8
     ADC_FAULT = 9
     VNA_PORT = 10
+    X_LEVELS = 11
+    Y_LEVELS = 12
+    Z_LEVELS = 13
 
 
 _STEPS = {AxisName.X: _Word.X_STEPS, AxisName.Y: _Word.Y_STEPS, AxisName.Z: _Word.Z_STEPS}
@@ -68,6 +71,7 @@ _LAST_PULSE = {
     AxisName.Y: _Word.Y_LAST_PULSE_NS,
     AxisName.Z: _Word.Z_LAST_PULSE_NS,
 }
+_LEVELS = {AxisName.X: _Word.X_LEVELS, AxisName.Y: _Word.Y_LEVELS, AxisName.Z: _Word.Z_LEVELS}
 _ENDSTOP_FAULT = {AxisName.X: _Word.X_ENDSTOP_FAULT, AxisName.Y: _Word.Y_ENDSTOP_FAULT}
 
 
@@ -90,6 +94,14 @@ class World:
     def last_pulse_ns(self, axis: AxisName) -> int:
         """Return when the axis last moved [ns of time.monotonic_ns()]; 0 if it never did."""
         return self._words[_LAST_PULSE[axis]]
+
+    def pins_low(self, axis: AxisName) -> bool:
+        """Return whether the step and direction pins of the axis are both low."""
+        return self._words[_LEVELS[axis]] == 0
+
+    def set_pin_levels(self, axis: AxisName, step_high: bool, dir_high: bool) -> None:
+        """Note the levels of the step and direction pins of the axis."""
+        self._words[_LEVELS[axis]] = step_high | dir_high << 1
 
     def endstop_fault(self, axis: AxisName) -> EndstopFault:
         """Return the fault of the axis's endstop; an axis without endstop has none."""

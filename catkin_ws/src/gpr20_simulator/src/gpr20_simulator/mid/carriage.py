@@ -47,6 +47,10 @@ class AxisMotor:
         if self._lower_steps <= steps <= self._upper_steps:
             self._world.set_steps(self._axis, steps)
 
+    def note_levels(self, step_high: bool, dir_high: bool) -> None:
+        """Take note of the levels of the step and direction pins."""
+        self._world.set_pin_levels(self._axis, step_high, dir_high)
+
     def endstop_closed(self) -> bool:
         """Return whether the endstop's switch is closed."""
         if not self._has_endstop:

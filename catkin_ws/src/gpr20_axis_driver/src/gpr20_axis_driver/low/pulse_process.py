@@ -1,0 +1,215 @@
+"""A process of its own for what must be punctual.
+
+The parent hands it a motor driver (any object that can be pickled and opened) and then one
+motion at a time. It ends, with the pins low, when the parent closes the connection or dies.
+It is started as a fresh interpreter: a copy of a process that runs ROS's threads would not work.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from multiprocessing.connection import Connection, Pipe
+from typing import Any, Callable, NoReturn, Optional, Protocol, Tuple
+
+from gpr20_axis_driver.axis_exceptions import PulseProcessError
+from gpr20_axis_driver.low.process_messages import Failure, Ready
+from gpr20_axis_driver.low.scheduling import ordinary_scheduling, realtime_scheduling
+from gpr20_axis_driver.low.step_memory import StepMemory
+from gpr20_common.errors import Gpr20Error
+
+START_LIMIT_S = 20.0
+END_LIMIT_S = 2.0
+POLL_S = 0.005
+
+
+class Runner(Protocol):
+    """What runs in the process."""
+
+    def run(self, motion: Any, stop_requested: Callable[[], bool]) -> Any:
+        """Carry out a motion and return its report."""
+
+    def close(self) -> None:
+        """Leave the pins low."""
+
+
+class Opening(Protocol):
+    """What the parent sends; it is pickled."""
+
+    @property
+    def realtime(self) -> bool:
+        """Whether to ask the system for real-time scheduling."""
+
+    def open(self, memory: StepMemory) -> Runner:
+        """Open the hardware."""
+
+
+class PulseProcess:
+    """The process as its parent sees it."""
+
+    def __init__(self, opening: Opening, memory: StepMemory, ended: Callable[[str], None]) -> None:
+        """Start it and wait until it is ready.
+
+        Args:
+            opening: Opens the hardware over there.
+            memory: Where the steps are counted; shared.
+            ended: Called from another thread, with the reason, if it ends unasked.
+
+        Raises:
+            PulseProcessError: It cannot be started, or the hardware cannot be opened.
+        """
+        self._memory = memory
+        self._ended = ended
+        self._closing = False
+        self._gone = threading.Event()
+        self._connection, theirs = Pipe()
+        with theirs:
+            self._process = self._spawn(theirs.fileno())
+        try:
+            self._connection.send(opening)
+            self.sentence, self.realtime = self._wait_ready()
+        except BaseException:
+            self._closing = True
+            self._process.kill()
+            self._process.wait()
+            self._connection.close()
+            raise
+        self._waiter = threading.Thread(target=self._wait_for_end, daemon=True)
+        self._waiter.start()
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    def run(self, motion: Any, poll: Callable[[], None]) -> Any:
+        """Have a motion carried out and return its report.
+
+        Args:
+            motion: The motion; it is pickled.
+            poll: Called every few milliseconds meanwhile; what it raises ends the process.
+
+        Raises:
+            PulseProcessError: The process ended or failed.
+        """
+        self._memory.stop_requested = False
+        try:
+            poll()
+            self._connection.send(motion)
+            while not self._connection.poll(POLL_S):
+                poll()
+            answer = self._connection.recv()
+        except PulseProcessError:
+            self.kill()
+            raise
+        except (EOFError, OSError) as error:
+            self._gone.wait(END_LIMIT_S)
+            raise PulseProcessError(self._death()) from error
+        except BaseException:
+            self.kill()
+            raise
+        if isinstance(answer, Failure):
+            self._gone.wait(END_LIMIT_S)
+            raise PulseProcessError(answer.message)
+        return answer
+
+    def kill(self) -> None:
+        """End it at once; whoever was told of its unasked end is told of this one too."""
+        self._process.kill()
+        self._gone.wait(END_LIMIT_S)
+
+    def close(self) -> None:
+        """Let it end: it stops what it does, leaves the pins low and is gone on return."""
+        self._closing = True
+        self._connection.close()
+        if not self._gone.wait(END_LIMIT_S):
+            # Killed, it cannot leave the pins low: whoever is told of its end must.
+            self._closing = False
+            self.kill()
+
+    def _spawn(self, descriptor: int) -> subprocess.Popen:
+        inherited = (descriptor, self._memory.descriptor)
+        arguments = [*map(str, inherited), str(os.getpid())]
+        return subprocess.Popen(
+            [sys.executable, "-m", __name__, *arguments],
+            pass_fds=inherited,
+            stdin=subprocess.DEVNULL,
+            # A session of its own: a signal to the node's group must not end it in mid-pulse.
+            start_new_session=True,
+        )
+
+    def _wait_ready(self) -> Tuple[str, bool]:
+        if not self._connection.poll(START_LIMIT_S):
+            raise PulseProcessError(
+                f"the process that makes the pulses was not ready within {START_LIMIT_S:g} s; "
+                "look at what else this computer does, and start the node again"
+            )
+        try:
+            answer = self._connection.recv()
+        except EOFError:
+            self._process.wait()
+            raise PulseProcessError(self._death()) from None
+        if isinstance(answer, Failure):
+            raise PulseProcessError(answer.message)
+        return answer.sentence, answer.realtime
+
+    def _wait_for_end(self) -> None:
+        self._process.wait()
+        try:
+            if not self._closing:
+                self._ended(self._death())
+        finally:
+            self._gone.set()
+
+    def _death(self) -> str:
+        status: Optional[int] = self._process.poll()
+        if status is not None and status < 0:
+            how = f"was ended by {signal.Signals(-status).name}"
+        else:
+            how = f"ended with status {status}"
+        return f"the process that makes the pulses {how}; see the log, and home the axis"
+
+
+def serve(connection: Connection, memory: StepMemory, parent: int) -> None:
+    """Carry out the parent's motions until it closes the connection or dies."""
+    opening = connection.recv()
+    scheduling = realtime_scheduling() if opening.realtime else ordinary_scheduling()
+    runner = opening.open(memory)
+    try:
+        connection.send(Ready(scheduling.sentence, scheduling.realtime))
+
+        def stop_requested() -> bool:
+            # A dead parent cannot set the flag; its child is then adopted by another process.
+            return memory.stop_requested or os.getppid() != parent
+
+        while True:
+            connection.send(runner.run(connection.recv(), stop_requested))
+    finally:
+        runner.close()
+
+
+def main() -> NoReturn:
+    """Run as the child; the arguments are two descriptors and the parent's number."""
+    # From here on a termination runs through every `finally`, so the pins end low.
+    signal.signal(signal.SIGTERM, lambda _signal, _frame: sys.exit(128 + signal.SIGTERM))
+    connection = Connection(int(sys.argv[1]))
+    memory = StepMemory(int(sys.argv[2]))
+    try:
+        serve(connection, memory, int(sys.argv[3]))
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        # The parent has closed the connection or is dead; nobody is left to be told.
+        sys.exit(0)
+    except Gpr20Error as error:
+        connection.send(Failure(str(error)))
+        sys.exit(1)
+    except Exception as error:
+        connection.send(Failure(f"the pulses failed ({type(error).__name__}: {error})"))
+        raise
+    raise AssertionError("serve() ends by an exception only")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,164 @@
+"""One motion of an axis: what is asked for, what came of it, and who can carry it out."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+from typing import Callable, Protocol, Sequence
+
+from gpr20_axis_driver.mid.ramp import Ramp
+
+# Asked at every step: whether the motion shall end now.
+StopRequested = Callable[[], bool]
+
+
+class Until(enum.Enum):
+    """What ends a motion before all its steps are made."""
+
+    NOTHING = "nothing"
+    PRESSED = "endstop pressed"
+    RELEASED = "endstop released"
+
+
+class Ending(enum.Enum):
+    """How a motion ended."""
+
+    COMPLETE = "all steps made"
+    UNTIL = "the condition held"
+    STOPPED = "stopped on request"
+    PRESSED = "the endstop was pressed"
+    GAP = "a gap between two pulses"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Steps in one direction.
+
+    Attributes:
+        forward: Whether the coordinate increases.
+        steps: Most steps to make; 0 only reads the endstop.
+        ramp: Pauses of the steps.
+        until: What ends the motion early, as a success.
+        guarded: Whether a pressed endstop ends the motion at once, as a failure.
+    """
+
+    forward: bool
+    steps: int
+    ramp: Ramp
+    until: Until = Until.NOTHING
+    guarded: bool = False
+
+
+@dataclass(frozen=True)
+class LateLimits:
+    """How late a pulse may be [s of the axis's clock].
+
+    Attributes:
+        late_s: Up to here later pulses make up for the delay; beyond it they slow down.
+        gap_s: Beyond it a motor that was faster than its slowest speed can lose steps.
+    """
+
+    late_s: float
+    gap_s: float
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """How late the pulses of a motion were [s].
+
+    Attributes:
+        pulses: How many pulses were timed.
+        median_s: Half of the pulses were less late.
+        p99_s: 99 of 100 pulses were less late.
+        max_s: The latest of all.
+        slowed: How many edges were beyond the limit, so that the rest was slowed down.
+    """
+
+    pulses: int = 0
+    median_s: float = 0.0
+    p99_s: float = 0.0
+    max_s: float = 0.0
+    slowed: int = 0
+
+    @classmethod
+    def of(cls, lateness_s: Sequence[float], slowed: int) -> Lateness:
+        """Sum up the lateness of each pulse [s]."""
+        if not lateness_s:
+            return cls(slowed=slowed)
+        ordered = sorted(lateness_s)
+        last = len(ordered) - 1
+        return cls(
+            len(ordered), ordered[last // 2], ordered[int(0.99 * last)], ordered[last], slowed
+        )
+
+
+@dataclass(frozen=True)
+class MotionReport:
+    """What came of a motion.
+
+    Attributes:
+        ending: How it ended.
+        steps_made: Steps made, in the motion's direction.
+        endstop_pressed: Whether the endstop is pressed now.
+        duration_s: From the first pulse to the end of the last one [s].
+        gap_s: The gap that ended it [s]; 0 otherwise.
+        lateness: How late its pulses were.
+    """
+
+    ending: Ending
+    steps_made: int
+    endstop_pressed: bool
+    duration_s: float = 0.0
+    gap_s: float = 0.0
+    lateness: Lateness = field(default_factory=Lateness)
+
+
+class StepCount(Protocol):
+    """Where the steps are counted, visible to whoever wants the coordinate."""
+
+    def begin(self) -> None:
+        """Note that a motion begins: until it ends well, the count is not trusted."""
+
+    def count(self, change: int) -> None:
+        """Add to the count [motor steps]."""
+
+    def rest(self) -> None:
+        """Note that the motor stands and that the count is exact."""
+
+
+class MotionRunner(Protocol):
+    """Makes the pulses of motions, next to the hardware."""
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        """Carry out a motion and return when the motor stands."""
+
+    def close(self) -> None:
+        """Leave the step and direction pins low and release the hardware."""
+
+
+class PulseEngine(Protocol):
+    """Carries out motions for the axis driver and keeps the count of the steps."""
+
+    @property
+    def steps(self) -> int:
+        """The count of the steps."""
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the count is known to be where the motor stands."""
+
+    @property
+    def failure(self) -> str:
+        """Why no motion is possible now; empty if one is."""
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        """Carry out a motion and return when the motor stands."""
+
+    def place(self, steps: int) -> None:
+        """Say where the motor stands [motor steps]."""
+
+    def revive(self) -> None:
+        """Make motions possible again after a failure."""
+
+    def close(self) -> None:
+        """Release the hardware."""

@@ -1,0 +1,183 @@
+"""The pulses of an axis, made by a process of their own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+from typing import Optional, Protocol
+
+from gpr20_axis_driver.axis_exceptions import AxisException, PulseProcessError
+from gpr20_axis_driver.low.pulse_process import PulseProcess
+from gpr20_axis_driver.low.step_memory import StepMemory, open_step_memory
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.motion import Motion, MotionReport, MotionRunner, StopRequested
+from gpr20_common.low.clock import Clock
+
+# A former node's pulse process ramps down before it lets go of the axis.
+LOCK_LIMIT_S = 5.0
+# A process that makes no step for so long, and for some steps' time, is hung.
+STALL_LIMIT_S = 5.0
+STALL_STEPS = 10
+
+
+class AxisHardware(Protocol):
+    """What an axis is wired to. It is pickled, so it names things and opens them later."""
+
+    @property
+    def name(self) -> str:
+        """What diagnostics call it."""
+
+    @property
+    def parameters(self) -> AxisParameters:
+        """The axis's parameters."""
+
+    @property
+    def clock(self) -> Clock:
+        """The clock by which the axis moves."""
+
+    @property
+    def realtime(self) -> bool:
+        """Whether the pulses need real-time scheduling."""
+
+    @property
+    def step_file(self) -> Path:
+        """Where the steps are counted."""
+
+    @property
+    def first_steps(self) -> Optional[int]:
+        """Where the motor stands if nothing was ever counted; None if nobody knows."""
+
+    def open(self, memory: StepMemory) -> MotionRunner:
+        """Open the hardware; both pins are low then."""
+
+
+class ProcessEngine:
+    """Starts the process, watches it, and makes the pins safe if it dies; a `PulseEngine`."""
+
+    def __init__(self, hardware: AxisHardware) -> None:
+        """Begin; motions are possible on return.
+
+        Raises:
+            AxisException: The step count, the process or the hardware cannot be used.
+        """
+        self._hardware = hardware
+        parameters = hardware.parameters
+        new = not hardware.step_file.exists()
+        self._memory = open_step_memory(hardware.step_file, parameters.step_size, LOCK_LIMIT_S)
+        if new and hardware.first_steps is not None:
+            self._memory.place(hardware.first_steps)
+        self._lock = threading.Lock()
+        self._failure = ""
+        try:
+            self._process = self._start()
+        except BaseException:
+            self._memory.close()
+            raise
+
+    @property
+    def steps(self) -> int:
+        """The count of the steps."""
+        return self._memory.steps
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the count is known to be where the motor stands."""
+        return self._memory.trusted
+
+    @property
+    def failure(self) -> str:
+        """Why no motion is possible now; empty if one is."""
+        with self._lock:
+            return self._failure
+
+    @property
+    def scheduling(self) -> str:
+        """How punctual the system lets the pulses be, as a sentence."""
+        return self._process.sentence
+
+    @property
+    def unpunctual(self) -> bool:
+        """Whether real-time scheduling was asked for and refused."""
+        return self._hardware.realtime and not self._process.realtime
+
+    @property
+    def process_id(self) -> int:
+        """Number of the process that makes the pulses."""
+        return self._process.pid
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        """Carry out a motion and return when the motor stands.
+
+        Raises:
+            PulseProcessError: The process died or hung; the pins are low.
+        """
+        watch = _Progress(self._memory, self._hardware)
+
+        def poll() -> None:
+            watch.check()
+            if stop_requested():
+                self._memory.stop_requested = True
+
+        if self.failure:
+            raise PulseProcessError(self.failure)
+        return self._process.run(motion, poll)
+
+    def place(self, steps: int) -> None:
+        """Say where the motor stands [motor steps]."""
+        self._memory.place(steps)
+
+    def revive(self) -> None:
+        """Start the process again if it has died.
+
+        Raises:
+            PulseProcessError: It cannot be started.
+        """
+        if self.failure:
+            process = self._start()
+            with self._lock:
+                self._process = process
+                self._failure = ""
+
+    def close(self) -> None:
+        """End the process; the pins are low on return. Nothing else may be called after."""
+        self._process.close()
+
+    def _start(self) -> PulseProcess:
+        return PulseProcess(self._hardware, self._memory, self._on_death)
+
+    def _on_death(self, reason: str) -> None:
+        with self._lock:
+            self._failure = reason
+        try:
+            # Opening drives both pins low, wherever the dead process left them.
+            self._hardware.open(self._memory).close()
+        except AxisException as error:
+            with self._lock:
+                self._failure = f"{reason}; and its pins could not be made low: {error}"
+
+
+class _Progress:
+    """Notices a process that lives but makes no steps."""
+
+    def __init__(self, memory: StepMemory, hardware: AxisHardware) -> None:
+        self._memory = memory
+        self._clock = hardware.clock
+        # A scaled clock can pass any limit while this computer does something else.
+        self._limit_s = STALL_LIMIT_S + 2.0 * STALL_STEPS * hardware.parameters.max_step
+        self._note()
+
+    def _note(self) -> None:
+        self._steps = self._memory.steps
+        self._real_s, self._clock_s = time.monotonic(), self._clock.now_s()
+
+    def check(self) -> None:
+        if self._memory.steps != self._steps:
+            self._note()
+            return
+        real_s, clock_s = time.monotonic() - self._real_s, self._clock.now_s() - self._clock_s
+        if min(real_s, clock_s) > self._limit_s:
+            raise PulseProcessError(
+                f"the process that makes the pulses made no step for {real_s:.0f} s and was ended; "
+                "look at what else this computer does, and home the axis"
+            )

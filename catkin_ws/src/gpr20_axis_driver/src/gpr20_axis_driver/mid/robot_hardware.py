@@ -1,0 +1,51 @@
+"""The axes of the real robot, over one of two libraries."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, Optional
+
+from gpr20_axis_driver.low.pigpio_waves import WAVE_LOCK, lock_wave_transmitter, pigpio_daemon
+from gpr20_axis_driver.low.pins import raspberry_pi_pins
+from gpr20_axis_driver.low.step_memory import StepMemory
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters, Backend
+from gpr20_axis_driver.mid.motion import MotionRunner
+from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
+from gpr20_axis_driver.mid.wave_runner import WaveRunner
+from gpr20_common.low.clock import Clock
+
+SHARED_MEMORY = Path("/dev/shm")
+
+
+@dataclass(frozen=True)
+class RobotHardware:
+    """One axis of the Raspberry Pi; an `AxisHardware`."""
+
+    first_steps: ClassVar[Optional[int]] = None
+    realtime: ClassVar[bool] = True
+
+    parameters: AxisParameters
+    clock: Clock = field(default_factory=Clock)
+
+    @property
+    def name(self) -> str:
+        """What diagnostics call it."""
+        return f"DRV8825 on {self.parameters.backend}"
+
+    @property
+    def step_file(self) -> Path:
+        """Return the memory file, or one that is forgotten when the computer is switched off."""
+        if self.parameters.memory_file:
+            return Path(self.parameters.memory_file)
+        pins = f"{self.parameters.dir_pin}-{self.parameters.step_pin}"
+        return SHARED_MEMORY / f"gpr20-axis-{os.getuid()}" / f"pins-{pins}"
+
+    def open(self, memory: StepMemory) -> MotionRunner:
+        """Open the pins; called in the process that makes the pulses."""
+        if self.parameters.backend == Backend.PIGPIO.value:
+            lock = lock_wave_transmitter(WAVE_LOCK)
+            return WaveRunner(pigpio_daemon(), lock, self.parameters, self.clock, memory)
+        limits = late_limits(self.parameters)
+        return pulse_loop_on_pins(raspberry_pi_pins(), self.parameters, self.clock, limits, memory)

@@ -1,0 +1,266 @@
+#!/usr/bin/env python3
+"""Axes through the real graph when clients, nodes and the pulses' processes die."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+from pathlib import Path
+from xmlrpc.client import ServerProxy
+
+import actionlib
+import rosgraph
+import rosnode
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from std_srvs.srv import Trigger
+
+from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
+from gpr20_simulator.high.world_path import world_path
+from gpr20_simulator.low.world import AxisName, open_world
+
+LIMIT_S = 20.0
+X_TIME_SCALE = 10.0
+X_STEPS_PER_MM = 100
+# What a stop may take besides the ramp.
+STOP_S = 0.1
+X_RAMP = Ramp(0.0015, 0.0050, 0.0001)
+X_RAMP_S = X_RAMP.duration_s(2 * X_RAMP.braking_steps(X_RAMP.min_pause_s)) / 2 / X_TIME_SCALE
+Z_RAMP = Ramp(0.010, 0.025, 0.005)
+Z_RAMP_S = Z_RAMP.duration_s(2 * Z_RAMP.braking_steps(Z_RAMP.min_pause_s)) / 2
+
+
+def wait_until(condition):
+    """Return once the condition holds."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, "the condition never held"
+        time.sleep(0.005)
+
+
+class Axis:
+    """One axis as a client sees it, with the truth beside it."""
+
+    def __init__(self, name):
+        self.name = name
+        self.group = f"{name.value}_axis"
+        self.world = open_world(world_path("/"), {})
+        self.last = None
+        self.heard = threading.Event()
+        self.subscriber = rospy.Subscriber(
+            f"{self.group}/current_coord", CurrentCoordinate, self._hear
+        )
+        self.connect()
+
+    def _hear(self, message):
+        self.last = message
+        self.heard.set()
+
+    def connect(self):
+        """Wait for the node, which may have been restarted."""
+        self.client = actionlib.SimpleActionClient(f"{self.group}/axis", AxisAction)
+        assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
+        self.heard.clear()
+        assert self.heard.wait(LIMIT_S)
+
+    def call(self, service):
+        rospy.wait_for_service(f"{self.group}/{service}", LIMIT_S)
+        return rospy.ServiceProxy(f"{self.group}/{service}", Trigger)()
+
+    def home(self):
+        response = self.call("homing")
+        assert response.success, response.message
+
+    def move(self, target):
+        self.client.send_goal(AxisGoal(target_coordinate=target))
+        return self.finish()
+
+    def finish(self):
+        assert self.client.wait_for_result(rospy.Duration(LIMIT_S))
+        return self.client.get_state(), self.client.get_result()
+
+    @property
+    def steps(self):
+        return self.world.steps(self.name)
+
+    @property
+    def last_pulse_ns(self):
+        return self.world.last_pulse_ns(self.name)
+
+    @property
+    def pins_low(self):
+        return self.world.pins_low(self.name)
+
+    @property
+    def node_pid(self):
+        name = rospy.resolve_name(f"{self.group}/axis_driver")
+        server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
+        return ServerProxy(server).getPid(rospy.get_name())[2]
+
+    @property
+    def pulse_pid(self):
+        """The process that makes the pulses: the node's only child."""
+        tasks = Path(f"/proc/{self.node_pid}/task").iterdir()
+        (child,) = " ".join((task / "children").read_text() for task in tasks).split()
+        return int(child)
+
+    def begin_move(self, target):
+        """Begin a move and return when the axis has moved by some steps."""
+        before = self.steps
+        self.client.send_goal(AxisGoal(target_coordinate=target))
+        wait_until(lambda: abs(self.steps - before) > 10)
+
+
+def killed_client(axis, what, begun):
+    """Let a client begin something, kill it, and return when it was killed [ns]."""
+    script = str(Path(__file__).with_name("axis_client.py"))
+    client = subprocess.Popen([sys.executable, script, axis.name.value, what])
+    wait_until(begun)
+    client.kill()
+    killed_ns = time.monotonic_ns()
+    client.wait()
+    return killed_ns
+
+
+def exists(pid):
+    return Path(f"/proc/{pid}").exists()
+
+
+class AxisFaultsTest(unittest.TestCase):
+    """The tests run in the order of their names."""
+
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("axis_faults_rostest")
+        cls.x = Axis(AxisName.X)
+        cls.z = Axis(AxisName.Z)
+
+    def assert_stopped_within(self, axis, requested_ns, ramp_s):
+        """The axis stands, its last pulse came in time, and its coordinate is exact."""
+        wait_until(lambda: axis.last is not None and not axis.last.moving)
+        self.assertLess((axis.last_pulse_ns - requested_ns) * 1e-9, ramp_s + STOP_S)
+        steps = axis.steps
+        axis.heard.clear()
+        self.assertTrue(axis.heard.wait(LIMIT_S))
+        self.assertEqual(axis.steps, steps)
+        if axis.last.homed:
+            step_size = 1.0 / X_STEPS_PER_MM if axis is self.x else 1.8
+            self.assertEqual(round(axis.last.coordinate / step_size), steps)
+
+    def test_1_a_move_ends_when_its_client_is_killed_though_another_client_lives(self):
+        self.x.home()
+        killed_ns = killed_client(self.x, "100.0", lambda: self.x.steps > 500)
+        self.assert_stopped_within(self.x, killed_ns, X_RAMP_S)
+        self.assertTrue(self.x.last.homed)
+        self.assertLess(self.x.steps, 10000)
+        state, _result = self.x.move(1.0)
+        self.assertEqual((state, self.x.steps), (GoalStatus.SUCCEEDED, 100))
+
+    def test_2_a_homing_ends_when_its_client_is_killed(self):
+        self.x.move(30.0)
+        killed_ns = killed_client(self.x, "home", lambda: self.x.steps < 2950)
+        self.assert_stopped_within(self.x, killed_ns, 0.0)
+        self.assertFalse(self.x.last.homed)
+        self.assertGreater(self.x.steps, 1000)
+        self.x.home()
+
+    def test_3_the_stop_service_and_a_cancelled_goal_end_a_move_in_time(self):
+        for request in (lambda: self.x.call("stop"), self.x.client.cancel_goal):
+            self.x.begin_move(100.0)
+            requested_ns = time.monotonic_ns()
+            request()
+            self.assertEqual(self.x.finish()[0], GoalStatus.PREEMPTED)
+            self.assert_stopped_within(self.x, requested_ns, X_RAMP_S)
+            self.x.move(0.0)
+
+    def test_4_a_node_that_is_shut_down_stops_and_leaves_the_pins_low(self):
+        self.x.begin_move(100.0)
+        pid, pulse_pid = self.x.node_pid, self.x.pulse_pid
+        requested_ns = time.monotonic_ns()
+        os.kill(pid, signal.SIGINT)
+        wait_until(lambda: not exists(pulse_pid))
+        self.assertTrue(self.x.pins_low)
+        self.assertLess((self.x.last_pulse_ns - requested_ns) * 1e-9, X_RAMP_S + STOP_S)
+        wait_until(lambda: not exists(pid))
+
+    def test_5_a_node_that_is_killed_leaves_the_pins_low_and_comes_back_not_homed(self):
+        self.x.connect()
+        self.x.home()
+        self.x.begin_move(100.0)
+        pid, pulse_pid = self.x.node_pid, self.x.pulse_pid
+        os.kill(pid, signal.SIGKILL)
+        killed_ns = time.monotonic_ns()
+        wait_until(lambda: not exists(pulse_pid))
+        self.assertTrue(self.x.pins_low)
+        self.assertLess((self.x.last_pulse_ns - killed_ns) * 1e-9, X_RAMP_S + STOP_S)
+        self.x.connect()
+        self.assertNotEqual(self.x.node_pid, pid)
+        self.assertFalse(self.x.last.homed)
+        state, result = self.x.move(1.0)
+        self.assertEqual(state, GoalStatus.ABORTED)
+        self.assertIn("not homed", result.message)
+        self.x.home()
+        self.assertEqual(self.x.steps, 0)
+
+    def test_6_when_the_pulses_process_is_killed_the_goal_is_aborted_and_homing_helps(self):
+        self.x.begin_move(100.0)
+        pulse_pid = self.x.pulse_pid
+        os.kill(pulse_pid, signal.SIGKILL)
+        state, result = self.x.finish()
+        self.assertEqual(state, GoalStatus.ABORTED)
+        self.assertIn("ended by SIGKILL", result.message)
+        self.assertTrue(self.x.pins_low)
+        self.assertFalse(exists(pulse_pid))
+        wait_until(lambda: not self.x.last.homed)
+        self.x.home()
+        self.assertEqual(self.x.steps, 0)
+
+    def test_7_a_killed_z_node_knows_its_rotation_again(self):
+        self.z.home()
+        self.z.begin_move(90.0)
+        pid, pulse_pid = self.z.node_pid, self.z.pulse_pid
+        os.kill(pid, signal.SIGKILL)
+        killed_ns = time.monotonic_ns()
+        wait_until(lambda: not exists(pulse_pid))
+        self.assertLess((self.z.last_pulse_ns - killed_ns) * 1e-9, Z_RAMP_S + STOP_S)
+        self.assertTrue(0 < self.z.steps < 50)
+        self.z.connect()
+        self.assertFalse(self.z.last.homed)
+        self.z.home()
+        self.assertEqual(self.z.steps, 0)
+        self.assertEqual(self.z.move(-90.0)[1].coordinate, -90.0)
+        self.assertEqual(self.z.steps, -50)
+
+    def test_8_a_rotation_that_nobody_knows_must_be_set(self):
+        self.z.begin_move(90.0)
+        os.kill(self.z.pulse_pid, signal.SIGKILL)
+        self.assertEqual(self.z.finish()[0], GoalStatus.ABORTED)
+        steps = self.z.steps
+        response = self.z.call("homing")
+        self.assertFalse(response.success)
+        self.assertIn("to their mark and call the service set_zero", response.message)
+        self.assertEqual(self.z.steps, steps)
+        self.assertTrue(self.z.call("set_zero").success)
+        wait_until(lambda: self.z.last.homed)
+        self.assertEqual(self.z.last.coordinate, 0.0)
+        self.assertEqual(self.z.move(9.0)[0], GoalStatus.SUCCEEDED)
+        self.assertEqual(self.z.steps, steps + 5)
+
+    def test_9_only_an_axis_without_endstop_can_be_given_a_zero(self):
+        services = rosservice_names()
+        self.assertIn("/z_axis/set_zero", services)
+        self.assertNotIn("/x_axis/set_zero", services)
+
+
+def rosservice_names():
+    _publishers, _subscribers, services = rosgraph.Master(rospy.get_name()).getSystemState()
+    return [name for name, _nodes in services]
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20_axis_driver", "axis_faults", AxisFaultsTest)

@@ -1,0 +1,14 @@
+"""A program that begins a turn of the z axis and is killed in the middle: see its test."""
+
+import sys
+from pathlib import Path
+
+from axis_machine import never
+from simulated_axis import SimulatedAxis
+
+from gpr20_simulator.low.world import AxisName
+
+axis = SimulatedAxis(Path(sys.argv[1]), AxisName.Z, time_scale=1.0)
+axis.driver.home(never)
+print(axis.engine.process_id, flush=True)
+axis.driver.move_to(90.0, never)

@@ -1,0 +1,58 @@
+"""A driver whose pulses are made by a real process and move the carriage of a simulated world."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from axis_machine import X_PARAMETERS, Z_PARAMETERS
+
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.process_engine import ProcessEngine
+from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.mid.axis_hardware import SimulatedHardware
+from gpr20_simulator.mid.scene import X_AXIS, Z_AXIS
+
+LIMIT_S = 10.0
+PARAMETERS = {AxisName.X: X_PARAMETERS, AxisName.Z: Z_PARAMETERS}
+MECHANICS = {AxisName.X: X_AXIS, AxisName.Z: Z_AXIS}
+
+
+class SimulatedAxis:
+    """The driver, its engine, and the truth beside them."""
+
+    def __init__(self, folder: Path, axis: AxisName, time_scale: float) -> None:
+        self.axis = axis
+        self.path = folder / "world"
+        self.world = open_world(self.path, {AxisName.X: 200})
+        self.hardware = SimulatedHardware(
+            PARAMETERS[axis],
+            self.path,
+            axis,
+            MECHANICS[axis],
+            time_scale,
+            self.world.steps(axis),
+        )
+        self.engine = ProcessEngine(self.hardware)
+        self.driver = AxisDriver(PARAMETERS[axis], self.engine)
+
+    @property
+    def true_steps(self) -> int:
+        return self.world.steps(self.axis)
+
+    @property
+    def pins_low(self) -> bool:
+        return self.world.pins_low(self.axis)
+
+
+def wait_until(condition) -> None:
+    """Return once the condition holds; fail after a while."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, "the condition never held"
+        time.sleep(0.002)
+
+
+def exists(process_id: int) -> bool:
+    """Return whether there is such a process, a zombie included."""
+    return Path(f"/proc/{process_id}").exists()

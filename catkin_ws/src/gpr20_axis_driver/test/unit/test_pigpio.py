@@ -1,0 +1,192 @@
+"""The pins of the real robot over pigpio."""
+
+import contextlib
+import random
+
+import pytest
+from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, DirectEngine, SteppedClock, never
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from recorded_pigpio import OUTPUT, PUD_UP, RecordedPigpio
+
+from gpr20_axis_driver.axis_exceptions import MotionStopped, PositionLostError, PulseProcessError
+from gpr20_axis_driver.low.pigpio_waves import GPIO_OF_BOARD, lock_wave_transmitter
+from gpr20_axis_driver.low.pins import PinLibraryError
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.axis_parameters import BOARD_PINS
+from gpr20_axis_driver.mid.motion import Ending, Motion
+from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_axis_driver.mid.wave_runner import WaveRunner
+
+DIR, STEP, SENSOR = 27, 22, 23
+RAMP = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
+STOP_S = 0.1
+
+
+class Axis:
+    """A driver over a daemon that transmits in the time of a clock moved by sleeping."""
+
+    def __init__(self, folder, parameters=X_PARAMETERS):
+        self.clock = SteppedClock()
+        self.daemon = RecordedPigpio(self.clock)
+        self.daemon.inputs = lambda gpio: int(self.steps > -100)
+        self.count = Count()
+        self.lock = lock_wave_transmitter(folder / "lock")
+        self.runner = WaveRunner(self.daemon, self.lock, parameters, self.clock, self.count)
+        self.driver = AxisDriver(parameters, DirectEngine(self.runner, self.count))
+        # Where the last motion began: edges until then, and the motor's step.
+        self._began = (0, 0)
+        self._set_direction = self.runner._waves.set_direction
+        self.runner._waves.set_direction = self._turn
+
+    @property
+    def edges_s(self):
+        return self.daemon.rising_edges(STEP)
+
+    @property
+    def steps(self):
+        """Where the motor is, by the edges on its pins."""
+        edges, steps = self._began
+        return steps + (len(self.edges_s) - edges) * (1 if self.daemon.levels[DIR] else -1)
+
+    def _turn(self, forward):
+        self._began = (len(self.edges_s), self.steps)
+        self._set_direction(forward)
+
+
+@pytest.fixture
+def axis(tmp_path):
+    axis = Axis(tmp_path)
+    yield axis
+    axis.lock.close()
+
+
+def test_every_pin_of_the_header_has_its_gpio():
+    assert set(GPIO_OF_BOARD) == BOARD_PINS
+    assert len(set(GPIO_OF_BOARD.values())) == len(GPIO_OF_BOARD)
+
+
+def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(axis):
+    assert axis.daemon.modes == {DIR: OUTPUT, STEP: OUTPUT, SENSOR: 0}
+    assert axis.daemon.levels == {DIR: 0, STEP: 0}
+    assert axis.daemon.pulls == {SENSOR: PUD_UP}
+
+
+def test_homing_finds_the_zero(axis):
+    axis.driver.home(never)
+    assert (axis.driver.coordinate, axis.steps) == (0.0, 0)
+
+
+def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):
+    axis.driver.home(never)
+    before = len(axis.edges_s)
+    axis.driver.move_to(5.0, never)
+    edges_s = axis.edges_s[before:]
+    pauses_s = [(later - earlier) / 2 for earlier, later in zip(edges_s, edges_s[1:])]
+    assert len(edges_s) == 500
+    assert pauses_s == pytest.approx(list(RAMP.pauses_s(500))[:-1], abs=1e-6)
+
+
+def test_the_count_is_exact_whatever_is_stopped_when(axis):
+    chance = random.Random(5)
+    axis.driver.home(never)
+    for _ in range(60):
+        polls = chance.randrange(0, 300)
+        countdown = iter([False] * polls)
+        with contextlib.suppress(MotionStopped):
+            axis.driver.move_to(chance.randrange(0, 2000) / 100, lambda c=countdown: next(c, True))
+        assert round(axis.driver.coordinate * 100) == axis.steps
+        assert axis.daemon.level(STEP) == 0
+
+
+@given(st.floats(0.0, 3.0))
+@settings(max_examples=30, deadline=None)
+def test_a_stop_takes_effect_within_its_limit_and_the_ramp(tmp_path_factory, request_s):
+    axis = Axis(tmp_path_factory.mktemp("lock"))
+    axis.driver._engine.place(0)
+    axis.driver._homed = True
+    begin_s = axis.clock.now_s()
+    with contextlib.suppress(MotionStopped):
+        axis.driver.move_to(100.0, lambda: axis.clock.now_s() >= begin_s + request_s)
+    ramp_s = RAMP.duration_s(2 * RAMP.braking_steps(RAMP.min_pause_s)) / 2.0
+    assert axis.clock.now_s() - begin_s - request_s < ramp_s + STOP_S
+    axis.lock.close()
+
+
+def test_a_daemon_left_without_waves_slows_the_rest_down(axis):
+    axis.driver.home(never)
+    oversleep(axis, 200, 0.08)
+    axis.driver.move_to(10.0, never)
+    assert axis.steps == 1000
+    assert axis.driver.last_lateness.slowed == 1
+    edges_s = axis.edges_s[-1000:]
+    pauses_s = [(later - earlier) / 2 for earlier, later in zip(edges_s, edges_s[1:])]
+    for earlier_s, later_s in zip(pauses_s, pauses_s[1:]):
+        slow_s = min(earlier_s, RAMP.max_pause_s)
+        assert later_s >= slow_s - RAMP.delta_s - X_PARAMETERS.late_limit_s
+
+
+def test_a_daemon_left_without_waves_for_long_ends_the_move(axis):
+    axis.driver.home(never)
+    oversleep(axis, 200, 0.5)
+    with pytest.raises(PositionLostError):
+        axis.driver.move_to(10.0, never)
+    assert not axis.driver.homed
+    assert not axis.count.trusted
+
+
+def test_a_wave_that_the_daemon_dropped_makes_the_position_unknown(axis):
+    axis.driver.home(never)
+    axis.daemon.lost_after = len(axis.daemon.sendings) + 5
+    with pytest.raises(PositionLostError):
+        axis.driver.move_to(10.0, never)
+    assert not axis.count.trusted
+
+
+def test_the_endstop_pressed_in_a_move_ends_it(axis):
+    axis.driver.home(never)
+    axis.driver.move_to(10.0, never)
+    axis.daemon.inputs = lambda gpio: int(axis.steps > 500)
+    report = axis.runner.run(Motion(False, 1000, RAMP, guarded=True), never)
+    assert report.ending is Ending.PRESSED
+    # Two waves of 25 ms at most pass before it is seen.
+    assert 480 <= axis.steps <= 500
+    assert axis.daemon.level(STEP) == 0
+
+
+def test_a_dead_daemon_is_an_error_that_names_it(axis):
+    axis.driver.home(never)
+    axis.daemon.running = False
+    with pytest.raises(PulseProcessError, match="pigpiod"):
+        axis.driver.move_to(1.0, never)
+
+
+def test_a_daemon_that_does_not_run_is_an_error_at_the_start(tmp_path):
+    daemon = RecordedPigpio(SteppedClock())
+    daemon.running = False
+    lock = lock_wave_transmitter(tmp_path / "lock")
+    with pytest.raises(PinLibraryError, match="systemctl start pigpiod"):
+        WaveRunner(daemon, lock, Z_PARAMETERS, SteppedClock(), Count())
+    lock.close()
+
+
+def test_only_one_axis_gets_the_transmitter(tmp_path):
+    first = lock_wave_transmitter(tmp_path / "lock")
+    with pytest.raises(PinLibraryError, match="one axis and rpi_gpio"):
+        lock_wave_transmitter(tmp_path / "lock")
+    first.close()
+    lock_wave_transmitter(tmp_path / "lock").close()
+
+
+def test_closing_leaves_the_pins_low_and_the_transmitter_free(axis, tmp_path):
+    axis.driver.home(never)
+    axis.driver.move_to(1.0, never)
+    axis.runner.close()
+    assert axis.daemon.levels == {DIR: 0, STEP: 0}
+    lock_wave_transmitter(tmp_path / "lock").close()
+
+
+def oversleep(axis, sleeps, delay_s):
+    """Let one sleep of the runner be too long."""
+    delays = iter([0.0] * sleeps + [delay_s])
+    axis.clock.oversleep_s = lambda: next(delays, 0.0)

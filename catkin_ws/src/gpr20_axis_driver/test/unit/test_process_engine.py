@@ -1,0 +1,284 @@
+"""Pulses made by a process of their own: exact counts, stops, and every way of dying."""
+
+import contextlib
+import importlib.util
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from axis_machine import X_PARAMETERS, never
+from simulated_axis import LIMIT_S, SimulatedAxis, exists, wait_until
+
+from gpr20_axis_driver.axis_exceptions import (
+    AxisException,
+    MotionStopped,
+    PositionLostError,
+    PulseProcessError,
+    StepMemoryError,
+    ZeroUnknownError,
+)
+from gpr20_axis_driver.low import pulse_process
+from gpr20_axis_driver.mid import process_engine
+from gpr20_axis_driver.mid.process_engine import ProcessEngine
+from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_axis_driver.mid.robot_hardware import RobotHardware
+from gpr20_simulator.low.world import AxisName, open_world
+
+# What a stop may take besides the ramp.
+STOP_S = 0.1
+
+
+@pytest.fixture
+def make(tmp_path):
+    """Make axes that are closed in the end, one at a time for each name."""
+    with contextlib.ExitStack() as ending:
+
+        def make_axis(axis, time_scale=1.0):
+            made = SimulatedAxis(tmp_path, axis, time_scale)
+            ending.callback(made.engine.close)
+            return made
+
+        yield make_axis
+
+
+class Move(threading.Thread):
+    """A move in the background; `error` is what it raised."""
+
+    def __init__(self, axis, target, stop=never):
+        super().__init__()
+        self.axis, self.target, self.stop = axis, target, stop
+        self.error = None
+        self.start()
+
+    def run(self):
+        try:
+            self.axis.driver.move_to(self.target, self.stop)
+        except AxisException as error:
+            self.error = error
+
+    def result(self):
+        self.join(LIMIT_S)
+        assert not self.is_alive()
+        return self.error
+
+
+def test_moves_and_stops_at_random_never_lose_a_step(make):
+    axis = make(AxisName.X, time_scale=500.0)
+    axis.driver.home(never)
+    chance = random.Random(3)
+    for _ in range(100):
+        polls = chance.randrange(1, 12)
+        countdown = iter([False] * polls)
+        with contextlib.suppress(MotionStopped):
+            axis.driver.move_to(chance.randrange(0, 3000) / 100, lambda c=countdown: next(c, True))
+        assert round(axis.driver.coordinate * 100) == axis.true_steps
+
+
+def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
+    axis = make(AxisName.X)
+    axis.engine.place(200)
+    axis.driver._homed = True
+    requested = threading.Event()
+    move = Move(axis, 50.0, requested.is_set)
+    wait_until(lambda: axis.true_steps > 300)
+    requested.set()
+    requested_ns = time.monotonic_ns()
+    assert isinstance(move.result(), MotionStopped)
+    ramp = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
+    ramp_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
+    took_s = (axis.world.last_pulse_ns(AxisName.X) - requested_ns) * 1e-9
+    assert took_s < ramp_s + STOP_S
+    assert axis.true_steps == axis.engine.steps
+    assert axis.driver.homed
+
+
+def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
+    axis = make(AxisName.Z)
+    axis.driver.home(never)
+    with pytest.raises(MotionStopped):
+        axis.driver.move_to(90.0, lambda: True)
+    assert axis.true_steps == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_not_homed(
+    make, number
+):
+    axis = make(AxisName.X, time_scale=10.0)
+    axis.driver.home(never)
+    for _ in range(4):
+        before = axis.engine.process_id
+        move = Move(axis, 100.0)
+        wait_until(lambda: axis.true_steps > 100)
+        os.kill(before, number)
+        error = move.result()
+        assert isinstance(error, PulseProcessError)
+        assert "home the axis" in str(error)
+        assert axis.pins_low
+        assert not exists(before)
+        assert not axis.driver.homed
+        assert not axis.engine.trusted
+        axis.driver.home(never)
+        assert (axis.driver.coordinate, axis.true_steps) == (0.0, 0)
+        assert axis.engine.process_id != before
+
+
+def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
+    axis = make(AxisName.Z)
+    axis.driver.home(never)
+    process_id = axis.engine.process_id
+    os.kill(process_id, signal.SIGKILL)
+    wait_until(lambda: axis.driver.failure)
+    assert "ended by SIGKILL" in axis.driver.failure
+    assert not axis.driver.homed
+    axis.driver.home(never)
+    assert axis.driver.homed
+    assert not axis.driver.failure
+
+
+def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_path):
+    node = subprocess.Popen(
+        [sys.executable, str(Path(__file__).with_name("dying_node.py")), str(tmp_path)],
+        stdout=subprocess.PIPE,
+    )
+    process_id = int(node.stdout.readline())
+    world = open_world(tmp_path / "world", {})
+    wait_until(lambda: world.steps(AxisName.Z) > 10)
+    node.kill()
+    killed_ns = time.monotonic_ns()
+    node.communicate()
+    wait_until(lambda: not exists(process_id))
+    assert world.pins_low(AxisName.Z)
+    assert 10 < world.steps(AxisName.Z) < 50
+    # The turn ramps down: at most three steps of 50 ms after one of 20 ms.
+    assert world.last_pulse_ns(AxisName.Z) - killed_ns < (STOP_S + 0.2) * 1e9
+    axis = make(AxisName.Z)
+    assert not axis.driver.homed
+    axis.driver.home(never)
+    assert (axis.true_steps, axis.driver.coordinate) == (0, 0.0)
+
+
+def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make):
+    axis = make(AxisName.Z)
+    axis.driver.home(never)
+    move = Move(axis, 90.0)
+    wait_until(lambda: axis.true_steps > 10)
+    os.kill(axis.engine.process_id, signal.SIGKILL)
+    assert isinstance(move.result(), PulseProcessError)
+    with pytest.raises(ZeroUnknownError, match="set_zero"):
+        axis.driver.home(never)
+    axis.driver.set_zero()
+    assert axis.driver.homed
+
+
+def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trusted(make):
+    axis = make(AxisName.Z)
+    axis.driver.home(never)
+    move = Move(axis, 90.0)
+    wait_until(lambda: axis.true_steps > 15)
+    os.kill(axis.engine.process_id, signal.SIGSTOP)
+    halted = axis.true_steps
+    # As long as this process cannot know better, the other one is taken for late.
+    time.sleep(0.2)
+    os.kill(axis.engine.process_id, signal.SIGCONT)
+    error = move.result()
+    assert isinstance(error, PositionLostError)
+    assert "set_zero" in str(error)
+    assert axis.true_steps - halted <= 1
+    assert not axis.driver.homed
+
+
+def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
+    monkeypatch.setattr(process_engine, "STALL_LIMIT_S", 0.2)
+    monkeypatch.setattr(process_engine, "STALL_STEPS", 1)
+    axis = make(AxisName.Z)
+    axis.driver.home(never)
+    move = Move(axis, 90.0)
+    wait_until(lambda: axis.true_steps > 5)
+    process_id = axis.engine.process_id
+    os.kill(process_id, signal.SIGSTOP)
+    error = move.result()
+    assert isinstance(error, PulseProcessError)
+    assert "made no step" in str(error)
+    assert not exists(process_id)
+    assert axis.pins_low
+
+
+def test_a_second_driver_of_the_same_axis_is_refused(make, monkeypatch):
+    monkeypatch.setattr(process_engine, "LOCK_LIMIT_S", 0.05)
+    make(AxisName.X)
+    with pytest.raises(StepMemoryError, match="another process drives this axis"):
+        make(AxisName.X)
+
+
+def test_closing_leaves_no_process_and_the_pins_low(make):
+    axis = make(AxisName.X, time_scale=10.0)
+    axis.driver.home(never)
+    process_id = axis.engine.process_id
+    axis.driver.close(timeout_s=1.0)
+    assert not exists(process_id)
+    assert axis.pins_low
+
+
+def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, monkeypatch):
+    monkeypatch.setattr(pulse_process, "END_LIMIT_S", 0.2)
+    axis = make(AxisName.Z)
+    axis.driver.home(never)
+    move = Move(axis, 90.0)
+    wait_until(lambda: axis.true_steps > 5)
+    process_id = axis.engine.process_id
+    os.kill(process_id, signal.SIGSTOP)
+    axis.driver.close(timeout_s=0.05)
+    assert not exists(process_id)
+    assert axis.pins_low
+    assert isinstance(move.result(), PulseProcessError)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("RPi") is not None, reason="this is the robot")
+def test_a_missing_library_is_an_error_at_the_start_and_leaves_no_process():
+    with pytest.raises(PulseProcessError, match="robot:=simulated"):
+        ProcessEngine(RobotHardware(X_PARAMETERS))
+    children = Path(f"/proc/self/task/{threading.get_native_id()}/children").read_text().split()
+    assert not any("pulse_process" in command_of(child) for child in children)
+
+
+def command_of(process_id):
+    return Path(f"/proc/{process_id}/cmdline").read_text()
+
+
+def test_pulses_are_punctual_or_say_why_not(make):
+    axis = make(AxisName.Z)
+    if axis.engine.unpunctual:
+        assert "refused: " in axis.engine.scheduling
+    else:
+        assert "SCHED_FIFO" in axis.engine.scheduling
+
+
+def test_a_faster_robot_asks_for_no_real_time(make):
+    axis = make(AxisName.X, time_scale=10.0)
+    assert not axis.engine.unpunctual
+    assert "ordinary scheduling" in axis.engine.scheduling
+
+
+def test_a_user_without_rights_gets_ordinary_scheduling_and_the_reason():
+    program = (
+        "import os\n"
+        "from gpr20_axis_driver.low.scheduling import realtime_scheduling\n"
+        "import resource\n"
+        "resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))\n"
+        "resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))\n"
+        "if os.getuid() == 0: os.setuid(65534)\n"
+        "print(realtime_scheduling())\n"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    ).stdout
+    assert "realtime=False" in answer
+    assert "SCHED_FIFO (Operation not permitted)" in answer
+    assert "limits.d" in answer

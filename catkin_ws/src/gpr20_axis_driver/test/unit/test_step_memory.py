@@ -1,0 +1,115 @@
+"""The step count in its file."""
+
+import mmap
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_axis_driver.axis_exceptions import StepMemoryError
+from gpr20_axis_driver.low.step_memory import FILE_BYTES, open_step_memory
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "folder" / "z_axis"
+
+
+def reopen(path, step_size=1.8):
+    return open_step_memory(path, step_size, lock_limit_s=0.0)
+
+
+def test_a_new_file_knows_nothing(path):
+    assert not reopen(path).trusted
+
+
+@pytest.mark.parametrize("steps", [0, 50, -50, 2**40])
+def test_the_count_of_a_resting_motor_is_there_again(path, steps):
+    memory = reopen(path)
+    memory.place(steps)
+    memory.close()
+    again = reopen(path)
+    assert (again.steps, again.trusted) == (steps, True)
+
+
+def test_a_motor_that_was_turning_is_not_trusted(path):
+    memory = reopen(path)
+    memory.place(0)
+    memory.begin()
+    for _ in range(7):
+        memory.count(-1)
+    memory.close()
+    again = reopen(path)
+    assert not again.trusted
+    again.rest()
+    assert (again.steps, again.trusted) == (-7, True)
+
+
+def test_steps_of_another_size_are_not_trusted(path):
+    memory = reopen(path)
+    memory.place(10)
+    memory.close()
+    assert not reopen(path, step_size=0.9).trusted
+
+
+def test_two_processes_cannot_drive_one_axis(path):
+    memory = reopen(path)
+    with pytest.raises(StepMemoryError, match="another process drives this axis"):
+        reopen(path)
+    memory.close()
+    reopen(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"\0" * FILE_BYTES, b"x" * 10, b"x" * 4096])
+def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
+    path.parent.mkdir()
+    path.write_bytes(content)
+    with pytest.raises(StepMemoryError, match="move it away"):
+        reopen(path)
+    assert path.read_bytes() == content
+
+
+def test_a_place_that_cannot_be_written_is_an_error_that_names_it(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StepMemoryError, match="file/memory"):
+        reopen(tmp_path / "file" / "memory")
+
+
+@given(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6))
+def test_a_count_torn_by_a_power_cut_is_never_trusted(tmp_path_factory, before, after):
+    path = tmp_path_factory.mktemp("memory") / "z"
+    memory = reopen(path)
+    memory.place(before)
+    old = path.read_bytes()
+    memory.place(after)
+    new = path.read_bytes()
+    memory.close()
+    for cut in range(0, FILE_BYTES, 8):
+        for torn in (old[:cut] + new[cut:], new[:cut] + old[cut:]):
+            path.write_bytes(torn)
+            again = reopen(path)
+            assert not again.trusted or again.steps in (before, after)
+            again.close()
+
+
+def test_what_is_begun_is_on_the_disk_before_the_first_step(path, monkeypatch):
+    memory = reopen(path)
+    memory.place(3)
+    assert mmap.PAGESIZE >= FILE_BYTES
+    flushed = []
+    monkeypatch.setattr(memory, "_memory", Flushed(memory, flushed))
+    memory.begin()
+    memory.count(1)
+    memory.rest()
+    assert flushed == [(3, False), (4, True)]
+
+
+class Flushed:
+    """Notes what the count was when it was written to the disk."""
+
+    def __init__(self, memory, flushed):
+        self.memory = memory
+        self.flushed = flushed
+
+    def flush(self):
+        self.flushed.append((self.memory.steps, self.memory.trusted))

@@ -1,0 +1,81 @@
+"""The zero of an axis that has no endstop."""
+
+import pytest
+from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis, never
+
+from gpr20_axis_driver.axis_exceptions import (
+    AxisBusyError,
+    EndstopError,
+    MotionStopped,
+    PositionLostError,
+    ZeroUnknownError,
+)
+
+
+def test_homing_is_refused_while_nobody_knows_the_rotation():
+    axis = Axis(Z_PARAMETERS, start_steps=50)
+    with pytest.raises(ZeroUnknownError, match="to their mark and call the service set_zero"):
+        axis.driver.home(never)
+    assert axis.machine.pulses == []
+    assert not axis.driver.homed
+
+
+def test_homing_turns_back_by_what_is_remembered():
+    axis = Axis(Z_PARAMETERS, start_steps=50)
+    axis.engine.place(50)
+    axis.driver.home(never)
+    assert axis.machine.steps == 0
+    assert (axis.driver.homed, axis.driver.coordinate) == (True, 0.0)
+
+
+def test_homing_twice_does_not_take_the_rotation_of_a_measurement_for_zero():
+    axis = Axis(Z_PARAMETERS, start_steps=0)
+    axis.driver.set_zero()
+    axis.driver.move_to(90.0, never)
+    axis.driver.home(never)
+    assert axis.machine.steps == 0
+
+
+def test_a_homing_that_was_stopped_is_not_homed_and_goes_on_later():
+    axis = Axis(Z_PARAMETERS, start_steps=50)
+    axis.engine.place(50)
+    with pytest.raises(MotionStopped):
+        axis.driver.home(lambda: len(axis.machine.pulses) >= 10)
+    assert not axis.driver.homed
+    axis.driver.home(never)
+    assert axis.machine.steps == 0
+
+
+def test_after_a_gap_the_zero_must_be_set_again():
+    axis = Axis(Z_PARAMETERS, start_steps=0)
+    axis.driver.set_zero()
+    sleeps = iter([0.0] * 40 + [0.2])
+    axis.clock.oversleep_s = lambda: next(sleeps, 0.0)
+    with pytest.raises(PositionLostError, match="to their mark and call the service set_zero"):
+        axis.driver.move_to(90.0, never)
+    with pytest.raises(ZeroUnknownError):
+        axis.driver.home(never)
+    axis.driver.set_zero()
+    assert axis.driver.homed
+
+
+def test_the_zero_is_not_set_in_the_middle_of_a_turn():
+    axis = Axis(Z_PARAMETERS, start_steps=0)
+    axis.driver.set_zero()
+    refused = []
+
+    def set_zero():
+        if not refused:
+            with pytest.raises(AxisBusyError) as raised:
+                axis.driver.set_zero()
+            refused.append(raised)
+        return False
+
+    axis.driver.move_to(90.0, set_zero)
+    assert refused
+    assert axis.driver.coordinate == 90.0
+
+
+def test_an_axis_with_an_endstop_takes_its_zero_from_there_alone():
+    with pytest.raises(EndstopError, match="home the axis"):
+        Axis(X_PARAMETERS).driver.set_zero()

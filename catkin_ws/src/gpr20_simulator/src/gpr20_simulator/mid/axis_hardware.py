@@ -1,0 +1,70 @@
+"""What the driver of one axis is wired to on the simulated robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar, Optional
+
+from gpr20_axis_driver.low.step_memory import StepMemory
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.motion import LateLimits, MotionRunner
+from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
+from gpr20_common.low.clock import Clock
+from gpr20_simulator.low.pins import SimulatedPins
+from gpr20_simulator.low.scaled_clock import ScaledClock
+from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.mid.carriage import AxisMotor
+from gpr20_simulator.mid.scene import AxisMechanics
+from gpr20_simulator.mid.wiring import WIRING
+
+# The faster robot's pulses come as fast as this computer can make them, so their lateness says
+# nothing about the motor.
+NO_LIMITS = LateLimits(math.inf, math.inf)
+
+
+@dataclass(frozen=True)
+class SimulatedHardware:
+    """Pins whose pulses move the carriage of a world; an `AxisHardware`.
+
+    Attributes:
+        parameters: The axis's parameters.
+        world_path: The file of the simulated world.
+        axis: Which axis this is.
+        mechanics: What its motor moves.
+        time_scale: How many times faster than the real robot it moves.
+        first_steps: Where the motor stands when the robot is switched on [motor steps].
+    """
+
+    name: ClassVar[str] = "simulated DRV8825"
+
+    parameters: AxisParameters
+    world_path: Path
+    axis: AxisName
+    mechanics: AxisMechanics
+    time_scale: float
+    first_steps: Optional[int]
+
+    @property
+    def clock(self) -> Clock:
+        """The robot's clock."""
+        return ScaledClock(self.time_scale)
+
+    @property
+    def realtime(self) -> bool:
+        """Only a robot as fast as the real one needs punctual pulses."""
+        return self.time_scale == 1.0
+
+    @property
+    def step_file(self) -> Path:
+        """The steps are forgotten with the world, whatever file the robot would have."""
+        return self.world_path.with_name(f"{self.world_path.name}_{self.axis.value}_steps")
+
+    def open(self, memory: StepMemory) -> MotionRunner:
+        """Open the pins; called in the process that makes the pulses."""
+        motor = AxisMotor(open_world(self.world_path, {}), self.axis, self.mechanics)
+        wiring = WIRING[self.axis]
+        pins = SimulatedPins(motor, wiring.dir_pin, wiring.step_pin, wiring.sensor_pin)
+        limits = late_limits(self.parameters) if self.realtime else NO_LIMITS
+        return pulse_loop_on_pins(pins, self.parameters, self.clock, limits, memory)
