@@ -40,6 +40,7 @@ GRAPH_TOPICS = {
     "/control_target_coordinate",
     "/control_current_coordinate",
     "/control_survey_data",
+    "/survey_coverage",
     "/diagnostics",
 }
 GRAPH_SERVICES = {
@@ -52,10 +53,13 @@ GRAPH_SERVICES = {
     "/get_data",
     "/get_calibration_status",
     "/open_survey",
+    "/reopen_survey",
+    "/report_survey",
     "/store_data",
     "/close_survey",
     "/set_survey_parameters",
     "/start_survey",
+    "/pause_survey",
     "/stop_survey",
     "/resume_survey",
     "/simulator/set_fault",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 import time
 from dataclasses import replace
@@ -9,8 +10,9 @@ from dataclasses import replace
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.main_control import MainControl, RobotFacts
+from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.robot import AxisId, AxisReading, MoveOutcome, Robot, Sweep
+from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_settings import SurveySettings
@@ -179,6 +181,8 @@ class FakeStorage:
         self.records = []
         self.samples = []
         self.closed = []
+        self.reports = []
+        self.reopened = None
         self.failures = 0
         self.fail_open = ""
         self.lose = 0
@@ -191,6 +195,14 @@ class FakeStorage:
         self.records.append(record)
         return "/data/survey"
 
+    def reopen(self, survey):
+        if self.reopened is None:
+            raise DeviceError(f"there is no survey {survey}")
+        return self.reopened
+
+    def report(self, survey_id, report_json):
+        self.reports.append(json.loads(report_json))
+
     def store(self, sample):
         self.free.wait(LIMIT_S)
         if self.failures:
@@ -200,7 +212,9 @@ class FakeStorage:
 
     def close(self, survey_id, outcome, reason):
         self.closed.append((survey_id, outcome, reason))
-        return sum(sample.survey_id == survey_id for sample in self.samples) - self.lose
+        stored = sum(sample.survey_id == survey_id for sample in self.samples)
+        before = 0 if self.reopened is None else len(self.reopened.stored_indices)
+        return before + stored - self.lose
 
 
 class Bench:
@@ -212,6 +226,7 @@ class Bench:
         self.storage = FakeStorage()
         robot = Robot(self.x, self.y, self.z, self.analyzer, self.height, self.storage)
         self.history = []
+        self.coverages = []
         self._changed = threading.Condition()
         self.board = StatusBoard(self._note)
         self.control = MainControl(
@@ -221,6 +236,7 @@ class Bench:
             self.board,
             clock or FastClock(),
             time.time_ns,
+            lambda coverage: self.coverages.append((coverage.states, coverage.verdict())),
         )
 
     def _note(self, _before, after):

@@ -9,7 +9,14 @@ import rospy
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import Sample, SurveyRecord, Sweep, SweepSetting
+from gpr20_main_control.mid.robot import (
+    ReopenedSurvey,
+    Sample,
+    StoredTrace,
+    SurveyRecord,
+    Sweep,
+    SweepSetting,
+)
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -20,6 +27,8 @@ from gpr20_msgs.srv import (
     GetFreq,
     GetHeight,
     OpenSurvey,
+    ReopenSurvey,
+    ReportSurvey,
     StoreData,
 )
 
@@ -109,6 +118,8 @@ class StorageLink:
 
     def __init__(self, time_limit_s: float) -> None:
         self._open = Caller("open_survey", OpenSurvey, time_limit_s)
+        self._reopen = Caller("reopen_survey", ReopenSurvey, time_limit_s)
+        self._report = Caller("report_survey", ReportSurvey, time_limit_s)
         self._store = Caller("store_data", StoreData, time_limit_s)
         self._close = Caller("close_survey", CloseSurvey, time_limit_s)
 
@@ -121,6 +132,30 @@ class StorageLink:
             needed_bytes=record.needed_bytes,
         )
         return str(response.path)
+
+    def reopen(self, survey: str) -> ReopenedSurvey:
+        """Open a survey again, by its id or the name of its folder."""
+        response = self._reopen(survey=survey)
+        last = response.last
+        stored_last = StoredTrace(
+            last.index,
+            last.antennae_height_m,
+            tuple(last.frequency_hz),
+            tuple(last.s21_real),
+            tuple(last.s21_imag),
+        )
+        return ReopenedSurvey(
+            survey_id=response.survey_id,
+            folder=response.path,
+            metadata_json=response.metadata_json,
+            report_json=response.report_json,
+            stored_indices=tuple(response.stored_indices),
+            last=stored_last if last.frequency_hz else None,
+        )
+
+    def report(self, survey_id: str, report_json: str) -> None:
+        """Keep a report of the survey beside its metadata."""
+        self._report(survey_id=survey_id, report_json=report_json)
 
     def store(self, sample: Sample) -> None:
         """Store a trace; returning means that it is durable."""

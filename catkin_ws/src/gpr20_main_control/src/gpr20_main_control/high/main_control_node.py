@@ -24,13 +24,15 @@ from gpr20_main_control.high.device_links import (
     StorageLink,
     utc_now_ns,
 )
-from gpr20_main_control.mid.main_control import MainControl, RobotFacts
+from gpr20_main_control.mid.coverage import Coverage
+from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.robot import AxisId, Robot
+from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import Status, StatusBoard
 from gpr20_main_control.mid.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_main_control.mid.survey_settings import SurveySettings
 from gpr20_main_control.mid.survey_state import SurveyState
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     ResumeSurvey,
     ResumeSurveyResponse,
@@ -77,12 +79,18 @@ class MainControlNode:
         self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
         self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
         self._progress = rospy.Publisher("control_survey_data", SurveyData, queue_size=10)
+        self._coverage = rospy.Publisher(
+            "survey_coverage", SurveyCoverage, queue_size=10, latch=True
+        )
         self._board = StatusBoard(self._publish_change)
-        self._control = MainControl(robot, facts, settings, self._board, clock, utc_now_ns)
+        self._control = MainControl(
+            robot, facts, settings, self._board, clock, utc_now_ns, self._publish_coverage
+        )
         self._publish_status(self._board.status)
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
+            advertise("pause_survey", Trigger, self._pause),
             advertise("stop_survey", Trigger, self._stop),
             advertise("resume_survey", ResumeSurvey, self._resume),
         ]
@@ -114,8 +122,11 @@ class MainControlNode:
     def _stop(self, _request: Any) -> TriggerResponse:
         return TriggerResponse(True, self._control.stop())
 
+    def _pause(self, _request: Any) -> TriggerResponse:
+        return TriggerResponse(True, self._control.pause())
+
     def _resume(self, request: Any) -> ResumeSurveyResponse:
-        return ResumeSurveyResponse(True, self._control.resume(request.survey_id))
+        return ResumeSurveyResponse(True, self._control.resume(request.survey))
 
     def _publish_change(self, before: Status, after: Status) -> None:
         if (before.state, before.message) != (after.state, after.message):
@@ -152,6 +163,19 @@ class MainControlNode:
         message.remaining_points = status.total_points - status.visited_points
         message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
         self._progress.publish(message)
+
+    def _publish_coverage(self, coverage: Coverage) -> None:
+        reasons = coverage.reasons
+        message = SurveyCoverage()
+        message.header.stamp = rospy.Time.now()
+        message.survey_id = self._board.status.survey_id
+        runs = coverage.runs()
+        message.planned = len(coverage.states)
+        message.run_starts = [start for start, _state in runs]
+        message.run_states = bytes(state for _start, state in runs)
+        message.failures = [f"{index}: {reasons[index]}" for index in sorted(reasons)]
+        message.verdict = coverage.verdict().text
+        self._coverage.publish(message)
 
     def _publish_current(self) -> None:
         readings = [axis.reading() for _axis_id, axis in self._robot.axes()]

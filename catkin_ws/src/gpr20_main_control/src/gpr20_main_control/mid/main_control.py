@@ -6,18 +6,22 @@ import json
 import threading
 import uuid
 from dataclasses import asdict, dataclass, replace
-from typing import Callable, Dict, Optional
+from typing import Callable, Optional
 
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.coverage import Coverage
+from gpr20_main_control.mid.measurement import PointMeasurement
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.preparation import (
     CALIBRATION_MEANINGS,
     InstrumentState,
     Preparation,
 )
-from gpr20_main_control.mid.robot import AxisId, Robot, SurveyRecord
+from gpr20_main_control.mid.resumption import resumable_parameters
+from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord
+from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.survey_estimate import (
     MeasuringTimes,
@@ -25,36 +29,14 @@ from gpr20_main_control.mid.survey_estimate import (
     point_durations_s,
 )
 from gpr20_main_control.mid.survey_parameters import (
-    RobotTravel,
     SurveyParameters,
-    Travel,
     check,
 )
 from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_run import SurveyPlan, SurveyRun
 from gpr20_main_control.mid.survey_settings import SurveySettings
 from gpr20_main_control.mid.survey_state import SurveyState
-
-
-@dataclass(frozen=True)
-class RobotFacts:
-    """What is fixed for one robot.
-
-    Attributes:
-        axes: Parameters of its axes.
-        simulated: Whether it is simulated.
-        time_scale: How many times faster than the real robot it runs; 1 if it is real.
-    """
-
-    axes: Dict[AxisId, AxisParameters]
-    simulated: bool
-    time_scale: float = 1.0
-
-    @property
-    def travel(self) -> RobotTravel:
-        """What the axes can do."""
-        x, y, z = (self.axes[axis_id] for axis_id in AxisId)
-        return RobotTravel(_travel(x), _travel(y), _travel(z))
 
 
 @dataclass(frozen=True)
@@ -76,6 +58,7 @@ class MainControl:
         board: StatusBoard,
         clock: Clock,
         utc_now_ns: Callable[[], int],
+        on_coverage: Callable[[Coverage], None],
     ) -> None:
         self._robot = robot
         self._facts = facts
@@ -83,6 +66,7 @@ class MainControl:
         self._board = board
         self._clock = clock
         self._utc_now_ns = utc_now_ns
+        self._on_coverage = on_coverage
         self._requests = threading.Lock()
         self._parameters: Optional[SurveyParameters] = None
         self._stop = threading.Event()
@@ -100,7 +84,7 @@ class MainControl:
         with self._requests:
             self._refuse_while_running("the parameters cannot be changed")
             check(parameters, self._facts.travel)
-            plan = self._plan(parameters)
+            plan = self._plan(parameters, "")
             self._parameters = parameters
             self._board.enter(SurveyState.CONFIGURED, f"ready for {len(plan.points)} traces")
             return SurveyEstimate(len(plan.points), sum(plan.durations_s))
@@ -115,14 +99,26 @@ class MainControl:
             self._refuse_while_running("another survey cannot start")
             if self._parameters is None:
                 raise RequestRefusedError("no parameters have been set; set them, then start")
-            plan = self._plan(self._parameters)
-            self._stop.clear()
-            self._board.begin_survey(plan.survey_id, len(plan.points), sum(plan.durations_s))
-            self._board.enter(SurveyState.CHECKING, "checking the robot")
-            self._run = self._new_run(plan, self._parameters)
-            self._thread = threading.Thread(target=self._run.run, name="survey")
-            self._thread.start()
+            plan = self._plan(self._parameters, str(uuid.uuid4()))
+            self._begin(plan, self._parameters, None)
             return plan.survey_id
+
+    def pause(self) -> str:
+        """Hold the survey after the sample that is being measured.
+
+        Raises:
+            RequestRefusedError: No survey is measuring now.
+        """
+        with self._requests:
+            status = self._board.status
+            if status.state is not SurveyState.SURVEYING or self._run is None:
+                raise RequestRefusedError(
+                    f"no survey is measuring (the control is {status.state.name}); there is "
+                    "nothing to pause"
+                )
+            self._board.enter(SurveyState.PAUSING, "pausing after this sample")
+            self._run.pause()
+            return "pausing; control_status says PAUSED when the present sample is taken"
 
     def stop(self) -> str:
         """Stop the survey now; returns while the axes are still slowing down.
@@ -137,25 +133,33 @@ class MainControl:
         self._positioner.stop()
         return "stopping; control_status says STOPPED when everything stands still and is stored"
 
-    def resume(self, survey_id: str) -> str:
-        """Go on with the paused survey.
+    def resume(self, survey: str) -> str:
+        """Go on with the paused survey, or with one that was cut off or ended early.
+
+        Args:
+            survey: Empty for the paused one; else a survey's id or the name of its folder.
 
         Raises:
-            RequestRefusedError: No survey, or another one, is paused.
+            RequestRefusedError: There is nothing to resume, or not on this robot.
+            DeviceError: The survey could not be opened again.
         """
         with self._requests:
             status = self._board.status
-            if status.state is not SurveyState.PAUSED or self._run is None:
+            if status.state is SurveyState.PAUSED and self._run is not None:
+                if survey not in ("", status.survey_id):
+                    raise RequestRefusedError(
+                        f"the paused survey is {status.survey_id}, not {survey[:64]!r}; stop it "
+                        "first"
+                    )
+                self._run.resume()
+                return "resuming"
+            self._refuse_while_running("another survey cannot be resumed")
+            if not survey:
                 raise RequestRefusedError(
-                    f"no survey is paused (the control is {status.state.name}); there is nothing "
-                    "to resume"
+                    f"no survey is paused (the control is {status.state.name}); name the survey "
+                    "that shall go on"
                 )
-            if survey_id not in ("", status.survey_id):
-                raise RequestRefusedError(
-                    f"the paused survey is {status.survey_id}, not {survey_id[:64]!r}"
-                )
-            self._run.resume()
-            return "resuming"
+            return self._resume_from_disk(survey)
 
     def shut_down(self, time_limit_s: float) -> None:
         """Stop a running survey and wait for its end."""
@@ -173,30 +177,78 @@ class MainControl:
         if self._thread is not None:
             self._thread.join()
 
-    def _plan(self, parameters: SurveyParameters) -> SurveyPlan:
+    def _resume_from_disk(self, survey: str) -> str:
+        reopened = self._robot.storage.reopen(survey)
+        try:
+            parameters = resumable_parameters(reopened, self._facts)
+            check(parameters, self._facts.travel)
+            plan = replace(
+                self._plan(parameters, reopened.survey_id),
+                stored=frozenset(reopened.stored_indices),
+                last=reopened.last,
+            )
+            self._parameters = parameters
+            self._begin(plan, parameters, reopened)
+        except Gpr20Error as error:
+            # Refused, so it must not stay open.
+            self._robot.storage.close(reopened.survey_id, "failed", f"not resumed: {error}")
+            raise
+        return f"resuming with {len(plan.pending)} of {len(plan.points)} traces to go"
+
+    def _begin(
+        self, plan: SurveyPlan, parameters: SurveyParameters, reopened: Optional[ReopenedSurvey]
+    ) -> None:
+        former_json = "" if reopened is None else reopened.report_json
+        coverage = Coverage(len(plan.points), plan.stored)
+        report = SurveyReport(coverage, former_json, self._on_coverage)
+        self._stop.clear()
+        self._board.begin_survey(
+            plan.survey_id, len(plan.points), len(plan.stored), sum(plan.pending_durations_s)
+        )
+        self._board.enter(SurveyState.CHECKING, "checking the robot")
+        self._run = self._new_run(plan, parameters, reopened, report)
+        self._thread = threading.Thread(target=self._run.run, name="survey")
+        self._thread.start()
+
+    def _plan(self, parameters: SurveyParameters, survey_id: str) -> SurveyPlan:
         points = survey_points(parameters, self._facts.travel)
         times = MeasuringTimes(
             self._settings.settle_s, self._settings.height_s, parameters.frequency_points
         )
         durations_s = point_durations_s(points, self._positioner.move_duration_s, times)
         scaled_s = [duration_s / self._facts.time_scale for duration_s in durations_s]
-        return SurveyPlan(str(uuid.uuid4()), points, scaled_s)
+        return SurveyPlan(survey_id, points, scaled_s)
 
-    def _new_run(self, plan: SurveyPlan, parameters: SurveyParameters) -> SurveyRun:
+    def _new_run(
+        self,
+        plan: SurveyPlan,
+        parameters: SurveyParameters,
+        reopened: Optional[ReopenedSurvey],
+        report: SurveyReport,
+    ) -> SurveyRun:
         def make_record(instrument: InstrumentState) -> SurveyRecord:
             return self._record(plan, parameters, instrument)
 
         # Vibrations of a robot that runs N times faster die down N times faster.
         settle_s = self._settings.settle_s / self._facts.time_scale
         preparation = Preparation(
-            parameters, self._settings, self._robot, self._positioner, make_record
+            parameters, self._settings, self._robot, self._positioner, make_record, reopened
+        )
+        measurement = PointMeasurement(
+            self._robot,
+            self._positioner,
+            preparation,
+            replace(self._settings, settle_s=settle_s),
+            self._stop,
+            self._clock,
         )
         return SurveyRun(
             plan,
             self._robot,
             self._positioner,
             preparation,
-            replace(self._settings, settle_s=settle_s),
+            measurement,
+            report,
             self._board,
             self._stop,
             self._clock,
@@ -223,7 +275,3 @@ class MainControl:
         }
         size = needed_bytes(len(plan.points), parameters.frequency_points, sum(plan.durations_s))
         return SurveyRecord(plan.survey_id, self._utc_now_ns(), json.dumps(metadata), size)
-
-
-def _travel(parameters: AxisParameters) -> Travel:
-    return Travel(parameters.min_coord, parameters.max_coord, parameters.step_size)

@@ -84,14 +84,20 @@ class Positioner:
             readings[AxisId.Z].coordinate,
         )
 
-    def home(self) -> None:
+    def home(self, again: bool = False) -> List[AxisId]:
         """Home together every axis that is not homed.
+
+        Args:
+            again: Home the others, too.
+
+        Returns:
+            The axes that were homed.
 
         Raises:
             DeviceError: An axis could not be homed.
             StopRequested: The survey was told to stop.
         """
-        pending = [axis_id for axis_id in self._axes if not self._reading(axis_id).homed]
+        pending = [one for one in self._axes if again or not self._reading(one).homed]
         homings = [in_background(partial(self._home, axis_id)) for axis_id in pending]
         failures = []
         for homing in homings:
@@ -103,6 +109,7 @@ class Positioner:
         if failures:
             raise failures[0]
         self._wait(lambda: all(self._reading(axis_id).homed for axis_id in pending))
+        return pending
 
     def move_to(self, point: SurveyPoint) -> None:
         """Move the axes to a point and return when all of them stand there.

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Tuple
+from typing import Callable, Optional, Tuple
 
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import Robot, SurveyRecord, SweepSetting
+from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord, SweepSetting
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
 
@@ -39,6 +39,7 @@ class Preparation:
         robot: Robot,
         positioner: Positioner,
         make_record: Callable[[InstrumentState], SurveyRecord],
+        reopened: Optional[ReopenedSurvey] = None,
     ) -> None:
         self._parameters = parameters
         self._settings = settings
@@ -46,8 +47,9 @@ class Preparation:
         self._positioner = positioner
         self._make_record = make_record
         self._instrument = InstrumentState("", 0, SweepSetting(0.0, 0.0, 0))
-        self._folder = ""
-        self._frequencies_hz: Tuple[float, ...] = ()
+        self._folder = "" if reopened is None else reopened.folder
+        last = None if reopened is None else reopened.last
+        self._frequencies_hz: Tuple[float, ...] = () if last is None else last.frequency_hz
 
     @property
     def survey_is_open(self) -> bool:

@@ -122,6 +122,17 @@ class HeightSensor(Protocol):
 
 
 @dataclass(frozen=True)
+class StoredTrace:
+    """What is compared of a trace that is on the disk; units stand in the names."""
+
+    index: int
+    antennae_height_m: float
+    frequency_hz: Tuple[float, ...]
+    s21_real: Tuple[float, ...]
+    s21_imag: Tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Sample:
     """One trace with all that goes on disk with it; units stand in the names."""
 
@@ -136,6 +147,16 @@ class Sample:
     frequency_hz: Tuple[float, ...]
     sweep: Sweep
     quality: Tuple[str, ...]
+
+    def as_stored(self) -> StoredTrace:
+        """Return what a later measurement of the same point is compared with."""
+        return StoredTrace(
+            self.index,
+            self.antennae_height_m,
+            self.frequency_hz,
+            self.sweep.s21_real,
+            self.sweep.s21_imag,
+        )
 
 
 @dataclass(frozen=True)
@@ -155,11 +176,38 @@ class SurveyRecord:
     needed_bytes: int
 
 
+@dataclass(frozen=True)
+class ReopenedSurvey:
+    """A survey that was cut off or ended early, open again.
+
+    Attributes:
+        survey_id: UUID.
+        folder: Where it is.
+        metadata_json: As it was recorded at its start.
+        report_json: The last report of it; empty if there is none.
+        stored_indices: Places in the plan whose traces are on the disk.
+        last: The trace stored last; None if there is none.
+    """
+
+    survey_id: str
+    folder: str
+    metadata_json: str
+    report_json: str
+    stored_indices: Tuple[int, ...]
+    last: Optional[StoredTrace]
+
+
 class Storage(Protocol):
     """The place where traces are kept."""
 
     def open(self, record: SurveyRecord) -> str:
         """Begin a survey and return its folder."""
+
+    def reopen(self, survey: str) -> ReopenedSurvey:
+        """Open a survey again, by its id or the name of its folder."""
+
+    def report(self, survey_id: str, report_json: str) -> None:
+        """Keep a report of the survey beside its metadata."""
 
     def store(self, sample: Sample) -> None:
         """Store a trace; returning means that it is durable."""

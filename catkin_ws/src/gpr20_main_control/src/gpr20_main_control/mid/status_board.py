@@ -67,15 +67,22 @@ class StatusBoard:
             target = self._status.target if state.running else None
             self._change(replace(self._status, state=state, message=message, target=target))
 
-    def begin_survey(self, survey_id: str, total_points: int, planned_s: float) -> None:
-        """Begin to count a new survey."""
+    def say(self, message: str) -> None:
+        """Say something else in the same state."""
+        with self._lock:
+            self._change(replace(self._status, message=message))
+
+    def begin_survey(
+        self, survey_id: str, total_points: int, visited_points: int, planned_s: float
+    ) -> None:
+        """Begin to count a survey, of which some points may be stored already."""
         with self._lock:
             self._change(
                 replace(
                     self._status,
                     survey_id=survey_id,
                     total_points=total_points,
-                    visited_points=0,
+                    visited_points=visited_points,
                     remaining_s=planned_s,
                 )
             )

@@ -24,13 +24,15 @@ class StorageQueue:
     where it is until `retry` is called.
     """
 
-    def __init__(self, storage: Storage, clock: Clock, on_stored: Callable[[int], None]) -> None:
+    def __init__(
+        self, storage: Storage, clock: Clock, on_stored: Callable[[int, int], None]
+    ) -> None:
         """Start the thread.
 
         Args:
             storage: Where samples go.
             clock: Decides how long the wait before another attempt takes.
-            on_stored: Called with the number of samples stored so far.
+            on_stored: Called with the number of samples stored so far and the index of the last.
         """
         self._storage = storage
         self._clock = clock
@@ -119,7 +121,7 @@ class StorageQueue:
                 self._failure = failure
                 self._changed.notify_all()
             if failure is None:
-                self._on_stored(self._stored)
+                self._on_stored(self._stored, sample.index)
 
     def _store(self, sample: Sample) -> Optional[DeviceError]:
         failure: Optional[DeviceError] = None

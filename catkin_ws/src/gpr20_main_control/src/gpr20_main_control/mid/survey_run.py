@@ -5,19 +5,20 @@ from __future__ import annotations
 import threading
 import uuid
 from dataclasses import dataclass
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Callable, FrozenSet, List, Optional, Sequence
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, StopRequested
-from gpr20_main_control.mid.background import in_background, result_of
+from gpr20_main_control.mid.control_measurement import compare
+from gpr20_main_control.mid.measurement import PointMeasurement
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.preparation import Preparation
-from gpr20_main_control.mid.robot import Robot, Sample, Sweep
+from gpr20_main_control.mid.robot import Robot, Sample, StoredTrace
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_main_control.mid.survey_estimate import RemainingTime
 from gpr20_main_control.mid.survey_plan import SurveyPoint
-from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
+from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_state import SurveyState
 
 # Traces that wait for the disk when a survey is stopped get this long to be stored [s].
@@ -27,11 +28,31 @@ POLL_S = 0.05
 
 @dataclass(frozen=True)
 class SurveyPlan:
-    """What a survey will do: its points in order, and how long each takes [s]."""
+    """What a survey will do.
+
+    Attributes:
+        survey_id: UUID.
+        points: All points in the order of their visit.
+        durations_s: How long each takes [s].
+        stored: Points that are on the disk already, of a survey that is resumed.
+        last: The trace of them that was stored last.
+    """
 
     survey_id: str
     points: Sequence[SurveyPoint]
     durations_s: Sequence[float]
+    stored: FrozenSet[int] = frozenset()
+    last: Optional[StoredTrace] = None
+
+    @property
+    def pending(self) -> List[SurveyPoint]:
+        """The points that are not stored yet."""
+        return [point for point in self.points if point.index not in self.stored]
+
+    @property
+    def pending_durations_s(self) -> List[float]:
+        """How long the points that are not stored yet take [s]."""
+        return [self.durations_s[point.index] for point in self.pending]
 
 
 class SurveyRun:
@@ -43,7 +64,8 @@ class SurveyRun:
         robot: Robot,
         positioner: Positioner,
         preparation: Preparation,
-        settings: SurveySettings,
+        measurement: PointMeasurement,
+        report: SurveyReport,
         board: StatusBoard,
         stop: threading.Event,
         clock: Clock,
@@ -53,15 +75,20 @@ class SurveyRun:
         self._robot = robot
         self._positioner = positioner
         self._preparation = preparation
-        self._settings = settings
+        self._measurement = measurement
+        self._report = report
         self._board = board
         self._stop = stop
         self._clock = clock
         self._utc_now_ns = utc_now_ns
+        self._pause_requested = threading.Event()
         self._resume = threading.Event()
         self._queue = StorageQueue(robot.storage, clock, self._count_stored)
-        self._remaining = RemainingTime(plan.durations_s)
+        self._pending = plan.pending
+        self._remaining = RemainingTime(plan.pending_durations_s)
         self._next = 0
+        self._last = plan.last
+        self._home_again = self._compare_again = preparation.survey_is_open
         self._surveying_since_s: Optional[float] = None
         self._surveyed_s = 0.0
 
@@ -79,6 +106,10 @@ class SurveyRun:
         finally:
             self._queue.close()
 
+    def pause(self) -> None:
+        """Hold after the sample that is being measured."""
+        self._pause_requested.set()
+
     def resume(self) -> None:
         """Go on after a pause."""
         self._resume.set()
@@ -87,106 +118,99 @@ class SurveyRun:
         while True:
             try:
                 self._prepare()
-                self._board.enter(SurveyState.SURVEYING, "measuring")
-                self._surveying_since_s = self._clock.now_s()
-                while self._next < len(self._plan.points):
-                    self._visit(self._plan.points[self._next])
-                self._queue.drain()
-                return
+                if self._measure_pending():
+                    self._queue.drain()
+                    return
+                self._hold("on request")
             except DeviceError as error:
                 # A part that was told to stop fails, too; that is no reason to pause.
                 self._raise_if_stopped()
                 if not self._preparation.survey_is_open:
                     raise
-                self._pause(str(error))
+                self._hold(f"{error}; resume when it is mended, or stop")
 
     def _prepare(self) -> None:
         self._preparation.check()
         self._raise_if_stopped()
         self._preparation.open_survey()
-        self._board.enter(SurveyState.HOMING, "homing the axes that are not homed")
-        self._positioner.home()
+        self._board.enter(SurveyState.HOMING, "homing the axes")
+        homed = self._positioner.home(again=self._home_again)
+        self._home_again = False
+        self._compare_again = self._compare_again or bool(homed)
         self._queue.retry()
+        self._board.enter(SurveyState.SURVEYING, "measuring")
+        self._surveying_since_s = self._clock.now_s()
+
+    def _measure_pending(self) -> bool:
+        """Measure until all is measured; False if a pause was requested before."""
+        if self._compare_again and self._last is not None:
+            self._measure_control(self._last)
+        self._compare_again = False
+        while self._next < len(self._pending):
+            if self._pause_requested.is_set():
+                return False
+            self._visit(self._pending[self._next])
+        return True
+
+    def _measure_control(self, stored: StoredTrace) -> None:
+        self._board.say(f"measuring point {stored.index} again as a control")
+        point = self._plan.points[stored.index]
+        self._board.aim(point)
+        measured = self._measurement.measure(point)
+        control = compare(stored, measured.sweep, measured.height_m)
+        self._report.note_control(control, self._utc_now_ns())
+        self._robot.storage.report(self._plan.survey_id, self._report.to_json())
+        self._board.say(f"measuring; {control.text}")
 
     def _visit(self, point: SurveyPoint) -> None:
-        self._raise_if_stopped()
         self._board.aim(point)
-        self._positioner.move_to(point)
-        if self._clock.wait_s(self._stop, self._settings.settle_s):
-            self._raise_if_stopped()
-        before = self._positioner.position()
-        sweep, height_m, remarks = self._measure()
-        if self._positioner.position() != before:
-            raise DeviceError(
-                f"the axes moved during the sweep at point {point.index}; nobody else may move "
-                "them during a survey"
-            )
+        try:
+            measured = self._measurement.measure(point)
+        except DeviceError as error:
+            self._report.note_failed(point.index, str(error))
+            raise
         sample = Sample(
             survey_id=self._plan.survey_id,
             sample_id=str(uuid.uuid4()),
             index=point.index,
             timestamp_ns=self._utc_now_ns(),
-            x_coord_mm=before.x_mm,
-            y_coord_mm=before.y_mm,
-            z_coord_deg=before.z_deg,
-            antennae_height_m=height_m,
+            x_coord_mm=measured.position.x_mm,
+            y_coord_mm=measured.position.y_mm,
+            z_coord_deg=measured.position.z_deg,
+            antennae_height_m=measured.height_m,
             frequency_hz=self._preparation.frequencies_hz,
-            sweep=sweep,
-            quality=sweep.quality + remarks,
+            sweep=measured.sweep,
+            quality=measured.remarks,
         )
         # Counted before the wait for room: the queue has the sample even if that fails.
         self._next += 1
+        self._last = sample.as_stored()
         self._queue.put(sample, self._stop)
 
-    def _measure(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
-        height, sweep_call = in_background(self._height), in_background(self._sweep)
-        sweep = result_of(sweep_call, self._stop)
-        height_m, remarks = result_of(height, self._stop)
-        self._raise_if_stopped()
-        return sweep, height_m, remarks
-
-    def _sweep(self) -> Sweep:
-        for _attempt in range(self._settings.attempts - 1):
-            try:
-                return self._robot.analyzer.sweep()
-            except DeviceError:
-                self._raise_if_stopped()
-                self._preparation.check_analyzer()
-        return self._robot.analyzer.sweep()
-
-    def _height(self) -> Tuple[float, Tuple[str, ...]]:
-        failure: Optional[DeviceError] = None
-        for _attempt in range(self._settings.attempts):
-            try:
-                return self._robot.height_sensor.height_m(), ()
-            except DeviceError as error:
-                failure = error
-        assert failure is not None
-        if self._settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
-            return float("nan"), (f"no height: {failure}"[:200],)
-        raise DeviceError(f"the antenna height could not be measured: {failure}") from failure
-
-    def _pause(self, reason: str) -> None:
+    def _hold(self, reason: str) -> None:
+        """Wait, paused, until the survey is resumed or stopped."""
         self._hold_time()
+        self._pause_requested.clear()
         self._resume.clear()
-        self._board.enter(
-            SurveyState.PAUSED, f"paused: {reason}; resume when it is mended, or stop"
-        )
+        self._board.enter(SurveyState.PAUSED, f"paused: {reason}")
         while not self._resume.is_set():
             self._raise_if_stopped()
             self._clock.wait_s(self._resume, POLL_S)
         self._board.enter(SurveyState.CHECKING, "checking the robot before going on")
 
     def _finish(self) -> None:
-        stored = self._robot.storage.close(self._plan.survey_id, "finished", "every point measured")
+        verdict = self._report.coverage.verdict()
+        stored = self._close("finished", verdict.text)
         total = len(self._plan.points)
-        if stored != total:
+        if not verdict.complete or stored != total:
             self._board.enter(
-                SurveyState.FAILED, f"the survey's folder holds {stored} of {total} traces"
+                SurveyState.FAILED,
+                f"{verdict.text}; the survey's folder holds {stored} of {total} traces",
             )
             return
         self._board.enter(
-            SurveyState.FINISHED, f"finished: {stored} traces in {self._preparation.folder}"
+            SurveyState.FINISHED,
+            f"finished, {verdict.text}; {stored} traces in {self._preparation.folder}",
         )
 
     def _end(self, state: SurveyState, outcome: str, reason: str) -> None:
@@ -204,16 +228,23 @@ class SurveyRun:
         try:
             self._queue.retry()
             self._queue.drain(STOPPING_LIMIT_S)
-            stored = self._robot.storage.close(self._plan.survey_id, outcome, reason)
+            stored = self._close(outcome, reason)
         except DeviceError as error:
             return f"; the recordings could not be finished: {error}"
         return f"; {stored} of {len(self._plan.points)} traces in {self._preparation.folder}"
 
-    def _count_stored(self, stored: int) -> None:
+    def _close(self, outcome: str, reason: str) -> int:
+        self._robot.storage.report(self._plan.survey_id, self._report.to_json())
+        return self._robot.storage.close(self._plan.survey_id, outcome, reason)
+
+    def _count_stored(self, stored: int, index: int) -> None:
+        self._report.note_stored(index)
         elapsed_s = self._surveyed_s
         if self._surveying_since_s is not None:
             elapsed_s += self._clock.now_s() - self._surveying_since_s
-        self._board.progress(stored, self._remaining.remaining_s(stored, elapsed_s))
+        self._board.progress(
+            len(self._plan.stored) + stored, self._remaining.remaining_s(stored, elapsed_s)
+        )
 
     def _hold_time(self) -> None:
         if self._surveying_since_s is not None:

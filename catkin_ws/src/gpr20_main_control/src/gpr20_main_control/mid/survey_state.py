@@ -21,6 +21,7 @@ class SurveyState(enum.IntEnum):
     FINISHED = 7
     STOPPED = 8
     FAILED = 9
+    PAUSING = 10
 
     @property
     def running(self) -> bool:
@@ -33,6 +34,7 @@ RUNNING = frozenset(
         SurveyState.CHECKING,
         SurveyState.HOMING,
         SurveyState.SURVEYING,
+        SurveyState.PAUSING,
         SurveyState.PAUSED,
         SurveyState.STOPPING,
     ]
@@ -42,11 +44,13 @@ ENDED = frozenset([SurveyState.FINISHED, SurveyState.STOPPED, SurveyState.FAILED
 
 _S = SurveyState
 TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
-    _S.IDLE: frozenset([_S.CONFIGURED]),
+    # From rest to CHECKING without new parameters: a survey is resumed from its folder.
+    _S.IDLE: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
     _S.HOMING: frozenset([_S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
-    _S.SURVEYING: frozenset([_S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    _S.SURVEYING: frozenset([_S.PAUSING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    _S.PAUSING: frozenset([_S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
     _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
     _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
     _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),

@@ -59,6 +59,7 @@ DEFAULT_TOPICS = (
     "control_target_coordinate",
     "control_current_coordinate",
     "control_survey_data",
+    "survey_coverage",
     "/diagnostics",
 )
 

@@ -1,0 +1,83 @@
+"""What a survey has measured and what it has not."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, Iterable, List, Tuple
+
+
+class SampleState(enum.IntEnum):
+    """State of one planned sample; the values are those of gpr20_msgs/SurveyCoverage."""
+
+    NOT_VISITED = 0
+    MEASURED = 1
+    REMEASURED = 2
+    FAILED = 3
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The coverage in one sentence, and whether nothing is missing."""
+
+    complete: bool
+    text: str
+
+
+class Coverage:
+    """Keeps the state of every planned sample.
+
+    A sample is measured when it is durable, and not before.
+    """
+
+    def __init__(self, planned: int, stored: Iterable[int] = ()) -> None:
+        self._states = [SampleState.NOT_VISITED] * planned
+        self._reasons: Dict[int, str] = {}
+        for index in stored:
+            self._states[index] = SampleState.MEASURED
+
+    @property
+    def states(self) -> List[SampleState]:
+        """The state of each planned sample, in the order of the plan."""
+        return list(self._states)
+
+    def runs(self) -> List[Tuple[int, SampleState]]:
+        """Return where in the plan each run of samples of one state begins, and that state."""
+        before = [None, *self._states]
+        return [
+            (index, state) for index, state in enumerate(self._states) if state is not before[index]
+        ]
+
+    @property
+    def reasons(self) -> Dict[int, str]:
+        """Why samples failed, by their place in the plan."""
+        return dict(self._reasons)
+
+    def note_stored(self, index: int) -> None:
+        """Note that a sample is durable."""
+        self._states[index] = SampleState.MEASURED
+        self._reasons.pop(index, None)
+
+    def note_remeasured(self, index: int) -> None:
+        """Note that a stored sample was measured again as a control."""
+        self._states[index] = SampleState.REMEASURED
+
+    def note_failed(self, index: int, reason: str) -> None:
+        """Note that a sample could not be measured, unless it is stored already."""
+        if self._states[index] in (SampleState.NOT_VISITED, SampleState.FAILED):
+            self._states[index] = SampleState.FAILED
+            self._reasons[index] = reason
+
+    def verdict(self) -> Verdict:
+        """Return the coverage in one sentence; only a full one is called complete."""
+        planned = len(self._states)
+        failed = self._states.count(SampleState.FAILED)
+        missing = self._states.count(SampleState.NOT_VISITED)
+        stored = planned - failed - missing
+        if stored == planned:
+            return Verdict(True, f"complete: all {planned} planned traces are stored")
+        return Verdict(
+            False,
+            f"INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, "
+            f"{missing} not visited",
+        )

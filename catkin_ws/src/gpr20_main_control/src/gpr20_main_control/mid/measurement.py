@@ -1,0 +1,103 @@
+"""One point of a survey: move there, settle, sweep and measure the height."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.mid.background import in_background, result_of
+from gpr20_main_control.mid.positioner import Position, Positioner
+from gpr20_main_control.mid.preparation import Preparation
+from gpr20_main_control.mid.robot import Robot, Sweep
+from gpr20_main_control.mid.survey_plan import SurveyPoint
+from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
+
+LONGEST_REMARK = 200
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured at one point.
+
+    Attributes:
+        position: Where the axes said that they stood, before and after the sweep.
+        sweep: The sweep.
+        height_m: Height of the antennas [m]; NaN if it was not measured.
+        remarks: Remarks on the quality, the sweep's included.
+    """
+
+    position: Position
+    sweep: Sweep
+    height_m: float
+    remarks: Tuple[str, ...]
+
+
+class PointMeasurement:
+    """Measures points one after another."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        positioner: Positioner,
+        preparation: Preparation,
+        settings: SurveySettings,
+        stop: threading.Event,
+        clock: Clock,
+    ) -> None:
+        self._robot = robot
+        self._positioner = positioner
+        self._preparation = preparation
+        self._settings = settings
+        self._stop = stop
+        self._clock = clock
+
+    def measure(self, point: SurveyPoint) -> Measured:
+        """Measure one point.
+
+        Raises:
+            DeviceError: A part failed, or the axes moved during the sweep.
+            StopRequested: The survey was told to stop.
+        """
+        self._raise_if_stopped()
+        self._positioner.move_to(point)
+        if self._clock.wait_s(self._stop, self._settings.settle_s):
+            self._raise_if_stopped()
+        before = self._positioner.position()
+        height_call, sweep_call = in_background(self._height), in_background(self._sweep)
+        sweep = result_of(sweep_call, self._stop)
+        height_m, remarks = result_of(height_call, self._stop)
+        self._raise_if_stopped()
+        if self._positioner.position() != before:
+            raise DeviceError(
+                f"the axes moved during the sweep at point {point.index}; nobody else may move "
+                "them during a survey"
+            )
+        return Measured(before, sweep, height_m, sweep.quality + remarks)
+
+    def _sweep(self) -> Sweep:
+        for _attempt in range(self._settings.attempts - 1):
+            try:
+                return self._robot.analyzer.sweep()
+            except DeviceError:
+                self._raise_if_stopped()
+                self._preparation.check_analyzer()
+        return self._robot.analyzer.sweep()
+
+    def _height(self) -> Tuple[float, Tuple[str, ...]]:
+        failure: Optional[DeviceError] = None
+        for _attempt in range(self._settings.attempts):
+            try:
+                return self._robot.height_sensor.height_m(), ()
+            except DeviceError as error:
+                failure = error
+        assert failure is not None
+        if self._settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
+            return float("nan"), (f"no height: {failure}"[:LONGEST_REMARK],)
+        raise DeviceError(f"the antenna height could not be measured: {failure}") from failure
+
+    def _raise_if_stopped(self) -> None:
+        if self._stop.is_set():
+            raise StopRequested("the survey was told to stop")

@@ -1,0 +1,92 @@
+"""What a survey has measured and what it has not."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_main_control.errors import SurveyError
+from gpr20_main_control.mid.control_measurement import compare
+from gpr20_main_control.mid.coverage import Coverage, SampleState
+from gpr20_main_control.mid.robot import StoredTrace, Sweep
+from gpr20_main_control.mid.survey_report import SurveyReport
+
+STORED = StoredTrace(7, 0.2, (1.0e9, 2.0e9), (3.0, 0.0), (0.0, 4.0))
+
+
+def sweep(real, imag):
+    return Sweep(tuple(real), tuple(imag), 1, 2, ())
+
+
+def test_nothing_is_complete_until_every_sample_is_stored():
+    coverage = Coverage(3)
+    for index in range(3):
+        assert not coverage.verdict().complete
+        assert "complete:" not in coverage.verdict().text
+        coverage.note_stored(index)
+    assert coverage.verdict().complete
+    assert coverage.verdict().text == "complete: all 3 planned traces are stored"
+
+
+def test_a_failed_sample_keeps_its_reason_until_it_is_stored():
+    coverage = Coverage(3)
+    coverage.note_failed(1, "no answer")
+    assert coverage.reasons == {1: "no answer"}
+    assert "0 of 3 planned traces are stored, 1 failed, 2 not visited" in coverage.verdict().text
+    coverage.note_stored(1)
+    assert coverage.reasons == {}
+    assert coverage.states[1] is SampleState.MEASURED
+
+
+def test_a_stored_sample_never_becomes_failed():
+    coverage = Coverage(3, stored=[0])
+    coverage.note_failed(0, "the control measurement failed")
+    assert coverage.states[0] is SampleState.MEASURED
+    assert coverage.reasons == {}
+
+
+def test_a_sample_measured_again_still_counts_as_stored():
+    coverage = Coverage(1, stored=[0])
+    coverage.note_remeasured(0)
+    assert coverage.verdict().complete
+
+
+@given(st.lists(st.sampled_from(SampleState), max_size=40))
+def test_the_runs_spell_out_every_state(states):
+    coverage = Coverage(len(states))
+    coverage._states = list(states)
+    runs = coverage.runs()
+    ends = [*(start for start, _state in runs[1:]), len(states)]
+    spelled = [state for (start, state), end in zip(runs, ends) for _ in range(start, end)]
+    assert spelled == states
+    assert all(a[1] is not b[1] for a, b in zip(runs, runs[1:]))
+
+
+def test_a_control_measurement_is_told_relative_to_the_stored_trace():
+    control = compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21)
+    assert control.index == 7
+    assert control.difference_db == pytest.approx(10.0 * math.log10(0.25 / 25.0))
+    assert control.height_difference_m == pytest.approx(0.01)
+    assert "point 7 differs by -20.0 dB" in control.text
+    assert "+10.0 mm" in control.text
+
+
+def test_a_control_measurement_without_height_tells_none():
+    assert "mm" not in compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), math.nan).text
+
+
+def test_a_report_goes_on_where_the_former_one_ended():
+    first = SurveyReport(Coverage(9, [7]), "", lambda coverage: None)
+    first.note_control(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**9)
+    told = []
+    second = SurveyReport(Coverage(9, [7]), first.to_json(), told.append)
+    assert second.coverage.states[7] is SampleState.REMEASURED
+    assert second.to_json() == first.to_json()
+    assert told == [second.coverage]
+
+
+@pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
+def test_a_former_report_that_is_none_is_refused(former):
+    with pytest.raises(SurveyError, match="former report cannot be read"):
+        SurveyReport(Coverage(1), former, lambda coverage: None)
