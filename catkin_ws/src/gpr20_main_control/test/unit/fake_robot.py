@@ -11,7 +11,14 @@ from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.robot import AxisId, AxisReading, MoveOutcome, Robot, Sweep
+from gpr20_main_control.mid.robot import (
+    AxisId,
+    AxisReading,
+    MoveOutcome,
+    ReopenedSurvey,
+    Robot,
+    Sweep,
+)
 from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
@@ -183,6 +190,7 @@ class FakeStorage:
         self.closed = []
         self.reports = []
         self.reopened = None
+        self.reopenings = []
         self.failures = 0
         self.fail_open = ""
         self.lose = 0
@@ -196,9 +204,15 @@ class FakeStorage:
         return "/data/survey"
 
     def reopen(self, survey):
-        if self.reopened is None:
-            raise DeviceError(f"there is no survey {survey}")
-        return self.reopened
+        self.reopenings.append(survey)
+        if self.reopened is not None:
+            return self.reopened
+        if self.records and survey == "survey":
+            stored = tuple(sample.index for sample in self.samples)
+            return ReopenedSurvey(
+                self.records[-1].survey_id, "/data/survey", "{}", "", stored, None
+            )
+        raise DeviceError(f"there is no survey {survey}")
 
     def report(self, survey_id, report_json):
         self.reports.append(json.loads(report_json))

@@ -232,7 +232,9 @@ def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
     assert "could not be stored: the disk is full" in status.message
     bench.control.resume("")
     bench.wait_for(State.FINISHED)
+    # The storage may have been restarted: the survey is opened again, not anew.
     assert len(bench.storage.records) == 1
+    assert bench.storage.reopenings == ["survey"]
     assert [sample.index for sample in bench.storage.samples] == list(range(24))
 
 

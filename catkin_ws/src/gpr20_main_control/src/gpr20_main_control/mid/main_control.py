@@ -146,7 +146,8 @@ class MainControl:
         with self._requests:
             status = self._board.status
             if status.state is SurveyState.PAUSED and self._run is not None:
-                if survey not in ("", status.survey_id):
+                folder_end = f"_{status.survey_id[:8]}"
+                if survey not in ("", status.survey_id) and not survey.endswith(folder_end):
                     raise RequestRefusedError(
                         f"the paused survey is {status.survey_id}, not {survey[:64]!r}; stop it "
                         "first"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 from typing import Callable, Optional, Tuple
 
 from gpr20_main_control.errors import DeviceError
@@ -103,12 +104,16 @@ class Preparation:
         self._instrument = InstrumentState(identity, calibration, setting)
 
     def open_survey(self) -> None:
-        """Make the survey's folder and begin its recordings, once.
+        """Make the survey's folder and begin its recordings, or see that they are still open.
+
+        The storage may have been restarted since; opening an open survey changes nothing.
 
         Raises:
             DeviceError: There is no room, or the folder cannot be made.
         """
-        if not self._folder:
+        if self._folder:
+            self._robot.storage.reopen(PurePosixPath(self._folder).name)
+        else:
             self._folder = self._robot.storage.open(self._make_record(self._instrument))
 
     def _configure(self) -> SweepSetting:
