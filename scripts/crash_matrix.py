@@ -240,7 +240,7 @@ def check_survey(folder: Path, acknowledged: Path, result: Result) -> None:
         "mcap": mcap_traces(folder / "survey.mcap"),
     }
     for kind, traces in recorded.items():
-        if collections.Counter(traces) != collections.Counter(by_sample):
+        if collections.Counter(traces) != collections.Counter(list(by_sample)):
             result.faults.append(
                 f"{folder.name}: the {kind} holds other traces than the JSON files"
             )
