@@ -25,9 +25,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
+from roscpp.srv import GetLoggers
 
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
-from gpr20_msgs.srv import CloseSurvey, OpenSurvey, StoreData
+from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, ReportSurvey, StoreData
 
 PACKAGE = "gpr20_vna_processing"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
@@ -288,6 +289,71 @@ class StoreSurveyTest(unittest.TestCase):
             "the diagnostics are not recorded",
         )
         self.assertTrue(self.close("stopped").success)
+
+    def test_5_a_node_that_was_killed_goes_on_with_the_survey(self) -> None:
+        data = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, data)
+        first = self.start_node("/robot3", data)
+        opened = self.open()
+        self.assertTrue(opened.success, opened.message)
+        for index in range(3):
+            self.assertTrue(self.store(index).success)
+        report = self.services["report_survey"]
+        self.assertTrue(report(self.survey_id, '{"verdict": "INCOMPLETE"}').success)
+        self.assertFalse(report(str(uuid.uuid4()), "{}").success)
+        first.kill()
+        first.wait(TIME_LIMIT_S)
+
+        second = self.start_node("/robot3", data)
+        for name in ("../x", "/etc", str(uuid.uuid4())):
+            self.assertFalse(self.services["reopen_survey"](name).success)
+        for name in (self.survey_id, os.path.basename(opened.path)):
+            answer = self.services["reopen_survey"](name)
+            self.assertTrue(answer.success, answer.message)
+            self.assertEqual((answer.path, answer.survey_id), (opened.path, self.survey_id))
+            self.assertEqual(answer.stored_indices, (0, 1, 2))
+            self.assertEqual(numbers(answer.last), numbers(make_trace(self.survey_id, 2)))
+            self.assertEqual(json.loads(answer.metadata_json), {"parameters": {"x_points": 3}})
+            self.assertEqual(json.loads(answer.report_json), {"verdict": "INCOMPLETE"})
+        for index in range(2, TRACES):
+            # Index 2 is stored already, with another time: it is left as it is.
+            answer = self.store(index, timestamp=rospy.Time(1_790_000_000 + index))
+            self.assertEqual(answer.success, index > 2, answer.message)
+        close = self.service("/robot3/close_survey", CloseSurvey)
+        closed = close(self.survey_id, "finished", "by the test")
+        self.assertEqual((closed.success, closed.stored_traces), (True, TRACES), closed.message)
+        for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
+            indices = [message.index for message in found["/robot3/trace"]]
+            self.assertEqual(indices, list(range(TRACES)))
+        refused = self.services["reopen_survey"](self.survey_id)
+        self.assertFalse(refused.success)
+        self.assertIn("complete", refused.message)
+        second.send_signal(signal.SIGINT)
+        second.wait(TIME_LIMIT_S)
+
+    def start_node(self, namespace: str, data: str) -> subprocess.Popen:
+        node = subprocess.Popen(
+            [sys.executable, str(NODE), f"__ns:={namespace}", f"_data:={data}"],
+        )
+        self.addCleanup(node.kill)
+        # The master still knows the services of a node that was killed: ask until one answers.
+        loggers = rospy.ServiceProxy(f"{namespace}/vna_processing/get_loggers", GetLoggers)
+        self.wait_until(lambda: self.answers(loggers), "the node does not start")
+        for name, kind in (
+            ("open_survey", OpenSurvey),
+            ("reopen_survey", ReopenSurvey),
+            ("report_survey", ReportSurvey),
+            ("store_data", StoreData),
+        ):
+            self.services[name] = self.service(f"{namespace}/{name}", kind)
+        return node
+
+    def answers(self, proxy: rospy.ServiceProxy) -> bool:
+        try:
+            proxy()
+        except rospy.ServiceException:
+            return False
+        return True
 
     def test_4_a_node_that_is_stopped_finishes_the_recordings(self) -> None:
         data = tempfile.mkdtemp()

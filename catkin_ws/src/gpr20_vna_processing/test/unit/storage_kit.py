@@ -6,17 +6,19 @@ import json
 import math
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gpr20_common.low.clock import Clock
+from gpr20_vna_processing.errors import TraceRefusedError
 from gpr20_vna_processing.low.mcap_file import McapFile
 from gpr20_vna_processing.low.recording import RecordedMessage
 from gpr20_vna_processing.mid import survey_metadata
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
+from gpr20_vna_processing.mid.recordings import stored_recordings
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
@@ -87,6 +89,24 @@ class PlainMessages:
             values[name] = ros_time(getattr(trace, f"{name}_us"))
         message = TYPES.types["gpr20_msgs/msg/Trace"](**values)
         return recorded("/trace", "gpr20_msgs/Trace", message, time_ns)
+
+    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+        if message.datatype != "gpr20_msgs/Trace":
+            return None
+        if message.md5sum != TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1]:
+            raise TraceRefusedError("a trace was recorded with another version")
+        try:
+            values = vars(TYPES.deserialize_ros1(message.data, "gpr20_msgs/msg/Trace"))
+        except Exception as error:  # the library of these tests raises anything
+            raise TraceRefusedError(f"a recorded trace is not whole: {error!r}") from error
+        fields = {name: values[name] for name in values if not name.startswith("__")}
+        for name in ("timestamp", "sweep_started", "sweep_ended"):
+            moment = fields.pop(name)
+            fields[f"{name}_us"] = moment.sec * 1_000_000 + moment.nanosec // 1000
+        fields["quality"] = tuple(fields["quality"])
+        for name in ("frequency_hz", "s21_real", "s21_imag"):
+            fields[name] = np.array(fields[name], np.float64)
+        return TraceRecord(**fields)
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         return text_message("/survey_metadata", text, time_ns, latching=True)
@@ -164,6 +184,7 @@ class Kit:
             Storage(
                 data=data,
                 open_recordings=open_recordings,
+                stored_recordings=stored_recordings,
                 messages=PlainMessages(),
                 free_bytes=lambda _: free_bytes,
                 now_ns=lambda: self.now_ns,

@@ -107,47 +107,21 @@ def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
     file.release()
 
 
-def test_a_correction_is_written_after_what_it_points_at(tmp_path, monkeypatch):
-    file = CommittedFile(tmp_path / "f")
-    file.write(b"head body ")
-    file.commit()
-    offsets = []
-    real_pwrite = os.pwrite
-
-    def pwrite(descriptor, data, offset):
-        offsets.append(offset)
-        return real_pwrite(descriptor, data, offset)
-
-    monkeypatch.setattr(os, "pwrite", pwrite)
-    file.seek(0)
-    file.write(b"HEAD")
-    file.seek(0, os.SEEK_END)
-    file.write(b"index")
-    assert (tmp_path / "f").read_bytes() == b"head body "
-    file.commit()
-    assert (tmp_path / "f").read_bytes() == b"HEAD body index"
-    assert offsets == [10, 0]
-    file.release()
-
-
-def test_the_trailer_is_overwritten_until_it_is_kept(tmp_path):
+def test_the_trailer_stands_behind_every_commit_and_is_written_over(tmp_path):
     file = CommittedFile(tmp_path / "f", trailer=b"--")
     for piece in (b"abc", b"def"):
         file.write(piece)
         file.commit()
     assert (tmp_path / "f").read_bytes() == b"abcdef--"
-    file.keep_trailer()
-    file.write(b"end")
-    file.commit()
+    file.write_tail([b"e", b"nd"])
     assert (tmp_path / "f").read_bytes() == b"abcdef--end"
     file.release()
 
 
-def test_content_that_must_not_be_seen_in_part_gets_its_first_byte_last(tmp_path, monkeypatch):
+def test_a_tail_gets_its_first_byte_last_and_can_be_written_again(tmp_path, monkeypatch):
     file = CommittedFile(tmp_path / "f")
     file.write(b"head")
     file.commit()
-    file.write(b"index")
     seen = []
     real_fsync = os.fsync
 
@@ -155,9 +129,24 @@ def test_content_that_must_not_be_seen_in_part_gets_its_first_byte_last(tmp_path
         seen.append((tmp_path / "f").read_bytes())
         real_fsync(descriptor)
 
+    file.write_tail([b"a longer former tail"])
+    file.overwrite(0, b"HEAD")
     monkeypatch.setattr(os, "fsync", fsync)
-    file.commit(first_byte_last=True)
-    assert seen == [b"head\0ndex", b"headindex"]
+    file.write_tail([b"in", b"dex"])
+    assert seen == [b"HEAD\0ndex", b"HEADindex"]
+    file.release()
+
+
+def test_going_on_with_a_file_cuts_what_is_behind_its_whole_part(tmp_path):
+    path = tmp_path / "f"
+    path.write_bytes(b"whole torn and long")
+    file = CommittedFile.resumed(path, 5, trailer=b"--")
+    assert path.read_bytes() == b"whole torn and long"
+    file.cut()
+    assert path.read_bytes() == b"whole--"
+    file.write(b"new")
+    file.commit()
+    assert path.read_bytes() == b"wholenew--"
     file.release()
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import io
-from typing import Any
+from typing import Any, Optional
 
+import genpy
 import numpy as np
 import rospy
 from std_msgs.msg import String
 
 from gpr20_msgs.msg import Trace
+from gpr20_vna_processing.errors import TraceRefusedError
 from gpr20_vna_processing.low.recording import RecordedMessage
 from gpr20_vna_processing.mid import utc_time
 from gpr20_vna_processing.mid.trace_record import TraceRecord
@@ -81,6 +83,26 @@ class RosMessages:
     def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
         """Serialize a trace as a message of the topic `trace`."""
         return _serialized(TRACE_TOPIC, trace_message(trace), time_ns)
+
+    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+        """Return the trace of a recorded message, or None if it is no trace.
+
+        Raises:
+            TraceRefusedError: It cannot be read or holds a wrong value.
+        """
+        if message.datatype != Trace._type:
+            return None
+        if message.md5sum != Trace._md5sum:
+            raise TraceRefusedError(
+                f"a trace was recorded with another version of {Trace._type}: "
+                f"{message.md5sum[:64]}, not {Trace._md5sum}"
+            )
+        trace = Trace()
+        try:
+            trace.deserialize(message.data)
+        except (genpy.DeserializationError, UnicodeDecodeError) as error:
+            raise TraceRefusedError(f"a recorded trace is not whole: {error}") from error
+        return trace_record(trace)
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         """Serialize the survey's description as a message of `survey_metadata`."""

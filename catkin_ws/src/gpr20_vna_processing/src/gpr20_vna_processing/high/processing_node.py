@@ -6,7 +6,7 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Tuple
 
 import rospy
 from std_msgs.msg import String
@@ -24,6 +24,10 @@ from gpr20_msgs.srv import (
     CloseSurveyResponse,
     OpenSurvey,
     OpenSurveyResponse,
+    ReopenSurvey,
+    ReopenSurveyResponse,
+    ReportSurvey,
+    ReportSurveyResponse,
     StoreData,
     StoreDataResponse,
 )
@@ -37,14 +41,11 @@ from gpr20_vna_processing.high.messages import (
     trace_record,
 )
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
-from gpr20_vna_processing.low.bag_file import BagFile
 from gpr20_vna_processing.low.disk import free_bytes
-from gpr20_vna_processing.low.mcap_file import McapFile
-from gpr20_vna_processing.low.recording import Recording
 from gpr20_vna_processing.low.revision import software_revision
-from gpr20_vna_processing.mid import survey_folder, survey_metadata
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
+from gpr20_vna_processing.mid.recordings import open_recordings, stored_recordings
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
 
 AXIS_TOPICS = tuple(
@@ -62,6 +63,7 @@ DEFAULT_TOPICS = (
     "survey_coverage",
     "/diagnostics",
 )
+MAX_REPAIRS_TOLD = 10
 
 
 @dataclass(frozen=True)
@@ -74,12 +76,13 @@ class ProcessingParameters:
     message_queue: int = 5000
     message_queue_mb: float = 16.0
     timeout_s: float = 60.0
+    reopen_timeout_s: float = 600.0
     commit_period_s: float = 2.0
     recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
 
     def __post_init__(self) -> None:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
-        for name in ("message_queue_mb", "timeout_s", "commit_period_s"):
+        for name in ("message_queue_mb", "timeout_s", "reopen_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
 
     def data_folder(self) -> Path:
@@ -98,28 +101,9 @@ class ProcessingParameters:
             ),
             disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
             timeout_s=self.timeout_s,
+            reopen_timeout_s=self.reopen_timeout_s,
             period_s=self.commit_period_s,
         )
-
-
-def open_recordings(folder: Path, description: Dict[str, Any], started_ns: int) -> List[Recording]:
-    """Begin the bag and the MCAP file of a survey.
-
-    Raises:
-        OSError: The disk refused.
-    """
-    bag = BagFile(folder / survey_folder.BAG_FILE)
-    try:
-        mcap = McapFile(
-            folder / survey_folder.MCAP_FILE,
-            survey_metadata.as_texts(description),
-            survey_metadata.encode(description),
-            started_ns,
-        )
-    except OSError:
-        bag.abandon()
-        raise
-    return [bag, mcap]
 
 
 class ProcessingNode:
@@ -136,6 +120,7 @@ class ProcessingNode:
             Storage(
                 data=self._data,
                 open_recordings=open_recordings,
+                stored_recordings=stored_recordings,
                 messages=RosMessages(),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
@@ -153,6 +138,8 @@ class ProcessingNode:
         )
         self._services = [
             advertise("open_survey", OpenSurvey, self._open_survey),
+            advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
+            advertise("report_survey", ReportSurvey, self._report_survey),
             advertise("store_data", StoreData, self._store_data),
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
@@ -167,6 +154,25 @@ class ProcessingNode:
         )
         message = f"survey {request.survey_id} is open in {folder}"
         return OpenSurveyResponse(success=True, message=message, path=str(folder))
+
+    def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
+        reopened = self._processing.reopen_survey(request.survey)
+        stored = len(reopened.stored_indices)
+        message = f"survey {reopened.survey_id} goes on with {stored} traces stored"
+        return ReopenSurveyResponse(
+            success=True,
+            message="; ".join([message, *reopened.repairs[:MAX_REPAIRS_TOLD]]),
+            path=str(reopened.folder),
+            survey_id=reopened.survey_id,
+            metadata_json=reopened.metadata_json,
+            report_json=reopened.report_json,
+            stored_indices=reopened.stored_indices,
+            last=trace_message(reopened.last) if reopened.last else Trace(),
+        )
+
+    def _report_survey(self, request: Any) -> ReportSurveyResponse:
+        self._processing.report(request.survey_id, request.report_json)
+        return ReportSurveyResponse(success=True, message="the report is in survey.json")
 
     def _store_data(self, request: Any) -> StoreDataResponse:
         trace = trace_record(request.trace)

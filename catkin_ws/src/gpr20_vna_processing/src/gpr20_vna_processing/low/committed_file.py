@@ -1,26 +1,20 @@
-"""A new file that a library writes in memory and that reaches the disk in whole steps."""
+"""A file that only ever grows by whole steps, and survives a crash at any instant."""
 
 from __future__ import annotations
 
-import io
 import os
 from pathlib import Path
-from typing import List, Tuple
+from typing import Iterable
 
 from gpr20_vna_processing.low.json_trace_file import sync_path
 
 
-class CommittedFile(io.BufferedIOBase):
-    """Collects writes and puts them on the disk by `commit`.
+class CommittedFile:
+    """Collects what is appended and puts it on the disk by `commit`.
 
-    The libraries for bag and MCAP write in many small pieces and go back to fill in
-    lengths. Written straight through, a full disk or a crash leaves any mixture of them.
-    Here the file on the disk only ever grows by what was collected since the last commit,
-    and a commit that failed can simply be repeated: it writes the same bytes again to the
-    same place.
+    The file on the disk grows by all that was collected since the last commit, and a commit
+    that failed can simply be repeated: it writes the same bytes again to the same place.
     """
-
-    mode = "wb"  # rosbag asks for it
 
     def __init__(self, path: Path, trailer: bytes = b"") -> None:
         """Create the file.
@@ -33,97 +27,110 @@ class CommittedFile(io.BufferedIOBase):
         Raises:
             OSError: The file exists or the disk refused.
         """
-        super().__init__()
-        self._trailer = trailer
-        self._committed = 0  # length of what is durable [bytes]
-        self._collected = bytearray()
-        self._corrections: List[Tuple[int, bytes]] = []
-        self._position = 0
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
-        self._descriptor = os.open(str(path), flags, 0o666)
+        self._take(os.open(str(path), flags, 0o666), 0, trailer)
         sync_path(path.parent)
+
+    @classmethod
+    def resumed(cls, path: Path, length: int, trailer: bytes = b"") -> CommittedFile:
+        """Go on with a file behind its first bytes; `cut` removes what follows them.
+
+        Args:
+            path: The file.
+            length: How much of it is whole [bytes].
+            trailer: As for a new file.
+
+        Raises:
+            OSError: The file cannot be opened.
+        """
+        file = cls.__new__(cls)
+        flags = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
+        file._take(os.open(str(path), flags), length, trailer)
+        return file
+
+    def _take(self, descriptor: int, committed: int, trailer: bytes) -> None:
+        self._descriptor = descriptor
+        self._trailer = trailer
+        self._committed = committed  # length of what is durable [bytes]
+        self._collected = bytearray()
 
     @property
     def collected_bytes(self) -> int:
         """How much waits for a commit [bytes]."""
         return len(self._collected)
 
-    def writable(self) -> bool:
-        """Say that the file can be written."""
-        return True
+    @property
+    def committed_bytes(self) -> int:
+        """How much is durable, without the trailer [bytes]."""
+        return self._committed
 
-    def seekable(self) -> bool:
-        """Say that the position can be changed."""
-        return True
+    def write(self, data: bytes) -> None:
+        """Collect bytes behind all others."""
+        self._collected += data
 
-    def tell(self) -> int:
-        """Return the position [bytes]."""
-        return self._position
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Change the position and return it [bytes]."""
-        end = self._committed + len(self._collected)
-        self._position = (
-            offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: end}[whence]
-        )
-        if not 0 <= self._position <= end:
-            raise ValueError(f"position {self._position} outside the {end} bytes of the file")
-        return self._position
-
-    def write(self, data) -> int:  # type: ignore[no-untyped-def]
-        """Collect bytes at the position; return how many."""
-        size = len(data)
-        start = self._position - self._committed
-        if start >= 0:
-            self._collected[start : start + size] = data
-        elif start + size <= 0:
-            self._corrections.append((self._position, bytes(data)))
-        else:
-            raise ValueError("a write may not reach from the committed part into the new one")
-        self._position += size
-        return size
-
-    def commit(self, first_byte_last: bool = False) -> None:
+    def commit(self) -> None:
         """Write what was collected; return when it is durable.
-
-        Args:
-            first_byte_last: Whether the first byte stays zero until all behind it is
-                durable, for content that must not be seen in part.
 
         Raises:
             OSError: The disk refused; everything collected is kept for the next commit.
         """
         if self._collected:
-            data = bytes(self._collected) + self._trailer
-            if first_byte_last:
-                self._write_at(self._committed, b"\0" + data[1:])
-                os.fsync(self._descriptor)
-                data = data[:1]
-            self._write_at(self._committed, data)
+            self._write_at(self._committed, bytes(self._collected) + self._trailer)
             os.fsync(self._descriptor)
             self._committed += len(self._collected)
             self._collected.clear()
-        if self._corrections:
-            # After what they point at: a header never names an index that is not there.
-            for offset, data in self._corrections:
-                self._write_at(offset, data)
-            os.fsync(self._descriptor)
-            self._corrections.clear()
 
-    def keep_trailer(self) -> None:
-        """Make the trailer that is on the disk part of the file; go on behind it without one.
+    def cut(self) -> None:
+        """Leave nothing behind the committed part but the trailer; return when it is so.
 
         Raises:
-            ValueError: Something waits for a commit.
+            OSError: The disk refused; the call may be repeated.
         """
-        if self._collected:
-            raise ValueError("the trailer can only be kept right after a commit")
-        self._committed += len(self._trailer)
-        self._position = self._committed
-        self._trailer = b""
+        # The trailer first: at no instant does the file end without one.
+        self._write_at(self._committed, self._trailer)
+        os.fsync(self._descriptor)
+        os.ftruncate(self._descriptor, self._committed + len(self._trailer))
+        os.fsync(self._descriptor)
 
-    def close(self) -> None:
-        """Do nothing: libraries close a file before its last commit; see `release`."""
+    def write_tail(self, pieces: Iterable[bytes]) -> None:
+        """Write the end of the file behind the trailer; return when it is durable.
+
+        Nothing counts as committed by this, so the call may be repeated. The first byte
+        stays zero until all behind it is durable: the tail is not seen in part.
+
+        Args:
+            pieces: The tail, a bounded part of it at a time; none of them is empty.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        start = offset = self._committed + len(self._trailer)
+        first = b""
+        for piece in pieces:
+            if not first:
+                first, piece = piece[:1], b"\0" + piece[1:]
+            self._write_at(offset, piece)
+            offset += len(piece)
+        os.ftruncate(self._descriptor, offset)
+        os.fsync(self._descriptor)
+        self.overwrite(start, first)
+
+    def overwrite(self, offset: int, data: bytes) -> None:
+        """Replace bytes in one write within a sector; return when they are durable.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        self._write_at(offset, data)
+        os.fsync(self._descriptor)
+
+    def read_at(self, offset: int, size: int) -> bytes:
+        """Return bytes of the file on the disk, fewer at its end.
+
+        Raises:
+            OSError: The disk cannot be read.
+        """
+        return os.pread(self._descriptor, size, offset)
 
     def release(self) -> None:
         """Close the file on the disk; what was not committed is lost."""

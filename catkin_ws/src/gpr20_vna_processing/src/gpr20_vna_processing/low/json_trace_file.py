@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import secrets
 from pathlib import Path
@@ -94,3 +95,71 @@ def _write_temporary(path: Path, data: bytes) -> Path:
         temporary.unlink()
         raise
     return temporary
+
+
+def is_temporary(name: str) -> bool:
+    """Say whether a name is that of a file which was never finished."""
+    return name.startswith(TEMPORARY_PREFIX) and name.endswith(TEMPORARY_SUFFIX)
+
+
+def remove_temporaries(folder: Path) -> int:
+    """Remove the files that were being written at a crash; return how many.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    torn = [one for one in folder.iterdir() if is_temporary(one.name)]
+    for one in torn:
+        one.unlink()
+    return len(torn)
+
+
+def keep_aside(path: Path, folder: Path) -> Path:
+    """Give a file a second, free name in another folder; return it when it is durable.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    ensure_folder(folder)
+    for number in itertools.count():
+        target = folder / (path.name if not number else f"{path.name}.{number}")
+        try:
+            os.link(str(path), str(target), follow_symlinks=False)  # never replaces a file
+        except FileExistsError:
+            continue
+        sync_path(folder)
+        return target
+    raise AssertionError("numbers do not end")
+
+
+def move_aside(path: Path, folder: Path) -> Path:
+    """Move a file into a folder under a name that is free; return where it is.
+
+    Raises:
+        OSError: The disk refused; the file is where it was, or in both places.
+    """
+    target = keep_aside(path, folder)
+    path.unlink()
+    sync_path(path.parent)
+    return target
+
+
+def put_in_place(temporary: Path, path: Path) -> None:
+    """Let a whole and durable file take the name of another; return when that is durable.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    os.replace(str(temporary), str(path))
+    sync_path(path.parent)
+
+
+def remove_file(path: Path) -> None:
+    """Remove a file, if it is there; return when that is durable.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    if path.exists():
+        path.unlink()
+        sync_path(path.parent)

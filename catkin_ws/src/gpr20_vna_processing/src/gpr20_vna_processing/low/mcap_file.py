@@ -2,21 +2,88 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import struct
+import zlib
 from pathlib import Path
-from typing import IO, Dict, Tuple, cast
+from typing import Dict, Iterator, List, Tuple
 
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    Channel,
+    Chunk,
+    DataEnd,
+    Header,
+    McapRecord,
+    Message,
+    MessageIndex,
+    Metadata,
+    Schema,
+)
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
-from mcap.writer import CompressionType, Writer
 
 from gpr20_vna_processing.low.committed_file import CommittedFile
+from gpr20_vna_processing.low.mcap_summary import summary_pieces
 from gpr20_vna_processing.low.recording import RecordedMessage
+
+MAGIC = b"\x89MCAP0\r\n"
+LIBRARY = "gpr20_vna_processing"
+CHUNK_BYTES = 1 << 20  # a chunk ends when it is larger
+
+
+def packed(*records: McapRecord) -> bytes:
+    """Return records as bytes."""
+    builder = RecordBuilder()
+    for one in records:
+        one.write(builder)
+    return bytes(builder.end())
+
+
+class McapTypes:
+    """The schemas and channels of a file, by their numbers, and how many messages each has."""
+
+    def __init__(self) -> None:
+        self.schemas: Dict[int, Schema] = {}
+        self.channels: Dict[int, Channel] = {}
+        self.counts: Dict[int, int] = {}
+
+    def channel_of(self, message: RecordedMessage) -> Tuple[Channel, List[McapRecord]]:
+        """Return the channel of a message and what must be written before its first one."""
+        for channel in self.channels.values():
+            if (channel.topic, channel.metadata.get("md5sum")) == (message.topic, message.md5sum):
+                return channel, []
+        new: List[McapRecord] = []
+        schema = self._schema_of(message, new)
+        metadata = {"md5sum": message.md5sum, "latching": "1" if message.latching else "0"}
+        channel = Channel(
+            max(self.channels, default=0) + 1,
+            message.topic,
+            MessageEncoding.ROS1,
+            metadata,
+            schema.id,
+        )
+        self.channels[channel.id] = channel
+        return channel, [*new, channel]
+
+    def _schema_of(self, message: RecordedMessage, new: List[McapRecord]) -> Schema:
+        data = message.definition.encode()
+        for schema in self.schemas.values():
+            if (schema.name, schema.data) == (message.datatype, data):
+                return schema
+        number = max(self.schemas, default=0) + 1
+        schema = Schema(number, data, SchemaEncoding.ROS1, message.datatype)
+        self.schemas[number] = schema
+        new.append(schema)
+        return schema
 
 
 class McapFile:
-    """Writes messages into a new MCAP file of profile ros1 (zstd, with checksums).
+    """Writes messages into an MCAP file of profile ros1 (zstd, with checksums).
 
     A record of an MCAP file says its length, so a file cut anywhere is read up to the cut.
+    Only the chunk in progress is in memory: the summary is made from the file at the end.
     """
 
     def __init__(
@@ -33,45 +100,81 @@ class McapFile:
         Raises:
             OSError: The file exists or the disk refused.
         """
-        self.name = path.name
-        self._channels: Dict[str, int] = {}
-        self._schemas: Dict[Tuple[str, str], int] = {}
-        self._counts: Counter = Counter()
-        self._finished = False
-        self._file = CommittedFile(path)
-        self._writer = Writer(
-            cast(IO[bytes], self._file),
-            compression=CompressionType.ZSTD,
-            enable_crcs=True,
-            enable_data_crcs=True,
+        self._begin(path, CommittedFile(path), McapTypes(), 0)
+        head = packed(
+            Header(Profile.ROS1, LIBRARY),
+            Metadata("gpr20.survey", metadata),
+            Attachment(time_ns, time_ns, "survey.json", "application/json", attachment),
         )
-        self._writer.start(profile=Profile.ROS1)
-        self._writer.add_metadata("gpr20.survey", metadata)
-        self._writer.add_attachment(time_ns, time_ns, "survey.json", "application/json", attachment)
+        self._append(MAGIC + head)
         self._file.commit()
+
+    @classmethod
+    def resumed(cls, path: Path, length: int, types: McapTypes, crc: int) -> McapFile:
+        """Go on behind the last whole chunk of a file; its summary and all else is cut off.
+
+        Args:
+            path: The file.
+            length: Where the last whole chunk with its message indexes ends [bytes].
+            types: Schemas and channels of the chunks before.
+            crc: CRC32 of the bytes before.
+
+        Raises:
+            OSError: The disk refused; the call may be repeated.
+        """
+        mcap = cls.__new__(cls)
+        mcap._begin(path, CommittedFile.resumed(path, length), types, crc)
+        try:
+            mcap._file.cut()
+        except OSError:
+            mcap.abandon()
+            raise
+        return mcap
+
+    def _begin(self, path: Path, file: CommittedFile, types: McapTypes, crc: int) -> None:
+        self.name = path.name
+        self._file = file
+        self._types = types
+        self._crc = crc  # of all bytes committed or collected
+        self._chunk = bytearray()
+        self._indexes: Dict[int, MessageIndex] = {}
+        self._finishing = False
 
     @property
     def collected_bytes(self) -> int:
         """How much waits for a commit [bytes]."""
-        return self._file.collected_bytes
+        return self._file.collected_bytes + len(self._chunk)
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""
-        channel = self._channels.get(message.topic)
-        if channel is None:
-            channel = self._channels[message.topic] = self._register(message)
-        self._counts[channel] += 1
-        self._writer.add_message(
-            channel,
-            log_time=message.time_ns,
-            publish_time=message.time_ns,
-            data=message.data,
-            sequence=self._counts[channel],
+        channel, new = self._types.channel_of(message)
+        self._chunk += packed(*new)
+        count = self._types.counts[channel.id] = self._types.counts.get(channel.id, 0) + 1
+        index = self._indexes.setdefault(channel.id, MessageIndex(channel.id, []))
+        index.records.append((message.time_ns, len(self._chunk)))
+        self._chunk += packed(
+            Message(channel.id, message.time_ns, message.data, message.time_ns, count)
         )
+        if len(self._chunk) > CHUNK_BYTES:
+            self.begin_chunk()
 
     def begin_chunk(self) -> None:
         """End the chunk in progress."""
-        self._writer.flush()
+        if not self._chunk:
+            return
+        data = bytes(self._chunk)
+        times = [time for index in self._indexes.values() for time, _ in index.records]
+        chunk = Chunk(
+            compression="zstd",
+            data=zstandard.compress(data),
+            message_end_time=max(times),
+            message_start_time=min(times),
+            uncompressed_crc=zlib.crc32(data),
+            uncompressed_size=len(data),
+        )
+        self._append(packed(chunk, *self._indexes.values()))
+        self._chunk.clear()
+        self._indexes.clear()
 
     def commit(self) -> None:
         """Write everything collected to the disk; return when it is there for good.
@@ -79,7 +182,7 @@ class McapFile:
         Raises:
             OSError: The disk refused; everything collected is kept for the next commit.
         """
-        if self._finished:
+        if self._finishing:
             return  # the rest is for `finish`
         self.begin_chunk()
         self._file.commit()
@@ -90,22 +193,36 @@ class McapFile:
         Raises:
             OSError: The disk refused; the call may be repeated.
         """
-        if not self._finished:
-            self._writer.finish()
-            self._finished = True
-        self._file.commit()
+        self.commit()
+        self._finishing = True
+        self._file.write_tail(self._tail())
         self._file.release()
 
     def abandon(self) -> None:
         """Close the file as it is on the disk; what was not committed is lost."""
         self._file.release()
 
-    def _register(self, message: RecordedMessage) -> int:
-        kind = (message.datatype, message.md5sum)
-        schema = self._schemas.get(kind)
-        if schema is None:
-            schema = self._schemas[kind] = self._writer.register_schema(
-                message.datatype, SchemaEncoding.ROS1, message.definition.encode()
-            )
-        metadata = {"md5sum": message.md5sum, "latching": "1" if message.latching else "0"}
-        return self._writer.register_channel(message.topic, MessageEncoding.ROS1, schema, metadata)
+    def _append(self, data: bytes) -> None:
+        self._crc = zlib.crc32(data, self._crc)
+        self._file.write(data)
+
+    def _tail(self) -> Iterator[bytes]:
+        data_end = packed(DataEnd(self._crc))
+        yield data_end
+        start = self._file.committed_bytes + len(data_end)
+        yield from summary_pieces(
+            self._written_records(),
+            start,
+            list(self._types.schemas.values()),
+            list(self._types.channels.values()),
+        )
+        yield MAGIC
+
+    def _written_records(self) -> Iterator[Tuple[int, int, bytes]]:
+        """Yield the place, the length and the bytes of each record, of chunks the head alone."""
+        place, end = len(MAGIC), self._file.committed_bytes
+        while place < end:
+            opcode, size = struct.unpack("<BQ", self._file.read_at(place, 9))
+            head = min(size, 128) if opcode == Opcode.CHUNK else size
+            yield place, 9 + size, self._file.read_at(place, 9 + head)
+            place += 9 + size

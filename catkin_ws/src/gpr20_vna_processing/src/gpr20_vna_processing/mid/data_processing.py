@@ -15,15 +15,16 @@ from gpr20_vna_processing.errors import (
 )
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import survey_folder, survey_metadata, utc_time
+from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
-    BYTES_PER_MB,
     ClosedSurvey,
     Limits,
     ProcessingState,
+    ReopenedSurvey,
     Storage,
 )
+from gpr20_vna_processing.mid.reopening import Reopening, find_survey, reopened_survey
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
@@ -94,9 +95,36 @@ class DataProcessing:
             StorageFailedError: The disk refused.
         """
         folder = survey_folder.survey_folder(self._storage.data, survey_id, started_us)
-        description = self._description(survey_id, started_us, metadata_json)
+        description = new_survey.describe(
+            survey_id, started_us, metadata_json, self._storage.revision
+        )
         self._do(lambda: self._open(folder, description, started_us, needed_bytes))
         return folder
+
+    def reopen_survey(self, survey: str) -> ReopenedSurvey:
+        """Open a survey that was cut off or ended early, repaired; may be repeated.
+
+        Args:
+            survey: The survey's id, or the name of its folder.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, it is complete, or another is open.
+            StorageFailedError: The disk refused; asking again is safe.
+        """
+        return self._do(lambda: self._reopen(survey), self._limits.reopen_timeout_s)
+
+    def report(self, survey_id: str, report_json: str) -> None:
+        """Keep a report of the open survey in its survey.json, durably.
+
+        Raises:
+            SurveyRefusedError: The report is no JSON object, or the survey is not open.
+            StorageFailedError: The disk refused; the former report is kept.
+        """
+        report = survey_metadata.parse_object(
+            report_json, "report_json", survey_metadata.MAX_REPORT_BYTES
+        )
+        survey_folder.check_survey_id(survey_id)
+        self._do(lambda: self._opened_as(survey_id).report(report))
 
     def store(self, trace: TraceRecord) -> Path:
         """Store a trace; return its JSON file when it is durable in all three forms.
@@ -161,22 +189,9 @@ class DataProcessing:
             queues=self._thread.state(),
         )
 
-    def _description(self, survey_id: str, started_us: int, metadata_json: str) -> Dict[str, Any]:
-        own = {
-            "format": survey_metadata.FORMAT,
-            "survey_id": survey_id,
-            "started": utc_time.iso_text(started_us),
-            "ended": None,
-            "outcome": None,
-            "reason": "",
-            "stored_traces": 0,
-            "software_revision": self._storage.revision,
-        }
-        return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
-
-    def _do(self, work: Callable[[], Any]) -> Any:
+    def _do(self, work: Callable[[], Any], timeout_s: Optional[float] = None) -> Any:
         try:
-            result = self._thread.do(work, self._limits.timeout_s)
+            result = self._thread.do(work, timeout_s or self._limits.timeout_s)
         except ProcessingError as error:
             self._note(str(error), failing=isinstance(error, StorageFailedError))
             raise
@@ -192,27 +207,61 @@ class DataProcessing:
             raise SurveyRefusedError("no survey is open; call open_survey first")
         return self._survey
 
+    def _opened_as(self, survey_id: str) -> OpenSurvey:
+        survey = self._opened()
+        if survey.survey_id != survey_id:
+            raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
+        return survey
+
     def _open(
         self, folder: Path, description: Dict[str, Any], started_us: int, needed_bytes: int
     ) -> None:
-        if self._survey is not None and self._survey.description == description:
+        if self._survey is not None and self._survey.opened_as == description:
             return  # the answer to the first call may have been lost
         now_ns = self._storage.now_ns()
         self._check_can_open(needed_bytes, now_ns)
-        content = survey_metadata.encode(description)
         with storing("the survey's folder", folder):
-            self._make_folder(folder)
+            new_survey.make_folder(folder)
             recordings = self._storage.open_recordings(
                 folder, description, started_us * utc_time.NS_PER_US
             )
-        survey = OpenSurvey(
-            folder, description, recordings, self._storage.messages, self._on_stored
+        self._take(
+            OpenSurvey(folder, description, recordings, self._storage.messages, self._on_stored),
+            now_ns,
         )
+
+    def _reopen(self, name: str) -> ReopenedSurvey:
+        now_ns = self._storage.now_ns()
+        survey = self._survey
+        if survey is not None and name in (survey.survey_id, survey.folder.name):
+            # Whoever filled it has gone, or has not received the first answer.
+            survey.complete(now_ns)
+            return reopened_survey(survey, ())
+        self._check_can_open(0, now_ns)
+        folder, description = find_survey(self._storage.data, name)
+        reopening = Reopening(folder, description, self._storage)
+        repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
+        survey = OpenSurvey(
+            folder,
+            repaired.description,
+            repaired.recordings,
+            self._storage.messages,
+            self._on_stored,
+            repaired.stored,
+            repaired.last,
+        )
+        self._take(survey, now_ns)
+        return reopened_survey(survey, repaired.repairs)
+
+    def _take(self, survey: OpenSurvey, now_ns: int) -> None:
+        """Begin to record a survey whose files are whole but for what comes now."""
+        content = survey_metadata.encode(survey.description)
+        path = survey.folder / survey_folder.SURVEY_FILE
         try:
             self._begin_recording(survey, content.decode("ascii"), now_ns)
-            with storing("the survey's description", folder):
+            with storing("the survey's description", path):
                 # Last: a folder with a survey.json is whole.
-                json_trace_file.write_new_file(folder / survey_folder.SURVEY_FILE, content)
+                json_trace_file.write_new_file(path, content)
         except Exception:
             self._set_recording(False)
             survey.abandon()
@@ -225,30 +274,8 @@ class DataProcessing:
             raise SurveyRefusedError(
                 f"survey {self._survey.survey_id} is open in {self._survey.folder}; close it first"
             )
-        if not utc_time.is_plausible(now_ns // utc_time.NS_PER_US):
-            raise SurveyRefusedError(
-                f"the computer's clock says {utc_time.iso_text(now_ns // utc_time.NS_PER_US)}; "
-                "set it, or every time in the recordings would be wrong"
-            )
-        data, reserve = self._storage.data, self._limits.disk_reserve_bytes
-        with storing("the data folder", data):
-            json_trace_file.ensure_folder(data)
-            free = self._storage.free_bytes(data)
-        if needed_bytes + reserve > free:
-            raise SurveyRefusedError(
-                f"the survey needs {needed_bytes / BYTES_PER_MB:.0f} MB and "
-                f"{reserve / BYTES_PER_MB:.0f} MB are kept in reserve, but the disk of {data} "
-                f"has only {free / BYTES_PER_MB:.0f} MB free; make space"
-            )
-
-    def _make_folder(self, folder: Path) -> None:
-        try:
-            json_trace_file.make_new_folder(folder)
-        except FileExistsError:
-            raise SurveyRefusedError(
-                f"{folder} exists already; every survey needs an id and a folder of its own"
-            ) from None
-        json_trace_file.make_new_folder(folder / survey_folder.TRACES_FOLDER)
+        new_survey.check_clock(now_ns)
+        new_survey.check_space(self._storage, needed_bytes, self._limits.disk_reserve_bytes)
 
     def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
         # From here on messages queue up behind this job; those before are in the snapshot.
@@ -269,11 +296,9 @@ class DataProcessing:
     def _close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
         if self._survey is None and self._closed and self._closed.survey_id == survey_id:
             return self._closed  # the answer to the first call may have been lost
-        survey = self._opened()
-        if survey.survey_id != survey_id:
-            raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
+        survey = self._opened_as(survey_id)
         ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
-        survey.close(outcome, reason, ended)
+        survey.close(outcome, reason, ended, self._storage.revision)
         self._set_recording(False)
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None

@@ -3,25 +3,38 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Protocol, Sequence
+from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
 
-from gpr20_vna_processing.errors import StorageFailedError, TraceRefusedError, storing
+from gpr20_vna_processing.errors import (
+    StorageFailedError,
+    SurveyRefusedError,
+    TraceRefusedError,
+    storing,
+)
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage, Recording
-from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_json
+from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata, trace_json
+from gpr20_vna_processing.mid.stored_traces import StoredTraces
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 COMMIT_BYTES = 1 << 20
 
 
 class MessageMaker(Protocol):
-    """Makes the messages that the storage itself puts on the graph."""
+    """Makes the messages that the storage itself puts on the graph, and reads them again."""
 
     def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
         """Serialize a trace as a message of the topic `trace`."""
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         """Serialize the survey's description as a message of `survey_metadata`."""
+
+    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+        """Return the trace of a recorded message, or None if it is no trace.
+
+        Raises:
+            TraceRefusedError: It is a trace, but cannot be read or holds a wrong value.
+        """
 
 
 class OpenSurvey:
@@ -34,26 +47,31 @@ class OpenSurvey:
         recordings: Sequence[Recording],
         messages: MessageMaker,
         on_stored: Callable[[TraceRecord], None],
+        stored: Optional[StoredTraces] = None,
+        last: Optional[TraceRecord] = None,
     ) -> None:
         """Take over the files.
 
         Args:
             folder: The survey's folder.
             description: The content of survey.json.
-            recordings: Where every message goes; their files are just begun.
+            recordings: Where every message goes; they hold the traces that are stored.
             messages: Serializes traces.
             on_stored: Told of every trace once, when it is durable.
+            stored: The traces that are stored already.
+            last: The one of them that was stored last.
         """
         self.folder = folder
-        self.description = description
+        self.description = self.opened_as = description
         self.survey_id: str = description["survey_id"]
-        self.stored_traces = 0
+        self.last = last
+        self._stored = stored or StoredTraces()  # whose JSON is durable
+        self.stored_traces = len(self._stored)
         self._ending = False  # the recordings take nothing more
+        self._unfinished = list(recordings)
         self._recordings = list(recordings)
         self._messages = messages
         self._on_stored = on_stored
-        self._names: Dict[int, str] = {}  # file of each index whose JSON is durable
-        self._indices: Dict[str, int] = {}  # index of each sample
         self._uncommitted: Dict[int, TraceRecord] = {}  # in the recordings, not yet durable
         self._missing: Dict[int, List[Recording]] = {}  # recordings that lack a trace
         self._types: Dict[str, str] = {}  # type of each topic, by its checksum
@@ -83,6 +101,25 @@ class OpenSurvey:
         self._record_trace(trace, message)
         self.commit()
         return path
+
+    def complete(self, time_ns: int) -> None:
+        """Record the traces whose JSON is durable but which a recording did not take.
+
+        Args:
+            time_ns: When that is [ns since 1970, UTC].
+
+        Raises:
+            StorageFailedError: The disk refused.
+        """
+        for index in list(self._missing):
+            trace = self._stored_trace(index)
+            self._record_trace(trace, self._messages.trace(trace, time_ns))
+        self.commit()
+
+    def stored_indices(self) -> List[int]:
+        """Return the places in the plan whose traces are stored, ascending."""
+        pending = self._missing.keys() | self._uncommitted.keys()
+        return [index for index in self._stored.indices() if index not in pending]
 
     def record(self, messages: Sequence[RecordedMessage]) -> int:
         """Record messages of other topics; return how many could not be.
@@ -114,43 +151,63 @@ class OpenSurvey:
                 recording.commit()
         self._tell_stored()
 
-    def close(self, outcome: str, reason: str, ended: str) -> None:
-        """Finish the recordings and write how the survey ended; may be repeated.
+    def report(self, report: Dict[str, Any]) -> None:
+        """Keep a report in survey.json; it replaces the former one.
+
+        Raises:
+            SurveyRefusedError: The survey is being closed.
+            StorageFailedError: The disk refused; the former report is kept.
+        """
+        if self._ending:
+            raise SurveyRefusedError("the survey is being closed; call close_survey again")
+        self._describe({**self.description, "report": report})
+
+    def close(self, outcome: str, reason: str, ended: str, revision: str) -> None:
+        """Finish the recordings, write how the survey ended and the manifest; may be repeated.
 
         Args:
             outcome: One word.
             reason: Why, for people.
             ended: When, as ISO 8601 text.
+            revision: Version of the suite, for the manifest.
 
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
         """
-        self.commit()
+        if self._unfinished:
+            self.commit()
         self._ending = True
-        for recording in self._recordings:
+        while self._unfinished:
+            recording = self._unfinished[0]
             with storing("the end of the recording", self.folder / recording.name):
                 recording.finish()
+            self._unfinished.pop(0)
         ending = {
             "ended": ended,
             "outcome": outcome,
             "reason": reason,
             "stored_traces": self.stored_traces,
         }
+        self._describe({**self.description, **ending})
+        with storing("the manifest", self.folder / manifest.MANIFEST_FILE):
+            # Last: a survey with a manifest has ended, and nothing changes any more.
+            manifest.write_manifest(self.folder, self.survey_id, revision, ended)
+
+    def abandon(self) -> None:
+        """Leave the files as they are on the disk."""
+        for recording in self._unfinished:
+            recording.abandon()
+
+    def _describe(self, description: Dict[str, Any]) -> None:
         path = self.folder / survey_folder.SURVEY_FILE
-        with storing("the end of the survey", path):
-            json_trace_file.replace_file(
-                path, survey_metadata.encode({**self.description, **ending})
-            )
+        with storing("survey.json", path):
+            json_trace_file.replace_file(path, survey_metadata.encode(description))
+        self.description = description
 
     def _keep_collected_small(self) -> None:
         # Memory must not grow while the disk is full.
         if any(one.collected_bytes > COMMIT_BYTES for one in self._recordings):
             self.commit()
-
-    def abandon(self) -> None:
-        """Leave the files as they are on the disk."""
-        for recording in self._recordings:
-            recording.abandon()
 
     def _check_survey(self, trace: TraceRecord) -> None:
         if self._ending:
@@ -161,37 +218,47 @@ class OpenSurvey:
             raise TraceRefusedError(
                 f"{trace.label} belongs to survey {trace.survey_id}, but {self.survey_id} is open"
             )
-        index = self._indices.get(trace.sample_id, trace.index)
-        if index != trace.index:
-            raise TraceRefusedError(
-                f"sample {trace.sample_id} is stored already with index {index}, "
-                f"not {trace.index}; every sample needs an id of its own"
-            )
+        for index in self._stored.candidates(trace.sample_id):
+            if index != trace.index and self._stored_trace(index).sample_id == trace.sample_id:
+                raise TraceRefusedError(
+                    f"sample {trace.sample_id} is stored already with index {index}, "
+                    f"not {trace.index}; every sample needs an id of its own"
+                )
 
     def _store_json(self, trace: TraceRecord) -> Path:
         content = trace_json.encode(trace)
-        traces = self.folder / survey_folder.TRACES_FOLDER
-        known = self._names.get(trace.index)
-        if known is not None:
-            path = traces / known
+        path = self._traces / survey_folder.trace_file_name(trace)
+        if trace.index in self._stored:
+            path = self._path_of(trace.index)
             self._check_same(trace, path, content)
             return path
-        path = traces / survey_folder.trace_file_name(trace)
         with storing(trace.label, path):
             json_trace_file.write_new_file(path, content)
-        self._names[trace.index] = path.name
-        self._indices[trace.sample_id] = trace.index
+        self._stored.add(trace.index, trace.sample_id)
         self._missing[trace.index] = list(self._recordings)
         return path
 
-    def _check_same(self, trace: TraceRecord, path: Path, content: bytes) -> None:
-        try:
-            stored = path.read_bytes()
-        except OSError as error:
+    @property
+    def _traces(self) -> Path:
+        return self.folder / survey_folder.TRACES_FOLDER
+
+    def _path_of(self, index: int) -> Path:
+        # Only for what is stored a second time: names are not kept, they would fill memory.
+        with storing(f"trace {index}", self._traces):
+            found = sorted(self._traces.glob(f"{index:06d}_*.json"))
+        if not found:
             raise StorageFailedError(
-                f"{trace.label} is stored already, but {path} cannot be read: {error.strerror}"
-            ) from error
-        if stored != content:
+                f"trace {index} is stored already, but its file is gone from {self._traces}; "
+                "close the survey and open it again, its recordings have the trace"
+            )
+        return found[0]
+
+    def _stored_trace(self, index: int) -> TraceRecord:
+        path = self._path_of(index)
+        return trace_json.decode(_content_of(path, f"trace {index}"))
+
+    def _check_same(self, trace: TraceRecord, path: Path, content: bytes) -> None:
+        if _content_of(path, trace.label) != content:
             raise TraceRefusedError(
                 f"{trace.label} is refused: index {trace.index} is stored already with other "
                 f"content in {path}, which was left alone"
@@ -212,4 +279,14 @@ class OpenSurvey:
         while self._uncommitted:
             trace = self._uncommitted.pop(next(iter(self._uncommitted)))
             self.stored_traces += 1
+            self.last = trace
             self._on_stored(trace)
+
+
+def _content_of(path: Path, label: str) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise StorageFailedError(
+            f"{label} is stored already, but {path} cannot be read: {error.strerror}"
+        ) from error

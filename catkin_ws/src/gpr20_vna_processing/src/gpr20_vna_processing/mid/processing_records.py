@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_vna_processing.low.recording import Recording
+from gpr20_vna_processing.low.stored_recording import StoredRecording
 from gpr20_vna_processing.mid.open_survey import MessageMaker
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
+from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 BYTES_PER_MB = 1_000_000
 
 # Folder, description and start [ns since 1970, UTC] of a survey -> its recordings.
 RecordingsFactory = Callable[[Path, Dict[str, Any], int], List[Recording]]
+# The same -> its recordings as they are on the disk.
+StoredRecordingsFactory = Callable[[Path, Dict[str, Any], int], List[StoredRecording]]
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,7 @@ class Storage:
 
     data: Path
     open_recordings: RecordingsFactory
+    stored_recordings: StoredRecordingsFactory
     messages: MessageMaker
     free_bytes: Callable[[Path], int]
     now_ns: Callable[[], int]
@@ -38,6 +43,7 @@ class Limits:
     queues: QueueLimits = field(default_factory=QueueLimits)
     disk_reserve_bytes: int = 500 * BYTES_PER_MB
     timeout_s: float = 60.0
+    reopen_timeout_s: float = 600.0
     period_s: float = 2.0
 
 
@@ -48,6 +54,24 @@ class ClosedSurvey:
     survey_id: str
     folder: Path
     stored_traces: int
+
+
+@dataclass(frozen=True)
+class ReopenedSurvey:
+    """A survey that goes on."""
+
+    survey_id: str
+    folder: Path
+    metadata_json: str
+    """As it was given when the survey was opened first."""
+    report_json: str
+    """As it was reported last; empty if it never was."""
+    stored_indices: List[int]
+    """Places in the plan whose traces are stored and readable, ascending."""
+    last: Optional[TraceRecord]
+    """The trace that was stored last."""
+    repairs: Tuple[str, ...]
+    """What was repaired, for people."""
 
 
 @dataclass(frozen=True)

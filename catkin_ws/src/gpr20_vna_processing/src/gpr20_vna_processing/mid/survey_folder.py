@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import List
 
 from gpr20_vna_processing.errors import SurveyRefusedError
 from gpr20_vna_processing.mid import utc_time
@@ -11,7 +13,10 @@ from gpr20_vna_processing.mid.trace_record import SURVEY_ID, TraceRecord
 SURVEY_FILE = "survey.json"
 BAG_FILE = "survey.bag"
 MCAP_FILE = "survey.mcap"
+DAMAGED_FOLDER = "damaged"
 TRACES_FOLDER = "traces"
+
+FOLDER_NAME = re.compile(r"[0-9]{8}T[0-9]{6}_[0-9a-f]{8}")
 
 
 def check_survey_id(survey_id: str) -> str:
@@ -45,6 +50,28 @@ def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
             f"the survey would start on {utc_time.iso_text(started_us)}; set the computer's clock"
         )
     return data / f"{utc_time.compact_text(started_us)}_{survey_id[:8]}"
+
+
+def candidate_folders(data: Path, survey: str) -> List[Path]:
+    """Return the folders that may be meant by a survey's id or the name of its folder.
+
+    Raises:
+        SurveyRefusedError: The text is neither; nothing outside the data folder can be named.
+    """
+    if SURVEY_ID.fullmatch(survey):
+        found = sorted(data.glob(f"*_{survey[:8]}"))
+    elif FOLDER_NAME.fullmatch(survey):
+        found = [data / survey]
+    else:
+        raise SurveyRefusedError(
+            f"survey is {survey[:64]!r}; it must be a survey's id (a UUID in lower case) or the "
+            "name of its folder, such as 20260921T141320_0f8fad5b"
+        )
+    return [
+        one
+        for one in found
+        if FOLDER_NAME.fullmatch(one.name) and one.is_dir() and not one.is_symlink()
+    ]
 
 
 def trace_file_name(trace: TraceRecord) -> str:

@@ -1,13 +1,23 @@
-"""A trace as the text of its JSON file."""
+"""A trace as the text of its JSON file, and back."""
 
 from __future__ import annotations
 
 import json
 import math
-from typing import Any, Dict
+from typing import Any, Dict, NoReturn
 
+import numpy as np
+
+from gpr20_vna_processing.errors import TraceRefusedError
 from gpr20_vna_processing.mid import utc_time
 from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+TEXTS = ("format", "survey_id", "sample_id")
+TIMES = ("timestamp", "sweep_started", "sweep_ended")
+HEIGHT = "antennae_height_m"
+NUMBERS = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
+ARRAYS = ("frequency_hz", "s21_real", "s21_imag")
+KEYS = frozenset((*TEXTS, "index", *TIMES, *NUMBERS, HEIGHT, *ARRAYS, "quality"))
 
 
 def encode(trace: TraceRecord) -> bytes:
@@ -35,3 +45,61 @@ def encode(trace: TraceRecord) -> bytes:
         "quality": list(trace.quality),
     }
     return (json.dumps(values, allow_nan=False) + "\n").encode("ascii")
+
+
+def decode(content: bytes) -> TraceRecord:
+    """Return the trace of a file's content, checked.
+
+    Raises:
+        TraceRefusedError: It is not the whole content of a trace's file.
+    """
+    try:
+        values = json.loads(content.decode("ascii"), parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        raise TraceRefusedError(f"the file is no strict JSON: {error}") from error
+    if not isinstance(values, dict) or values.keys() != KEYS or content[-1:] != b"\n":
+        raise TraceRefusedError("the file does not hold exactly the entries of a trace")
+    try:
+        return _trace(values)
+    except (ValueError, TypeError, OverflowError) as error:
+        if isinstance(error, TraceRefusedError):
+            raise
+        raise TraceRefusedError(f"an entry of the trace is wrong: {error}") from error
+
+
+def _trace(values: Dict[str, Any]) -> TraceRecord:
+    height = values[HEIGHT]
+    if not all(isinstance(one, str) for one in _list(values, "quality")):
+        raise TypeError("quality holds something else than texts")
+    return TraceRecord(
+        **{name: _of_type(values, name, str) for name in TEXTS},
+        index=_of_type(values, "index", int),
+        **{f"{name}_us": utc_time.parse_iso(_of_type(values, name, str)) for name in TIMES},
+        **{name: _of_type(values, name, float) for name in NUMBERS},
+        antennae_height_m=math.nan if height is None else _of_type(values, HEIGHT, float),
+        **{name: _array(values, name) for name in ARRAYS},
+        quality=tuple(values["quality"]),
+    )
+
+
+def _of_type(values: Dict[str, Any], name: str, kind: type) -> Any:
+    value = values[name]
+    # Exactly: true is an int to Python, and a float is always written with a point.
+    if type(value) is not kind:
+        raise TypeError(f"{name} is {str(value)[:64]!r}; it must be a {kind.__name__}")
+    return value
+
+
+def _list(values: Dict[str, Any], name: str) -> Any:
+    return _of_type(values, name, list)
+
+
+def _array(values: Dict[str, Any], name: str) -> np.ndarray:
+    numbers = _list(values, name)
+    if set(map(type, numbers)) - {float}:
+        raise TypeError(f"{name} holds something else than numbers")
+    return np.array(numbers, np.float64)
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not allowed in JSON")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import re
 from dataclasses import dataclass
@@ -60,6 +61,20 @@ class TraceRecord:
     def label(self) -> str:
         """Short name for messages."""
         return f"trace {self.index} (sample {self.sample_id})"
+
+    def fingerprint(self) -> bytes:
+        """Return 16 bytes that are the same only for traces equal to the last bit."""
+        height = self.antennae_height_m
+        words = (
+            *(self.format, self.survey_id, self.sample_id, self.index, self.timestamp_us),
+            *(float(self.x_coord_mm), float(self.y_coord_mm), float(self.z_coord_deg)),
+            *(None if math.isnan(height) else float(height), len(self.frequency_hz)),
+            *(self.sweep_started_us, self.sweep_ended_us, tuple(self.quality)),
+        )
+        digest = hashlib.blake2b(repr(words).encode(), digest_size=16)
+        for values in (self.frequency_hz, self.s21_real, self.s21_imag):
+            digest.update(values.tobytes())
+        return digest.digest()
 
     def _check_names(self) -> None:
         if self.format != FORMAT:

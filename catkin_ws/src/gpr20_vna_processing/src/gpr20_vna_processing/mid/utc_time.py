@@ -28,6 +28,21 @@ def iso_text(time_us: int) -> str:
     return moment.isoformat(timespec="microseconds")
 
 
+def parse_iso(text: str) -> int:
+    """Return the moment [us since 1970] of a text that `iso_text` wrote.
+
+    Raises:
+        ValueError: The text is anything else.
+    """
+    moment = datetime.datetime.fromisoformat(text)
+    if moment.tzinfo is None:
+        raise ValueError(f"{text[:64]!r} does not say its time zone")
+    time_us = (moment - _EPOCH) // datetime.timedelta(microseconds=1)
+    if iso_text(time_us) != text:
+        raise ValueError(f"{text[:64]!r} is no time as the storage writes it")
+    return time_us
+
+
 def compact_text(time_us: int) -> str:
     """Return a moment [us since 1970] as YYYYMMDDTHHMMSS, for names."""
     moment = _EPOCH + datetime.timedelta(microseconds=time_us)

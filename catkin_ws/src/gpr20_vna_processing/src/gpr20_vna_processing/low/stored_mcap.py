@@ -1,0 +1,183 @@
+"""Reading an MCAP file that may be torn or damaged."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from pathlib import Path
+from typing import Callable, Dict, Iterator, List, Tuple
+
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, Message, MessageIndex, Schema
+
+from gpr20_vna_processing.low.mcap_file import MAGIC, McapFile, McapTypes
+from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.low.stored_recording import mapped
+
+MAX_CHUNK_BYTES = 64 << 20  # more than any chunk of the storage: one message and a chunk
+# The name of the compression, behind opcode, length, two times, size and checksum.
+COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
+
+# Makes an empty file of the same survey at a path.
+McapFactory = Callable[[Path], McapFile]
+
+_TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
+
+
+class StoredMcap:
+    """Implements `StoredRecording` for a file written by `McapFile`."""
+
+    has_checksums = True
+
+    def __init__(self, path: Path, create: McapFactory) -> None:
+        """Take the path; nothing is read yet."""
+        self.path = path
+        self.faults: List[str] = []
+        self._create = create
+        self._types = McapTypes()
+        self._end = 0
+        self._crc = 0
+
+    def messages(self) -> Iterator[RecordedMessage]:
+        """Yield every message of the whole chunks, in the order of the file."""
+        self.faults, self._types, self._end, self._crc = [], McapTypes(), 0, 0
+        content = mapped(self.path)
+        place = len(MAGIC)
+        if content[:place] != MAGIC and len(content) >= place:
+            self.faults.append(f"{self.path.name} does not begin as an MCAP file does")
+        while place < len(content):
+            try:
+                found, next_place = self._step(content, place)
+            except _TORN as error:
+                place = self._next_chunk(content, place, str(error) or type(error).__name__)
+                continue
+            if next_place > place:
+                self._accept(content, next_place)
+            yield from found
+            if next_place == place:
+                break  # the end of the data section
+            place = next_place
+
+    def resume(self) -> McapFile:
+        """Cut off what follows the last whole chunk and go on there."""
+        if not self._end:
+            # Killed at its very beginning: not even the head is there.
+            self.path.unlink(missing_ok=True)
+            return self._create(self.path)
+        return McapFile.resumed(self.path, self._end, self._types, self._crc)
+
+    def create(self, path: Path) -> McapFile:
+        """Begin an empty file of the same survey elsewhere."""
+        return self._create(path)
+
+    def _accept(self, content: bytes, end: int) -> None:
+        self._crc = zlib.crc32(content[self._end : end], self._crc)
+        self._end = end
+
+    def _step(self, content: bytes, place: int) -> Tuple[List[RecordedMessage], int]:
+        """Return the messages of the record at a place and where the next step begins."""
+        opcode, data, end = _record(content, place)
+        if opcode == Opcode.DATA_END:
+            return [], place
+        if opcode in (Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT):
+            return [], end
+        if opcode != Opcode.CHUNK:
+            raise ValueError(f"a record of kind {opcode} stands where a chunk should")
+        messages, expected = self._content(data)
+        found: Dict[int, List[Tuple[int, int]]] = {}
+        while len(found) < len(expected):
+            opcode, data, end = _record(content, end)
+            if opcode != Opcode.MESSAGE_INDEX:
+                raise ValueError("a chunk has no message index")
+            index = MessageIndex.read(ReadDataStream(io.BytesIO(data)))
+            found[index.channel_id] = index.records
+        if found != expected:
+            raise ValueError("a chunk and its message index contradict each other")
+        return messages, end
+
+    def _content(
+        self, data: bytes
+    ) -> Tuple[List[RecordedMessage], Dict[int, List[Tuple[int, int]]]]:
+        content = _uncompressed(data)
+        messages: List[RecordedMessage] = []
+        entries: Dict[int, List[Tuple[int, int]]] = {}
+        place = 0
+        while place < len(content):
+            opcode, data, end = _record(content, place)
+            stream = ReadDataStream(io.BytesIO(data))
+            if opcode == Opcode.SCHEMA:
+                schema = Schema.read(stream)
+                self._types.schemas[schema.id] = schema
+            elif opcode == Opcode.CHANNEL:
+                channel = Channel.read(stream)
+                self._types.channels[channel.id] = channel
+            elif opcode == Opcode.MESSAGE:
+                message = Message.read(stream, len(data))
+                messages.append(self._message(message))
+                entries.setdefault(message.channel_id, []).append((message.log_time, place))
+            else:
+                raise ValueError(f"a chunk holds a record of kind {opcode}")
+            place = end
+        return messages, entries
+
+    def _message(self, message: Message) -> RecordedMessage:
+        channel = self._types.channels[message.channel_id]
+        schema = self._types.schemas[channel.schema_id]
+        counts = self._types.counts
+        counts[channel.id] = max(counts.get(channel.id, 0), message.sequence)
+        return RecordedMessage(
+            channel.topic,
+            schema.name,
+            channel.metadata.get("md5sum", ""),
+            schema.data.decode(),
+            message.data,
+            message.log_time,
+            channel.metadata.get("latching") == "1",
+        )
+
+    def _next_chunk(self, content: bytes, place: int, reason: str) -> int:
+        """Return where the next whole chunk begins; a torn tail has none."""
+        start = place + 1
+        while True:
+            found = content.find(COMPRESSION, start + COMPRESSION_PLACE)
+            if found < 0:
+                return len(content)
+            start = found - COMPRESSION_PLACE
+            if _is_chunk(content, start):
+                self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
+                return start
+
+
+def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
+    if place + 9 > len(content):
+        raise ValueError("a record is torn")
+    opcode, size = struct.unpack("<BQ", content[place : place + 9])
+    end = place + 9 + size
+    if end > len(content):
+        raise ValueError("a record is torn")
+    return opcode, content[place + 9 : end], end
+
+
+def _uncompressed(data: bytes) -> bytes:
+    chunk = Chunk.read(ReadDataStream(io.BytesIO(data)))
+    # The size is asked of the frame first: a damaged one must not fill the memory.
+    if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_CHUNK_BYTES:
+        raise ValueError("a chunk is not as the storage writes it")
+    if zstandard.frame_content_size(chunk.data) != chunk.uncompressed_size:
+        raise ValueError("a chunk has another size than it says")
+    content = zstandard.decompress(chunk.data)
+    if zlib.crc32(content) != chunk.uncompressed_crc:
+        raise ValueError("the checksum of a chunk is wrong")
+    return content
+
+
+def _is_chunk(content: bytes, place: int) -> bool:
+    try:
+        opcode, data, _ = _record(content, place)
+        return opcode == Opcode.CHUNK and bool(_uncompressed(data))
+    except _TORN:
+        return False

@@ -1,0 +1,85 @@
+"""What is checked and made before a survey begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Dict
+
+from gpr20_vna_processing.errors import SurveyRefusedError, storing
+from gpr20_vna_processing.low import json_trace_file
+from gpr20_vna_processing.mid import survey_folder, survey_metadata, utc_time
+from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
+
+
+def describe(survey_id: str, started_us: int, metadata_json: str, revision: str) -> Dict[str, Any]:
+    """Return the content of survey.json of a survey that begins.
+
+    Args:
+        survey_id: UUID of the survey.
+        started_us: When it started [us since 1970, UTC].
+        metadata_json: JSON object.
+        revision: Version of the suite.
+
+    Raises:
+        SurveyRefusedError: The metadata are not allowed.
+    """
+    own = {
+        "format": survey_metadata.FORMAT,
+        "survey_id": survey_id,
+        "started": utc_time.iso_text(started_us),
+        "ended": None,
+        "outcome": None,
+        "reason": "",
+        "stored_traces": 0,
+        "software_revision": revision,
+    }
+    return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
+
+
+def check_clock(now_ns: int) -> None:
+    """Refuse to record while the computer does not know the time.
+
+    Raises:
+        SurveyRefusedError: The time [ns since 1970, UTC] cannot be right.
+    """
+    now_us = now_ns // utc_time.NS_PER_US
+    if not utc_time.is_plausible(now_us):
+        raise SurveyRefusedError(
+            f"the computer's clock says {utc_time.iso_text(now_us)}; "
+            "set it, or every time in the recordings would be wrong"
+        )
+
+
+def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None:
+    """Refuse a survey that does not fit on the disk.
+
+    Raises:
+        SurveyRefusedError: The disk has too little space.
+        StorageFailedError: The data folder cannot be made or asked.
+    """
+    data = storage.data
+    with storing("the data folder", data):
+        json_trace_file.ensure_folder(data)
+        free = storage.free_bytes(data)
+    if needed_bytes + reserve_bytes > free:
+        raise SurveyRefusedError(
+            f"the survey needs {needed_bytes / BYTES_PER_MB:.0f} MB and "
+            f"{reserve_bytes / BYTES_PER_MB:.0f} MB are kept in reserve, but the disk of {data} "
+            f"has only {free / BYTES_PER_MB:.0f} MB free; make space"
+        )
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder of a survey and that of its traces.
+
+    Raises:
+        SurveyRefusedError: The folder exists.
+        OSError: The disk refused.
+    """
+    try:
+        json_trace_file.make_new_folder(folder)
+    except FileExistsError:
+        raise SurveyRefusedError(
+            f"{folder} exists already; every survey needs an id and a folder of its own"
+        ) from None
+    json_trace_file.make_new_folder(folder / survey_folder.TRACES_FOLDER)
