@@ -9,8 +9,10 @@ import pytest
 
 rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
 
-from storage_kit import assert_same_numbers, make_trace, read_json  # noqa: E402
+from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json  # noqa: E402
 from test_mcap_file import read_forward, traces_of  # noqa: E402
+
+from gpr20_vna_processing.mid.recordings import open_recordings  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 REINDEX = "import rosbag; rosbag.rosbagmain(['rosbag', 'reindex', '--quiet', {!r}])"
@@ -61,3 +63,24 @@ def test_a_killed_storage_leaves_a_survey_that_does_not_claim_to_have_ended(tmp_
     folder, _ = store_until_killed(tmp_path, 2)
     survey = read_json(folder / "survey.json")
     assert (survey["ended"], survey["outcome"]) == (None, None)
+
+
+@pytest.mark.parametrize("after", [1, 12])
+def test_a_survey_goes_on_after_its_storage_was_killed(tmp_path, after):
+    folder, last = store_until_killed(tmp_path, after)
+    kit = Kit(tmp_path, open_recordings)
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices in (list(range(last + 1)), list(range(last + 2)))
+    count = last + 6
+    for index in range(len(reopened.stored_indices), count):
+        kit.processing.store(make_trace(index))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.shut_down()
+    with rosbag.Bag(str(folder / "survey.bag")) as bag:
+        in_bag = [message for _, message, _ in bag.read_messages(topics=["/trace"])]
+    in_mcap = traces_of(read_forward((folder / "survey.mcap").read_bytes()))
+    files = [read_json(path) for path in sorted((folder / "traces").iterdir())]
+    assert len(in_bag) == len(in_mcap) == len(files) == count
+    for found in (files, *(sorted(one, key=lambda m: m.index) for one in (in_bag, in_mcap))):
+        for index, values in enumerate(found):
+            assert_same_numbers(make_trace(index), values)

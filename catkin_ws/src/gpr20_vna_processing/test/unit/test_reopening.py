@@ -6,15 +6,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-
-rosbag = pytest.importorskip("rosbag")  # the stock reader; the code itself needs no ROS
-
-from mcap.reader import make_reader  # noqa: E402
-from mcap_ros1.decoder import DecoderFactory  # noqa: E402
-from storage_kit import (  # noqa: E402
+from mcap.reader import make_reader
+from mcap_ros1.decoder import DecoderFactory
+from rosbags.rosbag1 import Reader
+from storage_kit import (
     OTHER_SURVEY,
     STARTED_US,
     SURVEY,
+    TYPES,
     Kit,
     assert_same_numbers,
     make_trace,
@@ -22,10 +21,10 @@ from storage_kit import (  # noqa: E402
     text_message,
 )
 
-from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError  # noqa: E402
-from gpr20_vna_processing.low.stored_bag import StoredBag  # noqa: E402
-from gpr20_vna_processing.low.stored_mcap import StoredMcap  # noqa: E402
-from gpr20_vna_processing.mid.recordings import open_recordings  # noqa: E402
+from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError
+from gpr20_vna_processing.low.stored_bag import StoredBag
+from gpr20_vna_processing.low.stored_mcap import StoredMcap
+from gpr20_vna_processing.mid.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(7)]
 FIRST = 4  # traces before the survey is cut off
@@ -66,8 +65,12 @@ def kit(data):
 
 
 def traces_in_bag(folder):
-    with rosbag.Bag(str(folder / "survey.bag")) as bag:
-        return [message for _, message, _ in bag.read_messages(topics=["/trace"])]
+    with Reader(str(folder / "survey.bag")) as reader:
+        return [
+            TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+            for connection, _, data in reader.messages()
+            if connection.topic == "/trace"
+        ]
 
 
 def messages_in_mcap(folder, topic="/trace"):
@@ -127,6 +130,7 @@ def test_a_survey_that_was_stopped_goes_on_again_and_again(data, folder):
 
 
 def test_a_bag_that_went_on_can_still_be_repaired_by_stock_tools(kit, folder, tmp_path):
+    rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
     kit.processing.reopen_survey(SURVEY)
     fill(kit, TRACES[FIRST:])
     path = tmp_path / "cut.bag"

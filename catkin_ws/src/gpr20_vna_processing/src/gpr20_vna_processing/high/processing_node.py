@@ -76,13 +76,13 @@ class ProcessingParameters:
     message_queue: int = 5000
     message_queue_mb: float = 16.0
     timeout_s: float = 60.0
-    reopen_timeout_s: float = 600.0
+    long_timeout_s: float = 600.0
     commit_period_s: float = 2.0
     recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
 
     def __post_init__(self) -> None:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
-        for name in ("message_queue_mb", "timeout_s", "reopen_timeout_s", "commit_period_s"):
+        for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
 
     def data_folder(self) -> Path:
@@ -101,7 +101,7 @@ class ProcessingParameters:
             ),
             disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
             timeout_s=self.timeout_s,
-            reopen_timeout_s=self.reopen_timeout_s,
+            long_timeout_s=self.long_timeout_s,
             period_s=self.commit_period_s,
         )
 

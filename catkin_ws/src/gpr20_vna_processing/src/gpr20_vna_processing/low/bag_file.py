@@ -154,7 +154,8 @@ class BagFile:
     def _written_chunks(self) -> Iterator[Tuple[int, Dict[int, List[Entry]]]]:
         """Yield the place and the indexes of each chunk, from the file itself."""
         place, end = bag_format.DATA_START, self._file.committed_bytes
-        chunk, indexes = -1, {}
+        chunk = -1
+        indexes: Dict[int, List[Entry]] = {}
         while place < end:
             header, data_place, size = self._record_head(place)
             if header.kind == bag_format.CHUNK:

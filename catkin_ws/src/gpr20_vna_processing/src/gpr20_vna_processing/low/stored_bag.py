@@ -67,7 +67,8 @@ class StoredBag:
         if chunk.kind != bag_format.CHUNK or chunk.number("size") != len(chunk.data):
             raise BagFormatError("a chunk is not whole")
         messages, expected = self._content(chunk.data)
-        place, found = chunk.end, {}
+        place = chunk.end
+        found: Dict[int, List[Entry]] = {}
         while len(found) < len(expected):
             index = bag_format.read_record(content, place)
             if index.kind != bag_format.INDEX:

@@ -111,7 +111,7 @@ class DataProcessing:
             SurveyRefusedError: There is no such survey, it is complete, or another is open.
             StorageFailedError: The disk refused; asking again is safe.
         """
-        return self._do(lambda: self._reopen(survey), self._limits.reopen_timeout_s)
+        return self._do(lambda: self._reopen(survey), self._limits.long_timeout_s)
 
     def report(self, survey_id: str, report_json: str) -> None:
         """Keep a report of the open survey in its survey.json, durably.
@@ -161,7 +161,9 @@ class DataProcessing:
                 f"reason has {len(reason)} characters; at most {MAX_REASON_CHARACTERS} are allowed"
             )
         survey_folder.check_survey_id(survey_id)
-        return self._do(lambda: self._close(survey_id, outcome, reason))
+        return self._do(
+            lambda: self._close(survey_id, outcome, reason), self._limits.long_timeout_s
+        )
 
     def shut_down(self) -> None:
         """Finish the recordings of a survey that is still open and end the thread.
@@ -298,7 +300,10 @@ class DataProcessing:
             return self._closed  # the answer to the first call may have been lost
         survey = self._opened_as(survey_id)
         ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
-        survey.close(outcome, reason, ended, self._storage.revision)
+        survey.close(outcome, reason, ended)
+        if outcome != INTERRUPTED:
+            # It reads the whole survey, for which a shut down leaves no time.
+            survey.write_manifest(self._storage.revision)
         self._set_recording(False)
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None

@@ -162,14 +162,13 @@ class OpenSurvey:
             raise SurveyRefusedError("the survey is being closed; call close_survey again")
         self._describe({**self.description, "report": report})
 
-    def close(self, outcome: str, reason: str, ended: str, revision: str) -> None:
-        """Finish the recordings, write how the survey ended and the manifest; may be repeated.
+    def close(self, outcome: str, reason: str, ended: str) -> None:
+        """Finish the recordings and write how the survey ended; may be repeated.
 
         Args:
             outcome: One word.
             reason: Why, for people.
             ended: When, as ISO 8601 text.
-            revision: Version of the suite, for the manifest.
 
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
@@ -189,9 +188,21 @@ class OpenSurvey:
             "stored_traces": self.stored_traces,
         }
         self._describe({**self.description, **ending})
+
+    def write_manifest(self, revision: str) -> None:
+        """Write the checksums of all files of a survey that was closed; may be repeated.
+
+        Args:
+            revision: Version of the suite.
+
+        Raises:
+            StorageFailedError: The disk refused; the survey is still open.
+        """
         with storing("the manifest", self.folder / manifest.MANIFEST_FILE):
             # Last: a survey with a manifest has ended, and nothing changes any more.
-            manifest.write_manifest(self.folder, self.survey_id, revision, ended)
+            manifest.write_manifest(
+                self.folder, self.survey_id, revision, self.description["ended"]
+            )
 
     def abandon(self) -> None:
         """Leave the files as they are on the disk."""

@@ -43,7 +43,8 @@ class Limits:
     queues: QueueLimits = field(default_factory=QueueLimits)
     disk_reserve_bytes: int = 500 * BYTES_PER_MB
     timeout_s: float = 60.0
-    reopen_timeout_s: float = 600.0
+    long_timeout_s: float = 600.0
+    """For what reads the whole survey: reopening and closing it."""
     period_s: float = 2.0
 
 

@@ -71,15 +71,16 @@ def _trace(values: Dict[str, Any]) -> TraceRecord:
     height = values[HEIGHT]
     if not all(isinstance(one, str) for one in _list(values, "quality")):
         raise TypeError("quality holds something else than texts")
-    return TraceRecord(
+    fields: Dict[str, Any] = {
         **{name: _of_type(values, name, str) for name in TEXTS},
-        index=_of_type(values, "index", int),
         **{f"{name}_us": utc_time.parse_iso(_of_type(values, name, str)) for name in TIMES},
         **{name: _of_type(values, name, float) for name in NUMBERS},
-        antennae_height_m=math.nan if height is None else _of_type(values, HEIGHT, float),
         **{name: _array(values, name) for name in ARRAYS},
-        quality=tuple(values["quality"]),
-    )
+        "index": _of_type(values, "index", int),
+        HEIGHT: math.nan if height is None else _of_type(values, HEIGHT, float),
+        "quality": tuple(values["quality"]),
+    }
+    return TraceRecord(**fields)
 
 
 def _of_type(values: Dict[str, Any], name: str, kind: type) -> Any:

@@ -1,0 +1,182 @@
+"""Disks that are full, read-only or slow: nothing lost, nothing half, and a message."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import threading
+import time
+
+import pytest
+from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json, wait_until
+from test_reopening import messages_in_mcap, traces_in_bag
+
+from gpr20_vna_processing.errors import StorageFailedError
+from gpr20_vna_processing.low.json_trace_file import is_temporary
+from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.recordings import open_recordings
+
+LIMITS = Limits(timeout_s=20.0, period_s=0.05, disk_reserve_bytes=0)
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of one megabyte."""
+    if os.geteuid() != 0:
+        pytest.skip("mounting a small tmpfs needs root")
+    place = tmp_path / "disk"
+    place.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=1m,nr_inodes=400", "gpr20-test", str(place)],
+        capture_output=True,
+        text=True,
+    )
+    if mounted.returncode:
+        pytest.skip(f"a tmpfs cannot be mounted here: {mounted.stderr.strip()}")
+    yield place
+    subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def kit_on(place) -> Kit:
+    return Kit(place / "data", open_recordings, limits=LIMITS)
+
+
+def fill_until_refused(kit: Kit) -> int:
+    """Store until the disk refuses; return the index that was not stored."""
+    for index in range(10_000):
+        try:
+            kit.processing.store(make_trace(index))
+        except StorageFailedError as error:
+            assert "make space" in str(error) or "read-only" in str(error)
+            return index
+    raise AssertionError("the disk takes everything")
+
+
+def assert_stored(folder, count: int) -> None:
+    files = sorted((folder / "traces").iterdir())
+    assert len(files) == count
+    bag = traces_in_bag(folder)
+    mcap = messages_in_mcap(folder)
+    assert len(bag) == len(mcap) == count
+    for index, found in enumerate(zip(map(read_json, files), bag, mcap)):
+        for values in found:
+            assert_same_numbers(make_trace(index), values)
+
+
+def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
+    kit = kit_on(small_disk)
+    folder = kit.open()
+    ballast = small_disk / "ballast"
+    ballast.write_bytes(b"\0" * 500_000)
+    refused = fill_until_refused(kit)
+    assert refused > 10
+    for _ in range(3):
+        with pytest.raises(StorageFailedError, match="make space"):
+            kit.processing.store(make_trace(refused))
+    assert [trace.index for trace in kit.stored] == list(range(refused))
+    # Data are only whole files; at most the refused trace is beyond what was acknowledged.
+    for path in (folder / "traces").iterdir():
+        assert not is_temporary(path.name)
+        assert read_json(path)["index"] <= refused
+    ballast.unlink()
+    for index in range(refused, refused + 10):
+        kit.processing.store(make_trace(index))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.shut_down()
+    assert_stored(folder, refused + 10)
+
+
+def test_a_survey_on_a_full_disk_is_reopened_after_a_kill(small_disk):
+    kit = kit_on(small_disk)
+    folder = kit.open()
+    (small_disk / "ballast").write_bytes(b"\0" * 500_000)
+    refused = fill_until_refused(kit)
+    # The killed process leaves the disk as it is; this one writes nothing any more.
+    later = kit_on(small_disk)
+    with pytest.raises(StorageFailedError, match="make space"):
+        later.processing.reopen_survey(SURVEY)
+    (small_disk / "ballast").unlink()
+    reopened = later.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices[:refused] == list(range(refused))
+    for index in range(len(reopened.stored_indices), refused + 5):
+        later.processing.store(make_trace(index))
+    later.processing.close_survey(SURVEY, "finished", "")
+    later.processing.shut_down()
+    assert_stored(folder, refused + 5)
+
+
+def test_a_disk_that_became_read_only_is_told_and_the_survey_goes_on_when_it_is_not(small_disk):
+    kit = kit_on(small_disk)
+    folder = kit.open()
+    for index in range(3):
+        kit.processing.store(make_trace(index))
+
+    def remount(mode: str) -> None:
+        # By force: the recordings are open for writing, as they are when a disk fails.
+        subprocess.run(
+            ["mount", "-o", f"remount,{mode}", str(small_disk)], check=True, capture_output=True
+        )
+
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    remount("ro")
+    try:
+        with pytest.raises(StorageFailedError, match="read-only"):
+            kit.processing.reopen_survey(SURVEY)
+    finally:
+        remount("rw")
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+    kit.processing.store(make_trace(3))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.shut_down()
+    assert_stored(folder, 4)
+
+
+def test_a_disk_that_turns_read_only_in_a_survey_stores_nothing_and_says_so(tmp_path, monkeypatch):
+    kit = kit_on(tmp_path)
+    folder = kit.open()
+    kit.processing.store(make_trace(0))
+
+    def refuse(*_arguments):
+        raise OSError(30, "Read-only file system")
+
+    with monkeypatch.context() as patch:
+        for name in ("open", "pwrite", "fsync", "link"):
+            patch.setattr(os, name, refuse)
+        with pytest.raises(StorageFailedError, match="read-only; look for disk errors"):
+            kit.processing.store(make_trace(1))
+        assert kit.processing.state().failing
+    kit.processing.store(make_trace(1))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.shut_down()
+    assert_stored(folder, 2)
+
+
+def test_a_slow_disk_makes_the_callers_wait_and_loses_nothing(tmp_path, monkeypatch):
+    kit = kit_on(tmp_path)
+    folder = kit.open()
+    real_fsync = os.fsync
+
+    def slow(descriptor):
+        time.sleep(0.01)  # this is the slow disk, not a wait for something
+        real_fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", slow)
+    callers = [
+        threading.Thread(target=kit.processing.store, args=(make_trace(index),))
+        for index in range(12)
+    ]
+    for caller in callers:
+        caller.start()
+    waiting = []
+    wait_until(
+        lambda: waiting.append(kit.processing.state().queues.jobs) or len(kit.stored) == 12, 20.0
+    )
+    for caller in callers:
+        caller.join(10.0)
+    assert max(waiting) <= LIMITS.queues.jobs
+    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.shut_down()
+    by_index = sorted(map(read_json, (folder / "traces").iterdir()), key=lambda one: one["index"])
+    for index, values in enumerate(by_index):
+        assert_same_numbers(make_trace(index), values)
+    assert len(by_index) == len(traces_in_bag(folder)) == len(messages_in_mcap(folder)) == 12
