@@ -1,0 +1,14 @@
+from catkin_pkg.python_setup import generate_distutils_setup
+from setuptools import setup
+
+setup(
+    **generate_distutils_setup(
+        packages=[
+            "gpr20_analysis",
+            "gpr20_analysis.low",
+            "gpr20_analysis.mid",
+        ],
+        package_dir={"": "src"},
+        entry_points={"console_scripts": ["gpr20-verify = gpr20_analysis.verify:main"]},
+    )
+)

@@ -1,0 +1,1 @@
+"""What the checks do; no ROS."""

@@ -1,0 +1,135 @@
+"""Small surveys on the disk, written by the storage itself, without ROS."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import asdict
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Mapping, Optional
+
+import numpy as np
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.mid.data_processing import INTERRUPTED, DataProcessing
+from gpr20_vna_processing.mid.processing_records import Limits, Storage
+from gpr20_vna_processing.mid.recordings import open_recordings, stored_recordings
+from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
+STARTED_US = 1_790_000_000_123_456
+NOW_NS = 1_790_000_100_000_000_001
+TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+SURVEY_PARAMETERS = SurveyParameters(
+    "127.0.0.1", 6e8, 6e9, 5, x_start_mm=10.0, x_stop_mm=20.0, x_points=3,
+    y_start_mm=10.0, y_stop_mm=20.0, y_points=3,
+)  # fmt: skip
+PARAMETERS = asdict(SURVEY_PARAMETERS)
+POINTS = survey_points(SURVEY_PARAMETERS, TRAVEL)
+AXES = {
+    name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
+    for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
+}
+
+MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
+TYPES = get_typestore(Stores.ROS1_NOETIC)
+TYPES.register(
+    get_types_from_msg((MESSAGES / "Trace.msg").read_text(), "gpr20_msgs/msg/Trace"),
+)
+
+
+def planned_trace(index: int, **changes: Any) -> TraceRecord:
+    """Return the trace of a planned point, with some fields changed."""
+    noise = np.random.default_rng(index)
+    point = POINTS[index]
+    fields = {
+        "format": "gpr20-trace/1",
+        "survey_id": SURVEY,
+        "sample_id": f"sample-{index}",
+        "index": index,
+        "timestamp_us": STARTED_US + 10**6 * (index + 2),
+        "x_coord_mm": point.x_mm,
+        "y_coord_mm": point.y_mm,
+        "z_coord_deg": point.z_deg,
+        "antennae_height_m": 0.1 + 0.2,
+        "frequency_hz": np.linspace(6e8, 6e9, 5),
+        "s21_real": noise.standard_normal(5),
+        "s21_imag": noise.standard_normal(5),
+        "sweep_started_us": STARTED_US + 1,
+        "sweep_ended_us": STARTED_US + 1_000_001,
+        "quality": (),
+    }
+    return TraceRecord(**{**fields, **changes})
+
+
+class PlainMessages:
+    """Serializes as the node does, without ROS."""
+
+    def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
+        values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
+        values["quality"] = list(trace.quality)
+        for name in ("timestamp", "sweep_started", "sweep_ended"):
+            seconds, rest_us = divmod(getattr(trace, f"{name}_us"), 1_000_000)
+            time_type = TYPES.types["builtin_interfaces/msg/Time"]
+            values[name] = time_type(sec=seconds, nanosec=rest_us * 1000)
+        return _recorded("/trace", "gpr20_msgs/Trace", values, time_ns)
+
+    def metadata(self, text: str, time_ns: int) -> RecordedMessage:
+        return _recorded("/survey_metadata", "std_msgs/String", {"data": text}, time_ns)
+
+    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+        raise NotImplementedError("these surveys are not reopened")
+
+
+def _recorded(topic: str, datatype: str, values: Mapping[str, Any], time_ns: int) -> Any:
+    name = datatype.replace("/", "/msg/")
+    definition, md5sum = TYPES.generate_msgdef(name)
+    data = bytes(TYPES.serialize_ros1(TYPES.types[name](**values), name))
+    return RecordedMessage(topic, datatype, md5sum, definition, data, time_ns)
+
+
+def make_survey(
+    data: Path,
+    stored: int,
+    outcome: Optional[str],
+    misplaced: Mapping[int, Mapping[str, Any]] = MappingProxyType({}),
+) -> Path:
+    """Store a survey and return its folder.
+
+    Args:
+        data: Where the folder is made.
+        stored: How many of the planned traces are stored.
+        outcome: How the survey ends; None leaves it as a kill would.
+        misplaced: What some traces have other than planned.
+    """
+    processing = DataProcessing(
+        Storage(
+            data=data / "data",
+            open_recordings=open_recordings,
+            stored_recordings=stored_recordings,
+            messages=PlainMessages(),
+            free_bytes=lambda _: 10**12,
+            now_ns=lambda: NOW_NS,
+            clock=Clock(),
+            revision="1.2.3",
+        ),
+        Limits(timeout_s=10.0, period_s=0.05),
+        on_opened=lambda _: None,
+        on_stored=lambda _: None,
+    )
+    processing.start()
+    metadata = {"planned_traces": len(POINTS), "parameters": PARAMETERS, "axes": AXES}
+    folder = processing.open_survey(SURVEY, STARTED_US, json.dumps(metadata), 1000)
+    for index in range(stored):
+        processing.store(planned_trace(index, **misplaced.get(index, {})))
+    if outcome is None:
+        folder = Path(shutil.copytree(str(folder), str(data / folder.name)))
+    elif outcome != INTERRUPTED:  # as the shut down below does
+        processing.close_survey(SURVEY, outcome, "")
+    processing.shut_down()
+    return folder

@@ -1,0 +1,248 @@
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from survey_kit import PARAMETERS, POINTS, make_survey, planned_trace
+
+from gpr20_analysis.mid.verification import verify
+from gpr20_analysis.verify import main
+
+FOLDER_MODULES = ("rospy", "rosbag", "genpy", "roslib", "rospkg")
+SCRIPT = Path(__file__).resolve().parents[5] / "scripts" / "verify.sh"
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("stopped"), 7, "stopped")
+
+
+@pytest.fixture
+def copy(finished, tmp_path):
+    return Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
+
+
+def change_json(path: Path, **changes) -> None:
+    values = json.loads(path.read_text())
+    values.update(changes)
+    path.write_text(json.dumps(values, indent=2) + "\n")
+
+
+def without_manifest_faults(found):
+    return [fault for fault in found.faults if "manifest" not in fault]
+
+
+def test_a_whole_survey_is_complete_and_intact(finished, capsys):
+    assert main([str(finished)]) == 0
+    told = capsys.readouterr().out
+    assert told == "complete and intact: all 18 planned traces are stored and readable\n"
+
+
+def test_a_survey_that_was_stopped_is_intact_and_never_called_complete(stopped, capsys):
+    assert main([str(stopped)]) == 1
+    told = capsys.readouterr().out
+    assert "INCOMPLETE, but intact: 7 of 18 planned traces" in told
+    assert "complete" not in told
+
+
+def test_a_survey_that_was_cut_off_is_judged_by_what_is_whole(tmp_path, capsys):
+    folder = make_survey(tmp_path, 7, None)
+    assert main([str(folder)]) == 1
+    assert "7 of 18 planned traces are stored and readable, and the survey was not closed" in (
+        capsys.readouterr().out
+    )
+    bag = folder / "survey.bag"
+    content = bag.read_bytes()
+    last = content.index(planned_trace(6).s21_real.tobytes())
+    bag.write_bytes(content[:last])
+    assert main([str(folder)]) == 1
+    assert "trace 6 is not in survey.bag yet" in capsys.readouterr().out
+    last = content.index(planned_trace(5).s21_real.tobytes())
+    bag.write_bytes(content[:last])
+    assert main([str(folder)]) == 2
+
+
+def test_a_full_survey_that_was_not_closed_is_not_complete(tmp_path, capsys):
+    assert main([str(make_survey(tmp_path, len(POINTS), None))]) == 1
+    assert "complete" not in capsys.readouterr().out
+
+
+def test_a_survey_that_was_interrupted_has_no_manifest_and_is_not_complete(tmp_path, capsys):
+    folder = make_survey(tmp_path, len(POINTS), "interrupted")
+    assert not (folder / "manifest.json").exists()
+    assert main([str(folder)]) == 1
+    assert "INCOMPLETE, but intact: 18 of 18" in capsys.readouterr().out
+
+
+def test_no_byte_of_any_file_can_be_changed_unseen(copy):
+    chance = random.Random(20)
+    for path in sorted(one for one in copy.rglob("*") if one.is_file()):
+        content = path.read_bytes()
+        for _ in range(6):
+            changed = bytearray(content)
+            changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+            path.write_bytes(changed)
+            found = verify(copy)
+            assert found.status == 2, path
+            assert "complete" not in found.verdict
+        path.write_bytes(content)
+    assert verify(copy).status == 0
+
+
+def test_damage_is_found_without_the_manifest_too(copy):
+    """A manifest that was made again hides nothing that contradicts itself."""
+    (copy / "manifest.json").unlink()
+    trace = sorted((copy / "traces").iterdir())[4]
+    original = {one: one.read_bytes() for one in (trace, copy / "survey.bag", copy / "survey.mcap")}
+    values = json.loads(original[trace])
+    values["s21_imag"][2] = values["s21_imag"][2] + 1e-12
+    trace.write_text(json.dumps(values) + "\n")
+    faults = without_manifest_faults(verify(copy))
+    assert faults == [
+        "trace 4 has other numbers in survey.bag than in its JSON file",
+        "trace 4 has other numbers in survey.mcap than in its JSON file",
+    ]
+    trace.write_bytes(original[trace])
+    assert without_manifest_faults(verify(copy)) == []
+
+    numbers = planned_trace(4).s21_real.tobytes()
+    bag = bytearray(original[copy / "survey.bag"])
+    bag[bag.index(numbers) + 3] ^= 1
+    (copy / "survey.bag").write_bytes(bag)
+    faults = without_manifest_faults(verify(copy))
+    assert faults == ["trace 4 has other numbers in survey.bag than in its JSON file"]
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
+def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(copy, name):
+    content = (copy / name).read_bytes()
+    chance = random.Random(name)
+    for _ in range(40):
+        changed = bytearray(content)
+        place = chance.randrange(len(content))
+        for offset in range(chance.choice([1, 4, 64])):
+            changed[min(place + offset, len(content) - 1)] ^= chance.randrange(1, 256)
+        (copy / name).write_bytes(changed if chance.random() < 0.7 else content[:place])
+        found = verify(copy)
+        assert found.status == 2
+        assert any(name in fault for fault in found.faults)
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "manifest.json", "survey.json"])
+def test_a_file_that_is_gone_is_named(copy, name):
+    (copy / name).unlink()
+    found = verify(copy)
+    assert found.status == 2
+    assert any(name in fault for fault in found.faults)
+
+
+def test_a_trace_that_is_gone_is_missed_everywhere(copy):
+    path = sorted((copy / "traces").iterdir())[3]
+    path.unlink()
+    faults = " ".join(verify(copy).faults)
+    assert f"traces/{path.name} is in the manifest but is gone" in faults
+    assert "trace 3 is in survey.bag but has no readable JSON file" in faults
+    assert "trace 3 is in survey.mcap but has no readable JSON file" in faults
+    assert "tells of 18 stored traces, but 17 are readable" in faults
+    assert "says finished, but not every planned trace" in faults
+
+
+def test_a_file_that_was_added_is_named(copy):
+    (copy / "traces" / "note.txt").write_text("hello")
+    assert verify(copy).faults == ["traces/note.txt is not in the manifest"]
+
+
+def test_a_link_in_the_place_of_a_file_is_not_followed(copy, tmp_path):
+    path = sorted((copy / "traces").iterdir())[0]
+    path.rename(tmp_path / "elsewhere.json")
+    path.symlink_to(tmp_path / "elsewhere.json")
+    assert any(path.name in fault for fault in verify(copy).faults)
+
+
+def test_a_trace_at_another_place_than_planned_is_named(tmp_path):
+    folder = make_survey(tmp_path, 18, "finished", misplaced={5: {"x_coord_mm": 10.02}})
+    assert without_manifest_faults(verify(folder)) == [
+        "trace 5 was taken at x 10.02, planned was 20",
+        "survey.json says finished, but not every planned trace is readable",
+    ]
+
+
+def test_a_trace_with_other_frequencies_than_planned_is_named(tmp_path):
+    short = planned_trace(5).frequency_hz[:4]
+    misplaced = {5: {"frequency_hz": short, "s21_real": short, "s21_imag": short}}
+    folder = make_survey(tmp_path, 18, "stopped", misplaced=misplaced)
+    assert verify(folder).faults == ["trace 5 has 4 points, planned were 5"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"planned_traces": 7}, "tells of 7 planned traces, but its parameters plan 18"),
+        ({"stored_traces": 18}, "tells of 18 stored traces, but 7 are readable"),
+        ({"outcome": "finished"}, "says finished, but"),
+        ({"report": {"verdict": "complete: all 7"}}, "the report in survey.json says complete"),
+        ({"axes": {}}, "what was planned cannot be told"),
+        ({"parameters": {**PARAMETERS, "x_points": 10**9}}, "number of traces"),
+        ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
+    ],
+)
+def test_words_that_contradict_the_files_are_faults(stopped, tmp_path, changes, reason):
+    folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
+    change_json(folder / "survey.json", **changes)
+    found = verify(folder)
+    assert found.status == 2
+    assert any(reason in fault for fault in found.faults)
+
+
+def test_a_folder_that_is_no_survey_is_told_apart(tmp_path, capsys):
+    assert main([str(tmp_path)]) == 3
+    assert "is no folder of a survey" in capsys.readouterr().err
+    assert main([str(tmp_path / "missing")]) == 3
+
+
+def test_many_faults_are_counted_and_told_on_request(copy, capsys):
+    for path in (copy / "traces").iterdir():
+        path.write_text("{")
+    assert main([str(copy)]) == 2
+    assert "more; --all tells them" in capsys.readouterr().out
+    assert main(["--all", str(copy)]) == 2
+    assert "--all" not in capsys.readouterr().out
+
+
+def test_checking_changes_nothing(copy):
+    before = {one: (one.read_bytes(), one.stat().st_mtime_ns) for one in copy.rglob("*.*")
+              if one.is_file()}  # fmt: skip
+    verify(copy)
+    assert before == {one: (one.read_bytes(), one.stat().st_mtime_ns) for one in copy.rglob("*.*")
+                      if one.is_file()}  # fmt: skip
+
+
+def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):
+    for module in FOLDER_MODULES:
+        (tmp_path / f"{module}.py").write_text("raise ImportError('no ROS here')\n")
+    answer = subprocess.run(
+        [sys.executable, "-m", "gpr20_analysis.verify", str(finished)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert (answer.returncode, answer.stderr) == (0, "")
+    assert answer.stdout.startswith("complete and intact")
+
+
+def test_the_script_answers_with_the_status_of_the_check(stopped):
+    answer = subprocess.run([str(SCRIPT), str(stopped)], capture_output=True, text=True, timeout=60)
+    assert answer.returncode == 1, answer.stderr
+    assert "INCOMPLETE" in answer.stdout
