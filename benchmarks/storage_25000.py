@@ -1,0 +1,256 @@
+"""Store 25,000 traces of 501 points in one survey and watch the storage's time and memory.
+
+Starts its own master and its own vna_processing on loopback, drives `store_data` as fast as
+it answers, and prints a table. The survey is then stopped, opened again by a new node, and
+verified. Everything lies in a temporary folder that is removed afterwards.
+
+    scripts/bench.sh storage_25000 [--x-points 125 --y-points 100] [--folder DIR]
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+import shutil
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import uuid
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Dict, Iterator, List
+
+import numpy as np
+import rospy
+
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_main_control.mid.survey_plan import SurveyPoint, survey_points
+from gpr20_msgs.msg import Trace
+from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
+
+ROOT = Path(__file__).resolve().parents[1]
+NODE = ROOT / "catkin_ws/src/gpr20_vna_processing/nodes/vna_processing"
+VERIFY = ROOT / "scripts/verify.sh"
+TIME_LIMIT_S = 60.0
+POINTS = 501
+BYTES_PER_TRACE = 70_000  # JSON, bag and MCAP
+ALLOWED_GROWTH = 0.05
+TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+
+
+@contextlib.contextmanager
+def process(*command: str) -> Iterator[subprocess.Popen]:
+    """Run a process of ROS and end it in the end."""
+    child = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
+    try:
+        yield child
+    finally:
+        child.send_signal(signal.SIGINT)
+        child.wait(TIME_LIMIT_S)
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def wait_until(condition: Any, what: str) -> None:
+    deadline_s = time.monotonic() + TIME_LIMIT_S
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise RuntimeError(f"{what} within {TIME_LIMIT_S:g} s")
+        time.sleep(0.05)
+
+
+def listens(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def resident_kb(pid: int) -> int:
+    """Return the resident memory of a process [KiB]."""
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("VmRSS:"):
+            return int(line.split()[1])
+    raise RuntimeError(f"process {pid} does not tell its memory")
+
+
+def metadata(parameters: SurveyParameters, planned: int) -> str:
+    axes = {
+        name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
+        for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
+    }
+    values = {"simulated": True, "planned_traces": planned, "axes": axes}
+    return json.dumps({**values, "parameters": asdict(parameters)})
+
+
+class Traces:
+    """Makes traces of noise, which is the hardest to store."""
+
+    def __init__(self, survey_id: str) -> None:
+        self._survey_id = survey_id
+        self._random = np.random.default_rng(20)
+        self._frequencies = np.linspace(6e8, 6e9, POINTS).tolist()
+
+    def make(self, point: SurveyPoint) -> Trace:
+        """Return the trace of a planned point."""
+        now = rospy.Time.from_sec(time.time())
+        real, imag = self._random.standard_normal((2, POINTS)) * 1e-3
+        return Trace(
+            format="gpr20-trace/1",
+            survey_id=self._survey_id,
+            sample_id=str(uuid.uuid4()),
+            index=point.index,
+            timestamp=now,
+            x_coord_mm=point.x_mm,
+            y_coord_mm=point.y_mm,
+            z_coord_deg=point.z_deg,
+            antennae_height_m=0.1,
+            frequency_hz=self._frequencies,
+            s21_real=real.tolist(),
+            s21_imag=imag.tolist(),
+            sweep_started=now,
+            sweep_ended=now,
+        )
+
+
+def store_all(
+    store: Any, traces: Traces, points: List[SurveyPoint], node: int, marks: List[int]
+) -> List[Dict[str, float]]:
+    """Store every point; return a row of the table per mark."""
+    rows: List[Dict[str, float]] = []
+    times_ms: List[float] = []
+    begin_s = time.monotonic()
+    for count, point in enumerate(points, 1):
+        message = traces.make(point)
+        start_s = time.monotonic()
+        answer = store(message)
+        times_ms.append((time.monotonic() - start_s) * 1e3)
+        if not answer.success:
+            raise RuntimeError(answer.message)
+        if count in marks:
+            ordered = sorted(times_ms)
+            rows.append(
+                {
+                    "count": count,
+                    "rss_mib": resident_kb(node) / 1024,
+                    "median_ms": statistics.median(ordered),
+                    "p95_ms": ordered[int(0.95 * len(ordered))],
+                    "per_s": count / (time.monotonic() - begin_s),
+                }
+            )
+            print(rows[-1], file=sys.stderr, flush=True)
+            times_ms.clear()
+        elif len(times_ms) > 1000:
+            del times_ms[0]  # a row tells of the last 1,000 stores before it
+    return rows
+
+
+def table(rows: List[Dict[str, float]]) -> str:
+    lines = [
+        "| traces stored | memory of the node [MiB] | median store [ms] | 95 % of stores [ms] | "
+        "stores per second since the start |",
+        "| ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for row in rows:
+        lines.append(
+            f"| {row['count']:,.0f} | {row['rss_mib']:.1f} | {row['median_ms']:.1f} | "
+            f"{row['p95_ms']:.1f} | {row['per_s']:.0f} |"
+        )
+    return "\n".join(lines)
+
+
+def sizes(folder: Path) -> str:
+    parts = [(name, (folder / name).stat().st_size) for name in ("survey.bag", "survey.mcap")]
+    parts.append(("traces/", sum(one.stat().st_size for one in (folder / "traces").iterdir())))
+    return ", ".join(f"{name} {size / 1e6:,.0f} MB" for name, size in parts)
+
+
+def start_node(data: Path) -> Any:
+    return process(sys.executable, str(NODE), f"_data:={data}", "_disk_reserve_mb:=100")
+
+
+def service(name: str, kind: Any) -> Any:
+    rospy.wait_for_service(name, TIME_LIMIT_S)
+    return rospy.ServiceProxy(name, kind)
+
+
+def run(data: Path, parameters: SurveyParameters) -> bool:
+    points = survey_points(parameters, TRAVEL)
+    step = max(1, len(points) // 5)
+    first = 1000 if len(points) > 5000 else step
+    marks = sorted({first, *range(step, len(points) + 1, step), len(points)})
+    survey_id = str(uuid.uuid4())
+    with start_node(data) as node:
+        opened = service("open_survey", OpenSurvey)(
+            survey_id=survey_id,
+            started=rospy.Time.from_sec(time.time()),
+            metadata_json=metadata(parameters, len(points)),
+            needed_bytes=len(points) * BYTES_PER_TRACE,
+        )
+        if not opened.success:
+            raise RuntimeError(opened.message)
+        rospy.wait_for_service("store_data", TIME_LIMIT_S)
+        store = rospy.ServiceProxy("store_data", StoreData, persistent=True)
+        rows = store_all(store, Traces(survey_id), points, node.pid, marks)
+        close = service("close_survey", CloseSurvey)
+        closing_s = seconds(lambda: close(survey_id, "stopped", "end of the benchmark"))
+    folder = Path(opened.path)
+    print(table(rows))
+    print(f"\nClosing, with the indexes and the manifest: {closing_s:.1f} s. {sizes(folder)}.")
+    with start_node(data):
+        reopen = service("reopen_survey", ReopenSurvey)
+        reopening_s = seconds(lambda: reopen(survey_id))
+        print(f"Reopening, with every trace read three times: {reopening_s:.1f} s.")
+        finish = service("close_survey", CloseSurvey)
+        seconds(lambda: finish(survey_id, "finished", "end of the benchmark"))
+    verifying_s = seconds(lambda: subprocess.run([str(VERIFY), str(folder)], check=True))
+    print(f"Verifying: {verifying_s:.1f} s.")
+    growth = rows[-1]["rss_mib"] / rows[0]["rss_mib"] - 1.0
+    print(f"Memory from {rows[0]['count']:,} to {rows[-1]['count']:,} traces: {growth:+.1%}.")
+    return growth <= ALLOWED_GROWTH
+
+
+def seconds(work: Any) -> float:
+    """Return how long a call took [s]; its answer must not be a refusal."""
+    start_s = time.monotonic()
+    answer = work()
+    if not getattr(answer, "success", True):
+        raise RuntimeError(answer.message)
+    return time.monotonic() - start_s
+
+
+def main() -> int:
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--x-points", type=int, default=125)
+    options.add_argument("--y-points", type=int, default=100)
+    options.add_argument("--folder", default=tempfile.gettempdir())
+    chosen = options.parse_args()
+    parameters = SurveyParameters(
+        "127.0.0.1", 6e8, 6e9, POINTS,
+        0.0, 650.0, chosen.x_points, 0.0, 800.0, chosen.y_points,
+    )  # fmt: skip
+    needed = parameters.total_points * BYTES_PER_TRACE
+    free = shutil.disk_usage(chosen.folder).free
+    if free < 2 * needed:
+        print(f"{chosen.folder} has {free / 1e6:.0f} MB; {2 * needed / 1e6:.0f} MB are needed")
+        return 2
+    port = free_port()
+    os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
+    with tempfile.TemporaryDirectory(dir=chosen.folder) as data, process(
+        "roscore", "-p", str(port)
+    ):
+        wait_until(lambda: listens(port), "the master did not start")
+        rospy.init_node("storage_benchmark", disable_signals=True)
+        return 0 if run(Path(data), parameters) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
