@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, Optional, Sequence
 
 from gpr20_vna_processing.errors import (
     ProcessingError,
@@ -16,6 +15,7 @@ from gpr20_vna_processing.errors import (
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage
 from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
+from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
@@ -61,9 +61,8 @@ class DataProcessing:
         self._thread = StorageThread(
             self._write_messages, limits.queues, storage.clock, limits.period_s
         )
-        self._lock = threading.Lock()  # guards the four below
-        self._recording = False
-        self._latched: Dict[str, RecordedMessage] = {}
+        self._latched = LatchedTopics()
+        self._lock = threading.Lock()  # guards the two below
         self._last_error, self._failing = "", False
         # Changed on the storage thread only.
         self._survey: Optional[OpenSurvey] = None
@@ -138,11 +137,7 @@ class DataProcessing:
 
     def record(self, message: RecordedMessage) -> None:
         """Record a message of another topic; drop it, counted, if the disk is too slow."""
-        with self._lock:
-            if message.latching:
-                self._latched[message.topic] = message
-            recording = self._recording
-        if recording:
+        if self._latched.note(message):
             self._thread.offer(message)
 
     def close_survey(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
@@ -265,7 +260,7 @@ class DataProcessing:
                 # Last: a folder with a survey.json is whole.
                 json_trace_file.write_new_file(path, content)
         except Exception:
-            self._set_recording(False)
+            self._latched.end()
             survey.abandon()
             raise
         self._survey = survey
@@ -281,19 +276,9 @@ class DataProcessing:
 
     def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
         # From here on messages queue up behind this job; those before are in the snapshot.
-        latched = self._set_recording(True)
-        survey.record(
-            [
-                self._storage.messages.metadata(text, now_ns),
-                *(dataclasses.replace(message, time_ns=now_ns) for message in latched),
-            ]
-        )
+        latched = self._latched.begin(now_ns)
+        survey.record([self._storage.messages.metadata(text, now_ns), *latched])
         survey.commit()
-
-    def _set_recording(self, recording: bool) -> List[RecordedMessage]:
-        with self._lock:
-            self._recording = recording
-            return list(self._latched.values())
 
     def _close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
         if self._survey is None and self._closed and self._closed.survey_id == survey_id:
@@ -304,7 +289,7 @@ class DataProcessing:
         if outcome != INTERRUPTED:
             # It reads the whole survey, for which a shut down leaves no time.
             survey.write_manifest(self._storage.revision)
-        self._set_recording(False)
+        self._latched.end()
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None
         return self._closed
