@@ -22,6 +22,7 @@ from storage_kit import (
 )
 
 from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError
+from gpr20_vna_processing.low.mcap_file import McapFile
 from gpr20_vna_processing.low.stored_bag import StoredBag
 from gpr20_vna_processing.low.stored_mcap import StoredMcap
 from gpr20_vna_processing.mid.recordings import open_recordings
@@ -203,7 +204,41 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
     assert reopened.stored_indices == [0, 1, 2, 3, 4, 5]
     assert reopened.last.index == 5
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
+    assert len(read_json(folder / "survey.json")["resumed"]) == 2
     finish(kit, folder, reopened)
+
+
+def test_a_trace_that_a_recording_refused_is_completed_before_the_answer(kit, folder, monkeypatch):
+    kit.processing.reopen_survey(SURVEY)
+
+    def refuse(_self):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(McapFile, "commit", refuse)
+        for ask in (lambda: kit.processing.store(TRACES[4]),
+                    lambda: kit.processing.reopen_survey(SURVEY)):  # fmt: skip
+            with pytest.raises(StorageFailedError, match="make space"):
+                ask()
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices == [0, 1, 2, 3, 4]
+    finish(kit, folder, reopened)
+
+
+def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):
+    kit.processing.reopen_survey(SURVEY)
+
+    def refuse(_self):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(McapFile, "finish", refuse)
+        with pytest.raises(StorageFailedError, match="make space"):
+            kit.processing.close_survey(SURVEY, "stopped", "")
+    with pytest.raises(SurveyRefusedError, match="call close_survey again"):
+        kit.processing.reopen_survey(SURVEY)
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    finish(kit, folder, kit.processing.reopen_survey(SURVEY))
 
 
 def test_torn_temporary_files_are_removed_and_never_data(kit, folder):

@@ -232,7 +232,7 @@ class DataProcessing:
         survey = self._survey
         if survey is not None and name in (survey.survey_id, survey.folder.name):
             # Whoever filled it has gone, or has not received the first answer.
-            survey.complete(now_ns)
+            survey.go_on(now_ns)
             return reopened_survey(survey, ())
         self._check_can_open(0, now_ns)
         folder, description = find_survey(self._storage.data, name)

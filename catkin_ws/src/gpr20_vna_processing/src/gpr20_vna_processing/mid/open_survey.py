@@ -13,7 +13,7 @@ from gpr20_vna_processing.errors import (
 )
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage, Recording
-from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata, trace_json
+from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata, trace_json, utc_time
 from gpr20_vna_processing.mid.stored_traces import StoredTraces
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
@@ -102,15 +102,20 @@ class OpenSurvey:
         self.commit()
         return path
 
-    def complete(self, time_ns: int) -> None:
-        """Record the traces whose JSON is durable but which a recording did not take.
+    def go_on(self, time_ns: int) -> None:
+        """Note that the survey is resumed, and record what a recording did not take yet.
 
         Args:
             time_ns: When that is [ns since 1970, UTC].
 
         Raises:
+            SurveyRefusedError: The survey is being closed.
             StorageFailedError: The disk refused.
         """
+        self._refuse_ending()
+        now = utc_time.iso_text(time_ns // utc_time.NS_PER_US)
+        resumed = [*self.description.get("resumed", []), now]
+        self._describe({**self.description, "resumed": resumed})
         for index in list(self._missing):
             trace = self._stored_trace(index)
             self._record_trace(trace, self._messages.trace(trace, time_ns))
@@ -158,8 +163,7 @@ class OpenSurvey:
             SurveyRefusedError: The survey is being closed.
             StorageFailedError: The disk refused; the former report is kept.
         """
-        if self._ending:
-            raise SurveyRefusedError("the survey is being closed; call close_survey again")
+        self._refuse_ending()
         self._describe({**self.description, "report": report})
 
     def close(self, outcome: str, reason: str, ended: str) -> None:
@@ -208,6 +212,10 @@ class OpenSurvey:
         """Leave the files as they are on the disk."""
         for recording in self._unfinished:
             recording.abandon()
+
+    def _refuse_ending(self) -> None:
+        if self._ending:
+            raise SurveyRefusedError("the survey is being closed; call close_survey again")
 
     def _describe(self, description: Dict[str, Any]) -> None:
         path = self.folder / survey_folder.SURVEY_FILE
