@@ -26,6 +26,13 @@ for argument in "$@"; do
 done
 [ "$dev" = no ] || DEBIAN_PACKAGES+=("${DEBIAN_DEV_PACKAGES[@]}")
 
+case "$GPR20_ROOT" in
+    *[[:space:]]*)
+        echo "setup.sh: the path '$GPR20_ROOT' has a space, which catkin cannot build in; move the checkout" >&2
+        exit 1
+        ;;
+esac
+
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
 }

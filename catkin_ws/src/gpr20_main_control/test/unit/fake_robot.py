@@ -58,7 +58,7 @@ class FastClock(Clock):
 
 
 class ManualClock(Clock):
-    """Time passes only when a test says so; a wait ends at once and is noted."""
+    """Time passes when a test says so, and a little in each wait, which ends at once."""
 
     def __init__(self):
         self.time_s = 0.0
@@ -69,6 +69,7 @@ class ManualClock(Clock):
 
     def wait_s(self, event, timeout_s):
         self.waits_s.append(timeout_s)
+        self.time_s += 0.01
         return event.wait(0.001)
 
 
@@ -137,6 +138,7 @@ class FakeAnalyzer:
         self.failures = 0
         self.on_sweep = lambda: None
         self.accept = lambda setting: setting
+        self.other_setting = None
         self._setting = None
 
     def connect(self, address):
@@ -165,7 +167,9 @@ class FakeAnalyzer:
             raise DeviceError("the VNA did not answer")
         self.sweeps += 1
         values = (float(self.sweeps),) * self._setting.points
-        return Sweep(values, values, self.sweeps * 10, self.sweeps * 10 + 5, ())
+        began_ns = self.sweeps * 10
+        setting = self._setting if self.other_setting is None else self.other_setting
+        return Sweep(values, values, began_ns, began_ns + 5, (), setting, self.calibration_status)
 
 
 class FakeHeightSensor:

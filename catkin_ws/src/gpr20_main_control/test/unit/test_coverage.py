@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.control_measurement import compare
 from gpr20_main_control.mid.coverage import Coverage, SampleState
-from gpr20_main_control.mid.robot import StoredTrace, Sweep
+from gpr20_main_control.mid.robot import StoredTrace, Sweep, SweepSetting
 from gpr20_main_control.mid.survey_report import SurveyReport
 
 STORED = StoredTrace(7, 0.2, (1.0e9, 2.0e9), (3.0, 0.0), (0.0, 4.0))
 
 
 def sweep(real, imag):
-    return Sweep(tuple(real), tuple(imag), 1, 2, ())
+    return Sweep(tuple(real), tuple(imag), 1, 2, (), SweepSetting(1.0e9, 2.0e9, 2), 1)
 
 
 def test_nothing_is_complete_until_every_sample_is_stored():

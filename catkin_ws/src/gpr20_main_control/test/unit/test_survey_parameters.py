@@ -53,7 +53,8 @@ def test_start_and_stop_may_be_in_either_order():
         ("polarizations_deg", (), "polarizations are empty"),
         ("polarizations_deg", (0.0, 91.0), "polarization is 91 deg"),
         ("polarizations_deg", (math.nan,), "polarization is nan"),
-        ("polarizations_deg", (0.0, 0.5), "a rotation of its own"),
+        ("polarizations_deg", (0.0, 0.0), "a rotation of its own"),
+        ("polarizations_deg", (0.0, 1.0), "polarization is 1 deg; it must be a multiple of"),
     ],
 )
 def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value, message):

@@ -665,3 +665,75 @@ def test_a_survey_that_is_not_there_is_refused(bench):
     with pytest.raises(DeviceError, match="there is no survey nowhere"):
         bench.control.resume("nowhere")
     assert bench.board.status.state is State.IDLE
+
+
+def test_a_sweep_with_another_setting_than_the_surveys_is_never_stored(bench):
+    def set_up_another():
+        if bench.analyzer.sweeps == 3:
+            bench.analyzer.other_setting = SweepSetting(1.0e9, 2.0e9, 5)
+
+    bench.analyzer.on_sweep = set_up_another
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "nobody else may set it up" in status.message
+    bench.wait_for_visited(3)
+    assert len(bench.storage.samples) == 3
+    bench.analyzer.on_sweep = lambda: None
+    bench.analyzer.other_setting = None
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_a_calibration_that_is_lost_during_the_survey_pauses_it(bench):
+    def lose_it():
+        if bench.analyzer.sweeps == 3:
+            bench.analyzer.calibration_status = 0
+
+    bench.analyzer.on_sweep = lose_it
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "calibration status is 0 (no calibration)" in status.message
+    bench.wait_for_visited(3)
+    assert len(bench.storage.samples) == 3
+
+
+def test_an_axis_that_somebody_else_moved_during_the_settling_is_never_measured():
+    clock = ManualClock()
+    bench = Bench(clock=clock, settle_s=0.7)
+
+    usual = clock.wait_s
+
+    def meddle(event, timeout_s):
+        if timeout_s == 0.7 and len(bench.storage.samples) >= 2:
+            bench.z.coordinate = -5.4
+        return usual(event, timeout_s)
+
+    clock.wait_s = meddle
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "z_deg=-5.4" in status.message
+    assert all(sample.z_coord_deg in (0.0, 90.0) for sample in bench.storage.samples)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+
+
+def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPING)
+    at_rest = []
+    threading.Timer(0.005, lambda: (at_rest.append(True), bench.x.blocked.set())).start()
+    bench.wait_for(State.STOPPED)
+    assert at_rest or "STILL MOVES" in bench.board.status.message
+
+
+def test_an_axis_that_does_not_stop_is_told(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.control.stop()
+    final = bench.wait_for(State.STOPPED)
+    assert "AN AXIS STILL MOVES" in final.message

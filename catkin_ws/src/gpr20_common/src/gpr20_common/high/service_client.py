@@ -10,6 +10,9 @@ import rospy
 
 from gpr20_common.errors import Gpr20Error
 
+# A node that is being started again offers its services within this time [s].
+START_LIMIT_S = 10.0
+
 
 class ServiceUnavailableError(Gpr20Error, OSError):
     """A service is not there, died while it was asked, or did not answer in time."""
@@ -58,7 +61,7 @@ class ServiceClient:
 
     def _ask(self, timeout_s: float, fields: Any, answers: queue.Queue) -> None:
         try:
-            rospy.wait_for_service(self._name, timeout=timeout_s)
+            rospy.wait_for_service(self._name, timeout=min(timeout_s, START_LIMIT_S))
             proxy = rospy.ServiceProxy(self._name, self._service_class)
             answers.put(proxy(**fields))
         except (rospy.ROSException, rospy.ServiceException, OSError) as error:

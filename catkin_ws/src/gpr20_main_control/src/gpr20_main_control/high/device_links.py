@@ -33,6 +33,8 @@ from gpr20_msgs.srv import (
 )
 
 TRACE_FORMAT = "gpr20-trace/1"
+# Opening again and closing read every file of a survey [s].
+WHOLE_SURVEY_LIMIT_S = 620.0
 
 
 class Caller:
@@ -99,6 +101,8 @@ class AnalyzerLink:
             started_ns=data.sweep_started.to_nsec(),
             ended_ns=data.sweep_ended.to_nsec(),
             quality=tuple(data.quality),
+            setting=SweepSetting(data.start_frequency_hz, data.stop_frequency_hz, data.points),
+            calibration=data.calibration_status,
         )
 
 
@@ -118,10 +122,10 @@ class StorageLink:
 
     def __init__(self, time_limit_s: float) -> None:
         self._open = Caller("open_survey", OpenSurvey, time_limit_s)
-        self._reopen = Caller("reopen_survey", ReopenSurvey, time_limit_s)
+        self._reopen = Caller("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._report = Caller("report_survey", ReportSurvey, time_limit_s)
         self._store = Caller("store_data", StoreData, time_limit_s)
-        self._close = Caller("close_survey", CloseSurvey, time_limit_s)
+        self._close = Caller("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> str:
         """Begin a survey and return its folder."""

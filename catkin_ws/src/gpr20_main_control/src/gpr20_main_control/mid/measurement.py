@@ -66,6 +66,7 @@ class PointMeasurement:
         if self._clock.wait_s(self._stop, self._settings.settle_s):
             self._raise_if_stopped()
         before = self._positioner.position()
+        self._check_position(point, before)
         height_call, sweep_call = in_background(self._height), in_background(self._sweep)
         sweep = result_of(sweep_call, self._stop)
         height_m, remarks = result_of(height_call, self._stop)
@@ -75,7 +76,16 @@ class PointMeasurement:
                 f"the axes moved during the sweep at point {point.index}; nobody else may move "
                 "them during a survey"
             )
+        self._preparation.check_sweep(sweep)
         return Measured(before, sweep, height_m, sweep.quality + remarks)
+
+    def _check_position(self, point: SurveyPoint, position: Position) -> None:
+        planned = Position(point.x_mm, point.y_mm, point.z_deg)
+        if position != planned:
+            raise DeviceError(
+                f"the axes stand at {position} instead of {planned} before the sweep at point "
+                f"{point.index}; nobody else may move them during a survey"
+            )
 
     def _sweep(self) -> Sweep:
         for _attempt in range(self._settings.attempts - 1):

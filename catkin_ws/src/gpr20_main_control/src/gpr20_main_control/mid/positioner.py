@@ -26,6 +26,8 @@ TIME_LIMIT_EXTRA_S = 5.0
 HOMING_TIME_FACTOR = 1.3
 # How often a waiting survey looks whether it has been told to stop.
 POLL_S = 0.05
+# A stop request has reached an axis after so long.
+STOP_NEWS_S = 0.2
 # An axis that rests at its target for so long has ended its move, whoever lost the result.
 LOST_RESULT_S = 1.0
 
@@ -52,6 +54,7 @@ class Positioner:
         self._axes = dict(axes)
         self._parameters = parameters
         self._stop = stop
+        self._never = threading.Event()
         self._clock = clock
 
     def check_alive(self) -> None:
@@ -135,6 +138,26 @@ class Positioner:
         """Stop every axis; returns at once."""
         for axis in self._axes.values():
             axis.stop()
+
+    def wait_for_rest(self, limit_s: float) -> bool:
+        """Wait until no axis moves any more after `stop`; return whether that was seen.
+
+        An axis that is silent is not waited for: what a dead node last said is no news.
+        """
+        begun_s = self._clock.now_s()
+        while True:
+            elapsed_s = self._clock.now_s() - begun_s
+            readings = [axis.reading() for axis in self._axes.values()]
+            fresh = [one for one in readings if one is not None and _is_fresh(one)]
+            # Only what was said well after the request tells of its effect.
+            news = elapsed_s > STOP_NEWS_S and all(
+                one.age_s < elapsed_s - STOP_NEWS_S for one in fresh
+            )
+            if news and not any(one.moving for one in fresh):
+                return True
+            if elapsed_s > limit_s:
+                return False
+            self._clock.wait_s(self._never, POLL_S)
 
     def move_duration_s(self, axis_id: AxisId, distance: float) -> float:
         """Return how long an axis needs for a distance [mm or deg]."""

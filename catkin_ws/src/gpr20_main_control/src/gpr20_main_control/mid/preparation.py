@@ -8,7 +8,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord, SweepSetting
+from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord, Sweep, SweepSetting
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
 
@@ -87,13 +87,7 @@ class Preparation:
         analyzer = self._robot.analyzer
         identity = analyzer.connect(self._parameters.vna_address)
         calibration = analyzer.calibration()
-        if calibration not in self._settings.accepted_calibrations:
-            meaning = CALIBRATION_MEANINGS.get(calibration, "unknown")
-            accepted = ", ".join(str(one) for one in self._settings.accepted_calibrations)
-            raise DeviceError(
-                f"the VNA's calibration status is {calibration} ({meaning}); calibrate it, or "
-                f"change accepted_calibrations (now {accepted})"
-            )
+        self._check_calibration(calibration)
         setting = self._configure()
         frequencies_hz = analyzer.frequencies_hz()
         if self._frequencies_hz and frequencies_hz != self._frequencies_hz:
@@ -116,12 +110,37 @@ class Preparation:
         else:
             self._folder = self._robot.storage.open(self._make_record(self._instrument))
 
-    def _configure(self) -> SweepSetting:
-        asked = SweepSetting(
+    def check_sweep(self, sweep: Sweep) -> None:
+        """Refuse a sweep that is not this survey's, or was made without calibration.
+
+        Raises:
+            DeviceError: Somebody set up another sweep, or the calibration was lost.
+        """
+        if sweep.setting != self._asked_setting():
+            raise DeviceError(
+                f"the VNA measured {sweep.setting} instead of {self._asked_setting()}; nobody "
+                "else may set it up during a survey"
+            )
+        self._check_calibration(sweep.calibration)
+
+    def _check_calibration(self, status: int) -> None:
+        if status not in self._settings.accepted_calibrations:
+            meaning = CALIBRATION_MEANINGS.get(status, "unknown")
+            accepted = ", ".join(str(one) for one in self._settings.accepted_calibrations)
+            raise DeviceError(
+                f"the VNA's calibration status is {status} ({meaning}); calibrate it, or "
+                f"change accepted_calibrations (now {accepted})"
+            )
+
+    def _asked_setting(self) -> SweepSetting:
+        return SweepSetting(
             self._parameters.start_frequency_hz,
             self._parameters.stop_frequency_hz,
             self._parameters.frequency_points,
         )
+
+    def _configure(self) -> SweepSetting:
+        asked = self._asked_setting()
         accepted = self._robot.analyzer.configure(asked)
         if accepted != asked:
             raise DeviceError(f"the VNA accepted {accepted} instead of {asked}")

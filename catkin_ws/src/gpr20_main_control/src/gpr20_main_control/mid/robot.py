@@ -86,6 +86,8 @@ class Sweep:
         started_ns: When it was triggered [ns UTC].
         ended_ns: When it ended [ns UTC].
         quality: Remarks; empty means none.
+        setting: The sweep as the instrument confirmed it.
+        calibration: The calibration after the sweep, on the instrument's own scale.
     """
 
     s21_real: Tuple[float, ...]
@@ -93,6 +95,8 @@ class Sweep:
     started_ns: int
     ended_ns: int
     quality: Tuple[str, ...]
+    setting: SweepSetting
+    calibration: int
 
 
 class Analyzer(Protocol):

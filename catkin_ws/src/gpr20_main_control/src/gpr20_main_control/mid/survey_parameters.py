@@ -19,6 +19,8 @@ MIN_COORDINATE_MM = 0.0
 MAX_COORDINATE_MM = 800.0
 MIN_GRID_POINTS = 3
 MAX_TRACES = 1_000_000
+# How far a rotation may be from a motor step, as a part of it.
+ON_STEP = 1.0e-6
 DEFAULT_POLARIZATIONS_DEG = (0.0, 90.0)
 
 
@@ -146,6 +148,11 @@ def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
         raise InvalidValueError("polarizations are empty; at least one rotation is needed")
     for rotation_deg in rotations_deg:
         number_between("polarization", rotation_deg, travel.lower, travel.upper, "deg")
+        if abs(rotation_deg / travel.step - round(rotation_deg / travel.step)) > ON_STEP:
+            raise InvalidValueError(
+                f"polarization is {rotation_deg:.12g} deg; it must be a multiple of the motor's "
+                f"step, {travel.step:g} deg"
+            )
     steps = {round(rotation_deg / travel.step) for rotation_deg in rotations_deg}
     if len(steps) != len(rotations_deg):
         listed = ", ".join(f"{one:g}" for one in rotations_deg)

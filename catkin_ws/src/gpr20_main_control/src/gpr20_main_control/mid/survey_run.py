@@ -23,6 +23,8 @@ from gpr20_main_control.mid.survey_state import SurveyState
 
 # Traces that wait for the disk when a survey is stopped get this long to be stored [s].
 STOPPING_LIMIT_S = 60.0
+# Axes that slow down from their top speed rest long before this [s].
+REST_LIMIT_S = 10.0
 POLL_S = 0.05
 
 
@@ -220,6 +222,8 @@ class SurveyRun:
         if state is SurveyState.STOPPED:
             self._board.enter(SurveyState.STOPPING, "stopping: storing what has been measured")
         message = reason
+        if not self._positioner.wait_for_rest(REST_LIMIT_S):
+            message += "; AN AXIS STILL MOVES: switch the motors off"
         if self._preparation.survey_is_open:
             message += self._close_early(outcome, reason)
         self._board.enter(state, message)

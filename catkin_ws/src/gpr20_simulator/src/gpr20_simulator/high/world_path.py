@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from pathlib import Path
 
 import rospy
@@ -21,4 +22,5 @@ def world_path(robot_namespace: str) -> Path:
     """
     run_id = str(rospy.get_param("/run_id"))
     name = hashlib.sha256(f"{run_id} {robot_namespace.rstrip('/')}".encode()).hexdigest()[:32]
-    return SHARED_MEMORY / "gpr20" / name
+    # A folder for each user: nobody can be kept out, or let in, by another one.
+    return SHARED_MEMORY / f"gpr20-{os.getuid()}" / name

@@ -79,6 +79,7 @@ class VNANode:
 
     def _get_data(self, _request: GetDataRequest) -> GetDataResponse:
         sweep = self._driver.sweep()
+        settings = sweep.settings
         return GetDataResponse(
             success=True,
             s21_real=sweep.s21_real.tolist(),
@@ -86,6 +87,10 @@ class VNANode:
             sweep_started=_ros_time(sweep.started_us),
             sweep_ended=_ros_time(sweep.ended_us),
             quality=list(sweep.quality),
+            start_frequency_hz=settings.start_frequency_hz,
+            stop_frequency_hz=settings.stop_frequency_hz,
+            points=settings.points,
+            calibration_status=int(sweep.calibration),
         )
 
     def _get_calibration(

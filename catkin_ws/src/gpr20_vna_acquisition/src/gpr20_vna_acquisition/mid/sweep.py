@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
+
+from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 
 
 class CalibrationStatus(enum.IntEnum):
@@ -29,6 +31,8 @@ class Sweep:
         started_us: Just before it was triggered [microseconds since 1970, UTC].
         ended_us: When its end was seen [microseconds since 1970, UTC].
         quality: Remarks on the quality; empty means none.
+        settings: The sweep as the instrument confirmed it, once the driver has taken it over.
+        calibration: The calibration after the sweep, likewise.
     """
 
     s21_real: np.ndarray
@@ -36,6 +40,8 @@ class Sweep:
     started_us: int
     ended_us: int
     quality: Tuple[str, ...] = ()
+    settings: Optional[SweepSettings] = None
+    calibration: CalibrationStatus = CalibrationStatus.NONE
 
     @property
     def duration_s(self) -> float:

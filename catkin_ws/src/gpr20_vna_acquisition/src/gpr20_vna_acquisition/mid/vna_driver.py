@@ -185,7 +185,8 @@ class VNADriver:
                 last_sweep_s=sweep.duration_s,
                 last_quality=quality,
             )
-            return replace(sweep, quality=quality)
+            settings = self._configured_sweep()
+            return replace(sweep, quality=quality, settings=settings, calibration=calibration)
 
     def _fresh_sweep(self, instrument: Ms2026c) -> Tuple[Sweep, CalibrationStatus]:
         sweep = instrument.sweep(self._configured_sweep())

@@ -9,6 +9,10 @@ import rospy
 from gpr20_vna_processing.high.messages import METADATA_TOPIC, TRACE_TOPIC
 from gpr20_vna_processing.low.recording import RecordedMessage
 
+# Topics that make an axis move or stop.
+COMMANDS = ("/axis/goal", "/axis/cancel")
+COMMAND_SUFFIX = "_recorded"
+
 
 class TopicRecorder:
     """Hands every message of some topics on as the bytes that came."""
@@ -32,7 +36,7 @@ class TopicRecorder:
         own = {rospy.resolve_name(TRACE_TOPIC), rospy.resolve_name(METADATA_TOPIC)}
         names = {rospy.resolve_name(topic) for topic in topics} - own
         self._subscribers = [
-            rospy.Subscriber(name, rospy.AnyMsg, self._received, callback_args=name)
+            rospy.Subscriber(name, rospy.AnyMsg, self._received, callback_args=recorded_name(name))
             for name in sorted(names)
         ]
 
@@ -49,3 +53,11 @@ class TopicRecorder:
                 latching=header.get("latching") == "1",
             )
         )
+
+
+def recorded_name(topic: str) -> str:
+    """Return the name under which a topic is recorded: its own, unless it commands an axis.
+
+    A recording that is played beside a robot must not move it.
+    """
+    return topic + COMMAND_SUFFIX if topic.endswith(COMMANDS) else topic
