@@ -55,6 +55,7 @@ class StatusPanel(QWidget):
             SurveyState.HOMING: self.tr("HOMING"),
             SurveyState.SURVEYING: self.tr("SURVEYING"),
             SurveyState.PAUSED: self.tr("PAUSED"),
+            SurveyState.PAUSING: self.tr("PAUSING"),
             SurveyState.STOPPING: self.tr("STOPPING"),
             SurveyState.FINISHED: self.tr("FINISHED"),
             SurveyState.STOPPED: self.tr("STOPPED"),
