@@ -4,7 +4,7 @@ Every survey is resumed until it is complete, and then everything that was ackno
 looked for in its JSON files, its bag and its MCAP. Prints a table and ends with status 1 if
 anything was lost, doubled or wrong.
 
-Usage: scripts/crash_matrix.sh [--kills N] [--seed N]
+Usage, in the ROS environment: .venv/bin/python scripts/crash_matrix.py [--kills N] [--seed N]
 """
 
 from __future__ import annotations
