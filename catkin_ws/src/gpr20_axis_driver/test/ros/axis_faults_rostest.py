@@ -105,9 +105,8 @@ class Axis:
     @property
     def pulse_pid(self):
         """The process that makes the pulses: the node's only child."""
-        tasks = Path(f"/proc/{self.node_pid}/task").iterdir()
-        (child,) = " ".join((task / "children").read_text() for task in tasks).split()
-        return int(child)
+        (child,) = children(self.node_pid)
+        return child
 
     def begin_move(self, target):
         """Begin a move and return when the axis has moved by some steps."""
@@ -125,6 +124,19 @@ def killed_client(axis, what, begun):
     killed_ns = time.monotonic_ns()
     client.wait()
     return killed_ns
+
+
+def children(parent_pid):
+    """The processes whose parent this is; a process that ends meanwhile is left out."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/status"):
+        try:
+            fields = dict(line.split(":", 1) for line in status.read_text().splitlines())
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(fields["PPid"]) == parent_pid:
+            found.append(int(fields["Pid"]))
+    return found
 
 
 def exists(pid):
