@@ -277,8 +277,8 @@ class FaultsTest(unittest.TestCase):
 def cpu_s(pid):
     """Return the time of a processor that a process has used [s].
 
-    Not from `stat`, which samples and misses threads that run for less than a tick. The clock's number is that of
-    clock_getcpuclockid(3), which Python does not offer.
+    Not from `stat`, which samples and misses threads that run for less than a tick. The clock is
+    numbered as by clock_getcpuclockid(3), which Python does not offer.
     """
     scheduler_clock = 2
     return time.clock_gettime((~pid << 3) | scheduler_clock)
