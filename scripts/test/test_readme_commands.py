@@ -7,45 +7,17 @@ import os
 import re
 import signal
 import subprocess
-import time
-from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
-
-ROOT = Path(__file__).resolve().parents[2]
-LIMIT_S = 600.0
+from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
 
 def fenced_lines(text):
     """Return the lines inside fences, in order."""
     blocks = re.findall(r"^```[a-z]*\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     return [line for block in blocks for line in block.splitlines()]
-
-
-def user_environment(data):
-    """Return the environment of a shell in which nothing of ROS or this checkout was sourced."""
-    sourced = (
-        "ROS_",
-        "ROSLISP",
-        "GPR20_",
-        "CMAKE_PREFIX",
-        "PYTHONPATH",
-        "PKG_CONFIG",
-        "LD_LIBRARY",
-    )
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(sourced)}
-    folders = [one for one in os.environ["PATH"].split(":") if not one.startswith(str(ROOT))]
-    return {**kept, "PATH": ":".join(folders), "GPR20_DATA": str(data)}
-
-
-def wait_until(condition, process):
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert process.poll() is None, "it ended too early"
-        assert time.monotonic() < deadline_s, "it took too long"
-        time.sleep(0.05)
 
 
 def processes_about(text):

@@ -1,0 +1,1 @@
+"""The log of all nodes, heard on loopback alone."""

@@ -1,0 +1,1 @@
+"""External things of the log: its file."""

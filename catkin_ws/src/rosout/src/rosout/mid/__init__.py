@@ -1,0 +1,1 @@
+"""How an entry of the log reads; no ROS."""

@@ -1,0 +1,83 @@
+"""A shell of a user's, in which nothing of ROS or this checkout was sourced."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+LIMIT_S = 600.0
+SOURCED = (
+    "ROS_",
+    "ROSLISP",
+    "GPR20_",
+    "CMAKE_PREFIX",
+    "PYTHONPATH",
+    "PKG_CONFIG",
+    "LD_LIBRARY",
+)
+
+
+def user_environment(data, **more):
+    """Return the environment of such a shell, with a folder for surveys."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(SOURCED)}
+    folders = [one for one in os.environ["PATH"].split(":") if not one.startswith(str(ROOT))]
+    return {**kept, "PATH": ":".join(folders), "GPR20_DATA": str(data), **more}
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def wait_until(condition, *processes, limit_s=LIMIT_S):
+    """Wait for a condition while these processes go on running."""
+    deadline_s = time.monotonic() + limit_s
+    while not condition():
+        for process in processes:
+            assert process.poll() is None, f"{process.args} ended too early"
+        assert time.monotonic() < deadline_s, "it took too long"
+        time.sleep(0.05)
+
+
+class Terminal:
+    """Terminals on one machine, each of which has sourced the workspace.
+
+    Args:
+        log: File to which everything is printed.
+        environment: What was exported before sourcing.
+    """
+
+    def __init__(self, log, environment):
+        self._log = log
+        self._environment = environment
+        self._started = []
+
+    def start(self, command):
+        """Start a command line in a new terminal."""
+        source = f"source {ROOT}/catkin_ws/devel/setup.bash"
+        process = subprocess.Popen(
+            ["bash", "-c", f"{source} && exec {command}"],
+            env=self._environment,
+            stdout=self._log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        self._started.append(process)
+        return process
+
+    def run(self, command):
+        """Run a command line to its end and return its status."""
+        return self.start(command).wait(LIMIT_S)
+
+    def close(self):
+        """Press Ctrl-C in all of them, the last first."""
+        for process in reversed(self._started):
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGINT)
+                process.wait(LIMIT_S)
