@@ -1,0 +1,171 @@
+"""Kill the nodes of a simulated robot and its ROS master at random instants of surveys.
+
+Every survey is resumed until it is complete. After each kill a copy of the files must hold
+every acknowledged trace after the stock repair; in the end everything that was acknowledged is
+looked for in the JSON files, the bag and the MCAP, and every trace must have been measured
+where it says. Prints a table and ends with status 1 if anything was lost, doubled or wrong.
+
+Usage, in the ROS environment: python scripts/crash_matrix [--kills N] [--seed N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import itertools
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Counter, List, Optional
+
+from evidence import faults_after_a_kill, faults_in_the_end, survey_id_of
+from robot import VICTIMS, Robot
+
+TIME_SCALE = 60.0
+PLACES_MM = (10.0, 15.0, 20.0)
+ROTATIONS_DEG = (0.0, 90.0)
+PLANNED = set(itertools.product(PLACES_MM, PLACES_MM, ROTATIONS_DEG))
+GRID = [
+    f"--{axis}-{name}={value:g}"
+    for axis in "xy"
+    for name, value in (("start", PLACES_MM[0]), ("stop", PLACES_MM[-1]), ("points", 3))
+]
+# From the first request to the end of such a survey, most often.
+KILLED_AFTER_S = (0.3, 4.0)
+CLIENT_LIMIT_S = 120.0
+NODES_LIMIT_S = 40
+KILLS_PER_SURVEY = 4
+MOST_RESUMES = 30
+FINISHED = 0
+
+
+@dataclass
+class Result:
+    """What the kills did."""
+
+    kills: Counter = field(default_factory=collections.Counter)
+    surveys: int = 0
+    resumes: int = 0
+    acknowledged: int = 0
+    copies: int = 0
+    faults: List[str] = field(default_factory=list)
+
+
+class Matrix:
+    """Runs surveys and kills meanwhile."""
+
+    def __init__(self, robot: Robot, chance: random.Random) -> None:
+        self.result = Result()
+        self._robot = robot
+        self._chance = chance
+        self._known: List[Path] = []
+
+    def run_survey(self) -> None:
+        """Begin a survey, kill and resume until it is complete, and check it."""
+        options, folder = GRID, None
+        for attempt in range(MOST_RESUMES):
+            self._robot.ensure_running()
+            victim = self._chance.choice(VICTIMS) if attempt < KILLS_PER_SURVEY else None
+            status = self._run_client(options, victim)
+            folder = folder or self._new_folder()
+            if folder is not None:
+                if status == FINISHED:
+                    break
+                self.result.resumes += 1
+                options = ["--resume", folder.name]
+        else:
+            self.result.faults.append(f"{folder} was not complete after {MOST_RESUMES} resumes")
+        if folder is not None:
+            self._known.append(folder)
+            self._check(folder)
+
+    def _run_client(self, options: List[str], victim: Optional[str]) -> int:
+        client = self._robot.client(["--wait", str(NODES_LIMIT_S), *options])
+        if victim is not None:
+            try:
+                client.wait(self._chance.uniform(*KILLED_AFTER_S))
+            except subprocess.TimeoutExpired:
+                self._kill(victim)
+        try:
+            printed, _nothing = client.communicate(timeout=CLIENT_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            client.kill()
+            self.result.faults.append(f"the client hung after {victim} was killed")
+            return -1
+        if client.returncode != FINISHED:
+            print(
+                f"    status {client.returncode}: {printed.strip().splitlines()[-3:]}", flush=True
+            )
+        return client.returncode
+
+    def _kill(self, victim: str) -> None:
+        if not self._robot.kill(victim):
+            return
+        self.result.kills[victim] += 1
+        folder = self._new_folder()
+        if folder is not None:
+            self.result.copies += 1
+            acknowledged = self._robot.acknowledged(survey_id_of(folder))
+            self.result.faults += faults_after_a_kill(folder, acknowledged)
+
+    def _new_folder(self) -> Optional[Path]:
+        """Return the folder of the survey that was begun last, if it is not a known one."""
+        metadata = [path.parent for path in self._robot.data.glob("*_*/survey.json")]
+        return next((path for path in metadata if path not in self._known), None)
+
+    def _check(self, folder: Path) -> None:
+        acknowledged = self._robot.acknowledged(survey_id_of(folder))
+        self.result.surveys += 1
+        self.result.acknowledged += len(acknowledged)
+        self.result.faults += faults_in_the_end(folder, acknowledged, PLANNED)
+
+
+def report(result: Result, seconds: float) -> None:
+    """Print the table."""
+    print(f"\n{'killed':24}{'times':>6}")
+    for name, times in sorted(result.kills.items()):
+        print(f"{name:24}{times:6}")
+    print(
+        f"{sum(result.kills.values())} kills in {seconds:.0f} s, {result.surveys} surveys, "
+        f"{result.resumes} resumes, {result.copies} copies repaired after a kill, "
+        f"{result.acknowledged} acknowledged traces, {len(result.faults)} faults"
+    )
+    for fault in result.faults:
+        print("FAULT:", fault)
+
+
+def main() -> int:
+    """Run the matrix; return the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=200, help="at least so many kills")
+    parser.add_argument("--seed", type=int, default=20, help="of the random instants")
+    arguments = parser.parse_args()
+    folder = Path(tempfile.mkdtemp(prefix="gpr20_crash_matrix_"))
+    robot = Robot(folder, TIME_SCALE)
+    matrix = Matrix(robot, random.Random(arguments.seed))
+    result, begin_s = matrix.result, time.monotonic()
+    try:
+        while sum(result.kills.values()) < arguments.kills:
+            matrix.run_survey()
+            print(
+                f"  {sum(result.kills.values())} kills, {result.surveys} surveys, "
+                f"{result.resumes} resumes, {len(result.faults)} faults",
+                flush=True,
+            )
+    finally:
+        robot.stop()
+    report(result, time.monotonic() - begin_s)
+    if result.faults:
+        print(f"everything is kept in {folder}")
+        return 1
+    shutil.rmtree(folder)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
