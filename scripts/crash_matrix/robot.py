@@ -11,6 +11,8 @@ import time
 from pathlib import Path
 from typing import Dict, List, Optional
 
+import psutil
+
 MASTER = "master"
 NODES = [
     "x_axis-axis_driver",
@@ -129,19 +131,22 @@ class Robot:
             time.sleep(0.1)
 
     def _processes(self) -> Dict[str, int]:
+        """Return the processes that roslaunch started, by name."""
         assert self._launch is not None
+        words = {MASTER: "rosmaster", **{name: f"/{name}-" for name in NODES}}
         found = {}
-        listed = subprocess.run(
-            ["ps", "-o", "pid=,args=", "--ppid", str(self._launch.pid)],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        for line in listed.stdout.splitlines():
-            pid, arguments = line.strip().split(None, 1)
-            if "rosmaster" in arguments:
-                found[MASTER] = int(pid)
-            for name in NODES:
-                if f"/{name}-" in arguments:
-                    found[name] = int(pid)
+        for child in children_of(self._launch.pid):
+            try:
+                line = " ".join(child.cmdline())
+            except (psutil.NoSuchProcess, psutil.ZombieProcess):
+                continue
+            found.update({name: child.pid for name, word in words.items() if word in line})
         return found
+
+
+def children_of(pid: int) -> List[psutil.Process]:
+    """Return the children of a process; none if it has ended."""
+    try:
+        return psutil.Process(pid).children()
+    except psutil.NoSuchProcess:
+        return []
