@@ -38,6 +38,7 @@ class SurveyClient:
         self.progress = []
         for name in ("set_survey_parameters", "start_survey", "stop_survey", "resume_survey"):
             rospy.wait_for_service(name, LIMIT_S)
+        self.pause = rospy.ServiceProxy("pause_survey", Trigger)
         self.set_parameters = rospy.ServiceProxy("set_survey_parameters", SetSurveyParameters)
         self.start = rospy.ServiceProxy("start_survey", StartSurvey)
         self.stop = rospy.ServiceProxy("stop_survey", Trigger)
@@ -60,6 +61,11 @@ class SurveyClient:
                 f"still {self.statuses[-1:]} {self.progress[-1:]}"
             )
 
+    def forget(self):
+        """Forget the statuses that were heard."""
+        with self._changed:
+            self.statuses.clear()
+
     def set(self, **changes):
         """Set parameters that differ from the usual ones; return the answer."""
         return self.set_parameters(SurveyParameters(**{**PARAMETERS, **changes}))
@@ -77,8 +83,7 @@ class SurveyClient:
 
     def go_on(self, survey_id):
         """Resume a paused survey; what was said before is forgotten."""
-        with self._changed:
-            self.statuses.clear()
+        self.forget()
         answer = self.resume(survey_id)
         assert answer.success, answer.message
 
@@ -109,7 +114,8 @@ class SurveyClient:
 
 def node_pid(name):
     """Return the process of a node."""
-    server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name)
+    # Not from its cache: a node that was started anew is elsewhere.
+    server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
     _code, _message, pid = ServerProxy(server).getPid(rospy.get_name())
     return pid
 

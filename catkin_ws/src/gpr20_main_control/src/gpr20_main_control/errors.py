@@ -17,5 +17,13 @@ class DeviceError(SurveyError, OSError):
     """A part of the robot failed; the survey pauses and can be resumed."""
 
 
+class NodeLostError(DeviceError):
+    """A node is gone, or is another than before; the survey holds until it is back."""
+
+
+class NodeSilentError(SurveyError, OSError):
+    """A node does not answer."""
+
+
 class StopRequested(SurveyError):
     """The survey was told to stop."""

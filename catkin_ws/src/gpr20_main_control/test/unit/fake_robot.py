@@ -11,20 +11,25 @@ from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
+from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.robot import (
     AxisId,
     AxisReading,
     MoveOutcome,
+    OpenedSurvey,
     ReopenedSurvey,
     Robot,
     Sweep,
 )
 from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
+from gpr20_main_control.mid.survey_factory import Surroundings
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_settings import SurveySettings
+from gpr20_main_control.mid.survey_state import SurveyState
 
 LIMIT_S = 20.0
+NODES = ("x_axis/axis_driver", "vna_acquisition", "vna_processing")
 AXES = {
     AxisId.X: AxisParameters(13, 15, 0.01, 0.0015, 0.005, 0.0001, 0.0, 650.0, "LIN", 16),
     AxisId.Y: AxisParameters(37, 38, 0.01, 0.0025, 0.005, 0.0001, 0.0, 800.0, "LIN", 40),
@@ -194,6 +199,7 @@ class FakeStorage:
         self.closed = []
         self.reports = []
         self.reopened = None
+        self.interrupted = ""
         self.reopenings = []
         self.failures = 0
         self.fail_open = ""
@@ -205,7 +211,7 @@ class FakeStorage:
         if self.fail_open:
             raise DeviceError(self.fail_open)
         self.records.append(record)
-        return "/data/survey"
+        return OpenedSurvey("/data/survey", self.interrupted)
 
     def reopen(self, survey):
         self.reopenings.append(survey)
@@ -247,20 +253,35 @@ class Bench:
         self.coverages = []
         self._changed = threading.Condition()
         self.board = StatusBoard(self._note)
-        self.control = MainControl(
+        clock = clock or FastClock()
+        self.on_refresh = lambda: None
+        self.nodes = NodeBook(NODES, clock, self.board.note_missing, lambda: self.on_refresh())
+        for name in NODES:
+            self.nodes.note_alive(name, 1)
+        self.parameters = []
+        surroundings = Surroundings(
             robot,
             RobotFacts(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
+            self.nodes,
             self.board,
-            clock or FastClock(),
+            clock,
             time.time_ns,
             lambda coverage: self.coverages.append((coverage.states, coverage.verdict())),
         )
+        self.control = MainControl(surroundings, self.parameters.append)
 
     def _note(self, _before, after):
         with self._changed:
             self.history.append(after)
             self._changed.notify_all()
+
+    def release(self):
+        """Let go of everything that a test has blocked."""
+        self.storage.free.set()
+        for axis in self.axes:
+            axis.blocked.set()
+            axis.hanging.set()
 
     @property
     def axes(self):
@@ -275,6 +296,15 @@ class Bench:
     def start(self, **changes):
         self.control.set_parameters(replace(PARAMETERS, **changes))
         return self.control.start()
+
+    def complete(self, total=24):
+        """Wait for the end of a survey, which must have stored every point exactly once."""
+        self.wait_for(SurveyState.FINISHED)
+        assert [sample.index for sample in self.storage.samples] == list(range(total))
+
+    def resume_to_the_end(self):
+        self.control.resume("")
+        self.complete()
 
     def wait_for_visited(self, points):
         """Wait until so many points are stored."""

@@ -83,6 +83,7 @@ def test_a_report_goes_on_where_the_former_one_ended():
     second = SurveyReport(Coverage(9, [7]), first.to_json(), told.append)
     assert second.coverage.states[7] is SampleState.REMEASURED
     assert second.to_json() == first.to_json()
+    second.announce()
     assert told == [second.coverage]
 
 

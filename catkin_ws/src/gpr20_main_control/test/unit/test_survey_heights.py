@@ -1,16 +1,8 @@
 """Heights are measured at every point, never assumed."""
 
 import pytest
-from fake_robot import LIMIT_S, Bench
 
 from gpr20_main_control.mid.survey_state import SurveyState as State
-
-
-@pytest.fixture
-def bench():
-    bench = Bench()
-    yield bench
-    bench.control.shut_down(LIMIT_S)
 
 
 def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench, monkeypatch):

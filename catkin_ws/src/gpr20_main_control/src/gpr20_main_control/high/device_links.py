@@ -10,6 +10,7 @@ import rospy
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import (
+    OpenedSurvey,
     ReopenedSurvey,
     Sample,
     StoredTrace,
@@ -33,7 +34,8 @@ from gpr20_msgs.srv import (
 )
 
 TRACE_FORMAT = "gpr20-trace/1"
-# Opening again and closing read every file of a survey [s].
+# Opening again and closing read every file of a survey, and so does opening a survey when
+# another is to be closed [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
 
 
@@ -121,25 +123,26 @@ class StorageLink:
     """Implements `gpr20_main_control.mid.robot.Storage`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._open = Caller("open_survey", OpenSurvey, time_limit_s)
+        self._open = Caller("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._reopen = Caller("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._report = Caller("report_survey", ReportSurvey, time_limit_s)
         self._store = Caller("store_data", StoreData, time_limit_s)
         self._close = Caller("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
-    def open(self, record: SurveyRecord) -> str:
-        """Begin a survey and return its folder."""
+    def open(self, record: SurveyRecord) -> OpenedSurvey:
+        """Begin a survey; one that is still open is closed as interrupted."""
         response = self._open(
             survey_id=record.survey_id,
             started=_time(record.started_ns),
             metadata_json=record.metadata_json,
             needed_bytes=record.needed_bytes,
+            interrupt_open=True,
         )
-        return str(response.path)
+        return OpenedSurvey(str(response.path), str(response.interrupted))
 
     def reopen(self, survey: str) -> ReopenedSurvey:
-        """Open a survey again, by its id or the name of its folder."""
-        response = self._reopen(survey=survey)
+        """Open a survey again, by its id or folder; another that is open is interrupted."""
+        response = self._reopen(survey=survey, interrupt_open=True)
         last = response.last
         stored_last = StoredTrace(
             last.index,
@@ -155,6 +158,7 @@ class StorageLink:
             report_json=response.report_json,
             stored_indices=tuple(response.stored_indices),
             last=stored_last if last.frequency_hz else None,
+            interrupted=response.interrupted,
         )
 
     def report(self, survey_id: str, report_json: str) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Tuple
 
+import rosgraph
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -24,15 +25,18 @@ from gpr20_main_control.high.device_links import (
     StorageLink,
     utc_now_ns,
 )
-from gpr20_main_control.mid.coverage import Coverage
+from gpr20_main_control.high.survey_topics import SurveyTopics
+from gpr20_main_control.low.node_probe import NodeProbe
 from gpr20_main_control.mid.main_control import MainControl
+from gpr20_main_control.mid.node_book import NodeBook
+from gpr20_main_control.mid.node_watcher import ANSWER_LIMIT_S, NodeWatcher
 from gpr20_main_control.mid.robot import AxisId, Robot
 from gpr20_main_control.mid.robot_facts import RobotFacts
-from gpr20_main_control.mid.status_board import Status, StatusBoard
+from gpr20_main_control.mid.status_board import StatusBoard
+from gpr20_main_control.mid.survey_factory import Surroundings
 from gpr20_main_control.mid.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_main_control.mid.survey_settings import SurveySettings
 from gpr20_main_control.mid.survey_state import SurveyState
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     ResumeSurvey,
     ResumeSurveyResponse,
@@ -47,7 +51,14 @@ PROGRESS_RATE_HZ = 2.0
 # The axes' own drivers read the same group of parameters; these belong to their nodes.
 OTHER_AXIS_PARAMETERS = ("scene", "time_scale")
 SHUTDOWN_LIMIT_S = 10.0
-NO_TARGET = -1.0
+# The nodes without which there is no survey, by their names relative to the robot's namespace.
+NODES = (
+    *(f"{axis_id.value}_axis/axis_driver" for axis_id in AxisId),
+    "height_sensor",
+    "vna_acquisition",
+    "vna_processing",
+)
+SIMULATOR = "simulator"
 
 
 @dataclass(frozen=True)
@@ -73,20 +84,22 @@ class MainControlNode:
         settings: SurveySettings,
         clock: Clock,
     ) -> None:
-        self._robot = robot
-        self._simulated = facts.simulated
-        self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
-        self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
-        self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
-        self._progress = rospy.Publisher("control_survey_data", SurveyData, queue_size=10)
-        self._coverage = rospy.Publisher(
-            "survey_coverage", SurveyCoverage, queue_size=10, latch=True
+        self._topics = SurveyTopics(facts.simulated)
+        self._board = StatusBoard(self._topics.publish_change)
+        watcher = watcher_of(NODES + ((SIMULATOR,) if facts.simulated else ()))
+        nodes = NodeBook(watcher.names, clock, self._board.note_missing, watcher.refresh)
+        surroundings = Surroundings(
+            robot,
+            facts,
+            settings,
+            nodes,
+            self._board,
+            clock,
+            utc_now_ns,
+            lambda coverage: self._topics.publish_coverage(coverage, self._board.status.survey_id),
         )
-        self._board = StatusBoard(self._publish_change)
-        self._control = MainControl(
-            robot, facts, settings, self._board, clock, utc_now_ns, self._publish_coverage
-        )
-        self._publish_status(self._board.status)
+        self._control = MainControl(surroundings, self._topics.publish_parameters)
+        self._topics.publish_status(self._board.status)
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
@@ -95,13 +108,17 @@ class MainControlNode:
             advertise("resume_survey", ResumeSurvey, self._resume),
         ]
         self._periodics = [
-            Periodic(1.0 / COORDINATE_RATE_HZ, self._publish_current),
-            Periodic(1.0 / PROGRESS_RATE_HZ, self._repeat_progress),
+            Periodic(1.0 / COORDINATE_RATE_HZ, lambda: self._topics.publish_current(robot)),
+            Periodic(
+                1.0 / PROGRESS_RATE_HZ, lambda: self._topics.publish_progress(self._board.status)
+            ),
         ]
         self._diagnostics = diagnostics.Diagnostics(
             "simulated robot" if facts.simulated else "GPR-20", self._health
         )
         rospy.on_shutdown(lambda: self._control.shut_down(SHUTDOWN_LIMIT_S))
+        rospy.on_shutdown(watcher.stop)
+        watcher.start(nodes.note_alive, nodes.note_silent)
 
     def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:
         message = request.parameters
@@ -128,71 +145,6 @@ class MainControlNode:
     def _resume(self, request: Any) -> ResumeSurveyResponse:
         return ResumeSurveyResponse(True, self._control.resume(request.survey))
 
-    def _publish_change(self, before: Status, after: Status) -> None:
-        if (before.state, before.message) != (after.state, after.message):
-            rospy.loginfo("%s: %s", after.state.name, after.message)
-            self._publish_status(after)
-        self._publish_target(after)
-        self._publish_progress(after)
-
-    def _publish_status(self, status: Status) -> None:
-        message = ControlStatus()
-        message.header.stamp = rospy.Time.now()
-        message.code = int(status.state)
-        message.message = status.message
-        message.survey_id = status.survey_id
-        message.simulated = self._simulated
-        self._status.publish(message)
-
-    def _publish_target(self, status: Status) -> None:
-        message = Coordinates()
-        message.header.stamp = rospy.Time.now()
-        target = status.target
-        message.x_mm = NO_TARGET if target is None else target.x_mm
-        message.y_mm = NO_TARGET if target is None else target.y_mm
-        message.z_deg = NO_TARGET if target is None else target.z_deg
-        self._target.publish(message)
-
-    def _publish_progress(self, status: Status) -> None:
-        message = SurveyData()
-        message.header.stamp = rospy.Time.now()
-        message.survey_id = status.survey_id
-        message.completion_percent = status.completion_percent
-        message.total_points = status.total_points
-        message.visited_points = status.visited_points
-        message.remaining_points = status.total_points - status.visited_points
-        message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
-        self._progress.publish(message)
-
-    def _publish_coverage(self, coverage: Coverage) -> None:
-        reasons = coverage.reasons
-        message = SurveyCoverage()
-        message.header.stamp = rospy.Time.now()
-        message.survey_id = self._board.status.survey_id
-        runs = coverage.runs()
-        message.planned = len(coverage.states)
-        message.run_starts = [start for start, _state in runs]
-        message.run_states = bytes(state for _start, state in runs)
-        message.failures = [f"{index}: {reasons[index]}" for index in sorted(reasons)]
-        message.verdict = coverage.verdict().text
-        self._coverage.publish(message)
-
-    def _publish_current(self) -> None:
-        readings = [axis.reading() for _axis_id, axis in self._robot.axes()]
-        if any(reading is None for reading in readings):
-            return
-        message = Coordinates()
-        message.header.stamp = rospy.Time.now()
-        message.x_mm, message.y_mm, message.z_deg = (
-            reading.coordinate for reading in readings if reading is not None
-        )
-        self._current.publish(message)
-
-    def _repeat_progress(self) -> None:
-        status = self._board.status
-        self._publish_target(status)
-        self._publish_progress(status)
-
     def _health(self) -> diagnostics.Health:
         status = self._board.status
         values = {
@@ -203,9 +155,20 @@ class MainControlNode:
         level = diagnostics.OK
         if status.state is SurveyState.FAILED:
             level = diagnostics.ERROR
-        elif status.state is SurveyState.PAUSED:
+        elif status.state is SurveyState.PAUSED or status.missing:
             level = diagnostics.WARN
-        return level, status.message, values
+        return level, status.text, values
+
+
+def watcher_of(nodes: Tuple[str, ...]) -> NodeWatcher:
+    """Return what watches nodes of the robot's namespace."""
+    master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
+    return NodeWatcher(
+        {
+            name: NodeProbe(master_uri, own_name, rospy.resolve_name(name), ANSWER_LIMIT_S)
+            for name in nodes
+        }
+    )
 
 
 def build_main_control_node() -> MainControlNode:

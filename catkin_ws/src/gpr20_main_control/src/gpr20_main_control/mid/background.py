@@ -1,4 +1,4 @@
-"""Calls that may take long, waited for without ignoring a stop."""
+"""Calls that may take long, waited for without ignoring an interruption."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import threading
 from concurrent.futures import Future
 from concurrent.futures import wait as wait_for_futures
 from typing import Callable, TypeVar
-
-from gpr20_main_control.errors import StopRequested
 
 Result = TypeVar("Result")
 POLL_S = 0.05
@@ -32,13 +30,13 @@ def in_background(call: Callable[[], Result]) -> Future[Result]:
     return future
 
 
-def result_of(future: Future[Result], stop: threading.Event) -> Result:
+def result_of(future: Future[Result], check: Callable[[], None]) -> Result:
     """Return the result of a call, or raise what it raised.
 
-    Raises:
-        StopRequested: `stop` was set before the call had ended.
+    Args:
+        future: The call.
+        check: Called again and again meanwhile; what it raises ends the wait.
     """
     while not wait_for_futures([future], POLL_S).done:
-        if stop.is_set():
-            raise StopRequested("the survey was told to stop")
+        check()
     return future.result()

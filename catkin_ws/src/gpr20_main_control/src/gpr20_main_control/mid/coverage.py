@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import enum
+import re
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Tuple
+
+RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
 
 class SampleState(enum.IntEnum):
@@ -31,22 +34,27 @@ class Coverage:
     """
 
     def __init__(self, planned: int, stored: Iterable[int] = ()) -> None:
-        self._states = [SampleState.NOT_VISITED] * planned
+        # One byte per sample: what is told after each of them must not take longer in a
+        # survey of many thousands.
+        self._states = bytearray(planned)
         self._reasons: Dict[int, str] = {}
         for index in stored:
             self._states[index] = SampleState.MEASURED
 
     @property
+    def planned(self) -> int:
+        """Number of planned samples."""
+        return len(self._states)
+
+    @property
     def states(self) -> List[SampleState]:
         """The state of each planned sample, in the order of the plan."""
-        return list(self._states)
+        return [SampleState(state) for state in self._states]
 
     def runs(self) -> List[Tuple[int, SampleState]]:
         """Return where in the plan each run of samples of one state begins, and that state."""
-        before = [None, *self._states]
-        return [
-            (index, state) for index, state in enumerate(self._states) if state is not before[index]
-        ]
+        found = RUN.finditer(bytes(self._states))
+        return [(run.start(), SampleState(run[0][0])) for run in found]
 
     @property
     def reasons(self) -> Dict[int, str]:

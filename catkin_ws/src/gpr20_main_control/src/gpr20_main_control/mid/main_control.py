@@ -2,41 +2,29 @@
 
 from __future__ import annotations
 
-import json
+import contextlib
 import threading
 import uuid
-from dataclasses import asdict, dataclass, replace
-from typing import Callable, Optional
+from dataclasses import dataclass, replace
+from typing import Callable, Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.coverage import Coverage
-from gpr20_main_control.mid.measurement import PointMeasurement
+from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.preparation import (
-    CALIBRATION_MEANINGS,
-    InstrumentState,
-    Preparation,
-)
+from gpr20_main_control.mid.preparation import interruption_remark
 from gpr20_main_control.mid.resumption import resumable_parameters
-from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord
-from gpr20_main_control.mid.robot_facts import RobotFacts
-from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_estimate import (
-    MeasuringTimes,
-    needed_bytes,
-    point_durations_s,
-)
-from gpr20_main_control.mid.survey_parameters import (
-    SurveyParameters,
-    check,
-)
-from gpr20_main_control.mid.survey_plan import survey_points
-from gpr20_main_control.mid.survey_report import SurveyReport
-from gpr20_main_control.mid.survey_run import SurveyPlan, SurveyRun
-from gpr20_main_control.mid.survey_settings import SurveySettings
+from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_main_control.mid.survey_factory import Surroundings, SurveyFactory
+from gpr20_main_control.mid.survey_parameters import SurveyParameters, check
+from gpr20_main_control.mid.survey_plan import SurveyPlan
+from gpr20_main_control.mid.survey_run import SurveyRun
 from gpr20_main_control.mid.survey_state import SurveyState
+
+# A request waits so long for another one that is still being carried out [s].
+REQUEST_LIMIT_S = 5.0
+# The thread of a survey ends at once when its last state was entered [s].
+ENDING_LIMIT_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -51,28 +39,28 @@ class MainControl:
     """Checks requests against the state and runs one survey at a time."""
 
     def __init__(
-        self,
-        robot: Robot,
-        facts: RobotFacts,
-        settings: SurveySettings,
-        board: StatusBoard,
-        clock: Clock,
-        utc_now_ns: Callable[[], int],
-        on_coverage: Callable[[Coverage], None],
+        self, surroundings: Surroundings, on_parameters: Callable[[SurveyParameters], None]
     ) -> None:
-        self._robot = robot
-        self._facts = facts
-        self._settings = settings
-        self._board = board
-        self._clock = clock
-        self._utc_now_ns = utc_now_ns
-        self._on_coverage = on_coverage
+        """Begin idle.
+
+        Args:
+            surroundings: What every survey works with.
+            on_parameters: Told the parameters of the next or present survey when they change.
+        """
+        self._robot = surroundings.robot
+        self._facts = surroundings.facts
+        self._board = surroundings.board
+        self._on_parameters = on_parameters
         self._requests = threading.Lock()
         self._parameters: Optional[SurveyParameters] = None
         self._stop = threading.Event()
         self._run: Optional[SurveyRun] = None
         self._thread: Optional[threading.Thread] = None
-        self._positioner = Positioner(robot.axes(), facts.axes, self._stop, clock)
+        interruption = Interruption(self._stop, surroundings.nodes.check)
+        self._positioner = Positioner(
+            self._robot.axes(), self._facts.axes, interruption, surroundings.clock
+        )
+        self._factory = SurveyFactory(surroundings, self._positioner, interruption)
 
     def set_parameters(self, parameters: SurveyParameters) -> SurveyEstimate:
         """Check the parameters and keep them for the next survey; nothing moves.
@@ -81,11 +69,11 @@ class MainControl:
             RequestRefusedError: A survey is running.
             SurveyParametersError: Parameters are not allowed; each is named.
         """
-        with self._requests:
+        with self._one_at_a_time():
             self._refuse_while_running("the parameters cannot be changed")
             check(parameters, self._facts.travel)
-            plan = self._plan(parameters, "")
-            self._parameters = parameters
+            plan = self._factory.plan(parameters, "")
+            self._keep(parameters)
             self._board.enter(SurveyState.CONFIGURED, f"ready for {len(plan.points)} traces")
             return SurveyEstimate(len(plan.points), sum(plan.durations_s))
 
@@ -95,11 +83,11 @@ class MainControl:
         Raises:
             RequestRefusedError: A survey is running, or no parameters have been set.
         """
-        with self._requests:
+        with self._one_at_a_time():
             self._refuse_while_running("another survey cannot start")
             if self._parameters is None:
                 raise RequestRefusedError("no parameters have been set; set them, then start")
-            plan = self._plan(self._parameters, str(uuid.uuid4()))
+            plan = self._factory.plan(self._parameters, str(uuid.uuid4()))
             self._begin(plan, self._parameters, None)
             return plan.survey_id
 
@@ -109,7 +97,7 @@ class MainControl:
         Raises:
             RequestRefusedError: No survey is measuring now.
         """
-        with self._requests:
+        with self._one_at_a_time():
             status = self._board.status
             if status.state is not SurveyState.SURVEYING or self._run is None:
                 raise RequestRefusedError(
@@ -143,7 +131,7 @@ class MainControl:
             RequestRefusedError: There is nothing to resume, or not on this robot.
             DeviceError: The survey could not be opened again.
         """
-        with self._requests:
+        with self._one_at_a_time():
             status = self._board.status
             if status.state is SurveyState.PAUSED and self._run is not None:
                 folder_end = f"_{status.survey_id[:8]}"
@@ -168,6 +156,22 @@ class MainControl:
         if self._thread is not None:
             self._thread.join(time_limit_s)
 
+    @contextlib.contextmanager
+    def _one_at_a_time(self) -> Iterator[None]:
+        if not self._requests.acquire(timeout=REQUEST_LIMIT_S):
+            raise RequestRefusedError(
+                f"another request is still being carried out after {REQUEST_LIMIT_S:g} s "
+                "(opening a large survey again takes long); ask again when it has ended"
+            )
+        try:
+            yield
+        finally:
+            self._requests.release()
+
+    def _keep(self, parameters: SurveyParameters) -> None:
+        self._parameters = parameters
+        self._on_parameters(parameters)
+
     def _refuse_while_running(self, consequence: str) -> None:
         state = self._board.status.state
         if state.running:
@@ -176,7 +180,12 @@ class MainControl:
             )
         # The state is final a moment before the thread has ended.
         if self._thread is not None:
-            self._thread.join()
+            self._thread.join(ENDING_LIMIT_S)
+            if self._thread.is_alive():
+                raise RequestRefusedError(
+                    f"the former survey has not ended within {ENDING_LIMIT_S:g} s: "
+                    f"{consequence}; try again"
+                )
 
     def _resume_from_disk(self, survey: str) -> str:
         reopened = self._robot.storage.reopen(survey)
@@ -184,95 +193,30 @@ class MainControl:
             parameters = resumable_parameters(reopened, self._facts)
             check(parameters, self._facts.travel)
             plan = replace(
-                self._plan(parameters, reopened.survey_id),
+                self._factory.plan(parameters, reopened.survey_id),
                 stored=frozenset(reopened.stored_indices),
                 last=reopened.last,
             )
-            self._parameters = parameters
             self._begin(plan, parameters, reopened)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             self._robot.storage.close(reopened.survey_id, "failed", f"not resumed: {error}")
             raise
-        return f"resuming with {len(plan.pending)} of {len(plan.points)} traces to go"
+        return (
+            f"resuming with {len(plan.pending)} of {len(plan.points)} traces to go"
+            f"{interruption_remark(reopened.interrupted)}"
+        )
 
     def _begin(
         self, plan: SurveyPlan, parameters: SurveyParameters, reopened: Optional[ReopenedSurvey]
     ) -> None:
-        former_json = "" if reopened is None else reopened.report_json
-        coverage = Coverage(len(plan.points), plan.stored)
-        report = SurveyReport(coverage, former_json, self._on_coverage)
+        # Before anything changes: a survey that cannot be put together is refused.
+        self._run = self._factory.run(plan, parameters, reopened)
+        self._keep(parameters)
         self._stop.clear()
         self._board.begin_survey(
             plan.survey_id, len(plan.points), len(plan.stored), sum(plan.pending_durations_s)
         )
         self._board.enter(SurveyState.CHECKING, "checking the robot")
-        self._run = self._new_run(plan, parameters, reopened, report)
         self._thread = threading.Thread(target=self._run.run, name="survey")
         self._thread.start()
-
-    def _plan(self, parameters: SurveyParameters, survey_id: str) -> SurveyPlan:
-        points = survey_points(parameters, self._facts.travel)
-        times = MeasuringTimes(
-            self._settings.settle_s, self._settings.height_s, parameters.frequency_points
-        )
-        durations_s = point_durations_s(points, self._positioner.move_duration_s, times)
-        scaled_s = [duration_s / self._facts.time_scale for duration_s in durations_s]
-        return SurveyPlan(survey_id, points, scaled_s)
-
-    def _new_run(
-        self,
-        plan: SurveyPlan,
-        parameters: SurveyParameters,
-        reopened: Optional[ReopenedSurvey],
-        report: SurveyReport,
-    ) -> SurveyRun:
-        def make_record(instrument: InstrumentState) -> SurveyRecord:
-            return self._record(plan, parameters, instrument)
-
-        # Vibrations of a robot that runs N times faster die down N times faster.
-        settle_s = self._settings.settle_s / self._facts.time_scale
-        preparation = Preparation(
-            parameters, self._settings, self._robot, self._positioner, make_record, reopened
-        )
-        measurement = PointMeasurement(
-            self._robot,
-            self._positioner,
-            preparation,
-            replace(self._settings, settle_s=settle_s),
-            self._stop,
-            self._clock,
-        )
-        return SurveyRun(
-            plan,
-            self._robot,
-            self._positioner,
-            preparation,
-            measurement,
-            report,
-            self._board,
-            self._stop,
-            self._clock,
-            self._utc_now_ns,
-        )
-
-    def _record(
-        self, plan: SurveyPlan, parameters: SurveyParameters, instrument: InstrumentState
-    ) -> SurveyRecord:
-        metadata = {
-            "simulated": self._facts.simulated,
-            "parameters": asdict(parameters),
-            "planned_traces": len(plan.points),
-            "estimated_duration_s": sum(plan.durations_s),
-            "instrument": {
-                "identity": instrument.identity,
-                "address": parameters.vna_address,
-                "calibration_status": instrument.calibration,
-                "calibration": CALIBRATION_MEANINGS.get(instrument.calibration, "unknown"),
-                "sweep": asdict(instrument.setting),
-            },
-            "axes": {axis_id.value: asdict(one) for axis_id, one in self._facts.axes.items()},
-            "settings": asdict(self._settings),
-        }
-        size = needed_bytes(len(plan.points), parameters.frequency_points, sum(plan.durations_s))
-        return SurveyRecord(plan.survey_id, self._utc_now_ns(), json.dumps(metadata), size)

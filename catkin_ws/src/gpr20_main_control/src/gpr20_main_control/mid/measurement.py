@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.background import in_background, result_of
+from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Position, Positioner
 from gpr20_main_control.mid.preparation import Preparation
 from gpr20_main_control.mid.robot import Robot, Sweep
@@ -44,14 +44,14 @@ class PointMeasurement:
         positioner: Positioner,
         preparation: Preparation,
         settings: SurveySettings,
-        stop: threading.Event,
+        interruption: Interruption,
         clock: Clock,
     ) -> None:
         self._robot = robot
         self._positioner = positioner
         self._preparation = preparation
         self._settings = settings
-        self._stop = stop
+        self._interruption = interruption
         self._clock = clock
 
     def measure(self, point: SurveyPoint) -> Measured:
@@ -59,18 +59,19 @@ class PointMeasurement:
 
         Raises:
             DeviceError: A part failed, or the axes moved during the sweep.
+            NodeLostError: A node is gone, or is another than before.
             StopRequested: The survey was told to stop.
         """
-        self._raise_if_stopped()
+        self._interruption.check()
         self._positioner.move_to(point)
-        if self._clock.wait_s(self._stop, self._settings.settle_s):
-            self._raise_if_stopped()
+        self._clock.wait_s(self._interruption.stop, self._settings.settle_s)
+        self._interruption.check()
         before = self._positioner.position()
         self._check_position(point, before)
         height_call, sweep_call = in_background(self._height), in_background(self._sweep)
-        sweep = result_of(sweep_call, self._stop)
-        height_m, remarks = result_of(height_call, self._stop)
-        self._raise_if_stopped()
+        sweep = result_of(sweep_call, self._interruption.check)
+        height_m, remarks = result_of(height_call, self._interruption.check)
+        self._interruption.check()
         if self._positioner.position() != before:
             raise DeviceError(
                 f"the axes moved during the sweep at point {point.index}; nobody else may move "
@@ -92,7 +93,7 @@ class PointMeasurement:
             try:
                 return self._robot.analyzer.sweep()
             except DeviceError:
-                self._raise_if_stopped()
+                self._interruption.check()
                 self._preparation.check_analyzer()
         return self._robot.analyzer.sweep()
 
@@ -107,7 +108,3 @@ class PointMeasurement:
         if self._settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
             return float("nan"), (f"no height: {failure}"[:LONGEST_REMARK],)
         raise DeviceError(f"the antenna height could not be measured: {failure}") from failure
-
-    def _raise_if_stopped(self) -> None:
-        if self._stop.is_set():
-            raise StopRequested("the survey was told to stop")

@@ -10,8 +10,9 @@ from typing import Callable, Dict, List, Optional, Tuple
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.background import in_background, result_of
+from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
 from gpr20_main_control.mid.survey_plan import SurveyPoint
 
@@ -48,12 +49,12 @@ class Positioner:
         self,
         axes: List[Tuple[AxisId, Axis]],
         parameters: Dict[AxisId, AxisParameters],
-        stop: threading.Event,
+        interruption: Interruption,
         clock: Clock,
     ) -> None:
         self._axes = dict(axes)
         self._parameters = parameters
-        self._stop = stop
+        self._interruption = interruption
         self._never = threading.Event()
         self._clock = clock
 
@@ -98,6 +99,7 @@ class Positioner:
 
         Raises:
             DeviceError: An axis could not be homed.
+            NodeLostError: A node is gone; axes may be homing still.
             StopRequested: The survey was told to stop.
         """
         pending = [one for one in self._axes if again or not self._reading(one).homed]
@@ -105,10 +107,12 @@ class Positioner:
         failures = []
         for homing in homings:
             try:
-                result_of(homing, self._stop)
+                result_of(homing, self._interruption.check)
+            except NodeLostError:
+                raise
             except DeviceError as error:
                 failures.append(error)
-        self._raise_if_stopped()
+        self._interruption.check()
         if failures:
             raise failures[0]
         self._wait(lambda: all(self._reading(axis_id).homed for axis_id in pending))
@@ -189,7 +193,7 @@ class Positioner:
         arrived_s: Optional[float] = None
         while True:
             outcome = self._axes[axis_id].move_outcome(POLL_S)
-            self._raise_if_stopped()
+            self._interruption.check()
             if outcome is not None:
                 break
             now_s = self._clock.now_s()
@@ -231,8 +235,8 @@ class Positioner:
         while not condition():
             if self._clock.now_s() > deadline_s:
                 return False
-            self._clock.wait_s(self._stop, POLL_S)
-            self._raise_if_stopped()
+            self._clock.wait_s(self._interruption.stop, POLL_S)
+            self._interruption.check()
         return True
 
     def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:
@@ -250,10 +254,6 @@ class Positioner:
                 f"current_coord for {SILENCE_LIMIT_S:g} s; check that its node runs"
             )
         return reading
-
-    def _raise_if_stopped(self) -> None:
-        if self._stop.is_set():
-            raise StopRequested("the survey was told to stop")
 
 
 def _is_fresh(reading: Optional[AxisReading]) -> bool:

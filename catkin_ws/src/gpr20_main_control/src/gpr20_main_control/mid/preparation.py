@@ -30,6 +30,16 @@ class InstrumentState:
     setting: SweepSetting
 
 
+def interruption_remark(interrupted: str) -> str:
+    """Return what is told of a survey that was still open when another began, if any."""
+    if not interrupted:
+        return ""
+    return (
+        f"; survey {interrupted} was still open and is closed as interrupted; resume_survey "
+        "goes on with it later"
+    )
+
+
 class Preparation:
     """Brings the robot into the state in which the next point can be measured."""
 
@@ -97,18 +107,23 @@ class Preparation:
         self._frequencies_hz = frequencies_hz
         self._instrument = InstrumentState(identity, calibration, setting)
 
-    def open_survey(self) -> None:
+    def open_survey(self) -> str:
         """Make the survey's folder and begin its recordings, or see that they are still open.
 
         The storage may have been restarted since; opening an open survey changes nothing.
+
+        Returns:
+            A remark for the operator on a survey that was still open; else nothing.
 
         Raises:
             DeviceError: There is no room, or the folder cannot be made.
         """
         if self._folder:
             self._robot.storage.reopen(PurePosixPath(self._folder).name)
-        else:
-            self._folder = self._robot.storage.open(self._make_record(self._instrument))
+            return ""
+        opened = self._robot.storage.open(self._make_record(self._instrument))
+        self._folder = opened.folder
+        return interruption_remark(opened.interrupted)
 
     def check_sweep(self, sweep: Sweep) -> None:
         """Refuse a sweep that is not this survey's, or was made without calibration.

@@ -181,6 +181,19 @@ class SurveyRecord:
 
 
 @dataclass(frozen=True)
+class OpenedSurvey:
+    """A survey that has begun.
+
+    Attributes:
+        folder: Where it is.
+        interrupted: Folder of another survey that was still open and was closed; else empty.
+    """
+
+    folder: str
+    interrupted: str = ""
+
+
+@dataclass(frozen=True)
 class ReopenedSurvey:
     """A survey that was cut off or ended early, open again.
 
@@ -191,6 +204,7 @@ class ReopenedSurvey:
         report_json: The last report of it; empty if there is none.
         stored_indices: Places in the plan whose traces are on the disk.
         last: The trace stored last; None if there is none.
+        interrupted: Folder of another survey that was still open and was closed; else empty.
     """
 
     survey_id: str
@@ -199,16 +213,17 @@ class ReopenedSurvey:
     report_json: str
     stored_indices: Tuple[int, ...]
     last: Optional[StoredTrace]
+    interrupted: str = ""
 
 
 class Storage(Protocol):
     """The place where traces are kept."""
 
-    def open(self, record: SurveyRecord) -> str:
-        """Begin a survey and return its folder."""
+    def open(self, record: SurveyRecord) -> OpenedSurvey:
+        """Begin a survey; one that is still open is closed as interrupted."""
 
     def reopen(self, survey: str) -> ReopenedSurvey:
-        """Open a survey again, by its id or the name of its folder."""
+        """Open a survey again, by its id or folder; another that is open is interrupted."""
 
     def report(self, survey_id: str, report_json: str) -> None:
         """Keep a report of the survey beside its metadata."""

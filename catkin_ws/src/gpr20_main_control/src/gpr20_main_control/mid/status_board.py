@@ -22,6 +22,7 @@ class Status:
         total_points: Traces of the plan.
         visited_points: Traces that are durable.
         remaining_s: Time to the end [s].
+        missing: Nodes that do not answer, in a sentence; empty if all do.
     """
 
     state: SurveyState = SurveyState.IDLE
@@ -31,6 +32,14 @@ class Status:
     total_points: int = 0
     visited_points: int = 0
     remaining_s: float = 0.0
+    missing: str = ""
+
+    @property
+    def text(self) -> str:
+        """The message, and which nodes are missing."""
+        if not self.missing or self.missing in self.message:
+            return self.message
+        return f"{self.message}; {self.missing}"
 
     @property
     def completion_percent(self) -> float:
@@ -71,6 +80,11 @@ class StatusBoard:
         """Say something else in the same state."""
         with self._lock:
             self._change(replace(self._status, message=message))
+
+    def note_missing(self, missing: str) -> None:
+        """Say which nodes do not answer; empty if all do."""
+        with self._lock:
+            self._change(replace(self._status, missing=missing))
 
     def begin_survey(
         self, survey_id: str, total_points: int, visited_points: int, planned_s: float

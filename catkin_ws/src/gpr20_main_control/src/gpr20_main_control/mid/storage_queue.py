@@ -7,7 +7,7 @@ from collections import deque
 from typing import Callable, Deque, Optional
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import Sample, Storage
 
 # Traces that may wait for the disk; when it is slower than the survey, the survey waits.
@@ -41,6 +41,7 @@ class StorageQueue:
         self._samples: Deque[Sample] = deque()
         self._stored = 0
         self._failure: Optional[DeviceError] = None
+        self._retries = 0
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="storage queue", daemon=True)
         self._thread.start()
@@ -55,38 +56,51 @@ class StorageQueue:
         """Number of samples that are not durable yet."""
         return len(self._samples)
 
-    def put(self, sample: Sample, stop: threading.Event) -> None:
+    def put(self, sample: Sample, check: Callable[[], None]) -> None:
         """Take over a sample; it will be stored whatever the survey does next.
 
         Args:
             sample: What to store. It is taken over even if an error is raised.
-            stop: Ends the wait for room.
+            check: Called again and again while there is no room; what it raises ends the wait.
 
         Raises:
             DeviceError: Storing has failed; the sample waits for `retry`.
-            StopRequested: `stop` was set while there was no room.
         """
         with self._changed:
             self._samples.append(sample)
             self._changed.notify_all()
             while len(self._samples) > CAPACITY and self._failure is None:
                 self._changed.wait(POLL_S)
-                if stop.is_set():
-                    raise StopRequested("the survey was told to stop")
+                check()
             self._raise_failure()
 
-    def drain(self, time_limit_s: Optional[float] = None) -> None:
+    def drain(self, check: Callable[[], None]) -> None:
+        """Return when every sample is durable.
+
+        Args:
+            check: Called again and again meanwhile; what it raises ends the wait.
+
+        Raises:
+            DeviceError: Storing has failed.
+        """
+        with self._changed:
+            while self._samples and self._failure is None:
+                self._changed.wait(POLL_S)
+                check()
+            self._raise_failure()
+
+    def drain_within(self, time_limit_s: float) -> None:
         """Return when every sample is durable.
 
         Raises:
             DeviceError: Storing has failed, or it takes longer than the limit [s].
         """
         with self._changed:
-            done = self._changed.wait_for(
+            self._changed.wait_for(
                 lambda: not self._samples or self._failure is not None, time_limit_s
             )
             self._raise_failure()
-            if not done:
+            if self._samples:
                 raise DeviceError(
                     f"{len(self._samples)} traces were not stored within {time_limit_s:g} s; "
                     "check the disk and the processing node"
@@ -96,6 +110,7 @@ class StorageQueue:
         """Forget a failure and try again with the sample that failed."""
         with self._changed:
             self._failure = None
+            self._retries += 1
             self._changed.notify_all()
 
     def close(self) -> None:
@@ -112,16 +127,18 @@ class StorageQueue:
                 )
                 if self._closing.is_set():
                     return
-                sample = self._samples[0]
+                sample, retries = self._samples[0], self._retries
             failure = self._store(sample)
+            if failure is None:
+                self._stored += 1
+                # Told before the sample leaves: who waits for an empty queue has heard of all.
+                self._on_stored(self._stored, sample.index)
             with self._changed:
                 if failure is None:
                     self._samples.popleft()
-                    self._stored += 1
-                self._failure = failure
+                elif retries == self._retries:
+                    self._failure = failure
                 self._changed.notify_all()
-            if failure is None:
-                self._on_stored(self._stored, sample.index)
 
     def _store(self, sample: Sample) -> Optional[DeviceError]:
         failure: Optional[DeviceError] = None

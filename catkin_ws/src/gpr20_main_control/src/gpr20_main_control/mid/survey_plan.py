@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Iterator, List, Sequence, Tuple
+from typing import FrozenSet, Iterator, List, Optional, Sequence, Tuple
 
+from gpr20_main_control.mid.robot import StoredTrace
 from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
 
 
@@ -24,6 +25,35 @@ class SurveyPoint:
     x_mm: float
     y_mm: float
     z_deg: float
+
+
+@dataclass(frozen=True)
+class SurveyPlan:
+    """What a survey will do.
+
+    Attributes:
+        survey_id: UUID.
+        points: All points in the order of their visit.
+        durations_s: How long each takes [s].
+        stored: Points that are on the disk already, of a survey that is resumed.
+        last: The trace of them that was stored last.
+    """
+
+    survey_id: str
+    points: Sequence[SurveyPoint]
+    durations_s: Sequence[float]
+    stored: FrozenSet[int] = frozenset()
+    last: Optional[StoredTrace] = None
+
+    @property
+    def pending(self) -> List[SurveyPoint]:
+        """The points that are not stored yet."""
+        return [point for point in self.points if point.index not in self.stored]
+
+    @property
+    def pending_durations_s(self) -> List[float]:
+        """How long the points that are not stored yet take [s]."""
+        return [self.durations_s[point.index] for point in self.pending]
 
 
 def survey_points(parameters: SurveyParameters, travel: RobotTravel) -> List[SurveyPoint]:

@@ -40,7 +40,10 @@ class SurveyReport:
         self._controls = _controls_of(former_json)
         for control in self._controls:
             coverage.note_remeasured(control["index"])
-        on_coverage(coverage)
+
+    def announce(self) -> None:
+        """Tell the coverage as it is."""
+        self._on_coverage(self._coverage)
 
     @property
     def coverage(self) -> Coverage:

@@ -4,57 +4,27 @@ from __future__ import annotations
 
 import threading
 import uuid
-from dataclasses import dataclass
-from typing import Callable, FrozenSet, List, Optional, Sequence
+from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested
 from gpr20_main_control.mid.control_measurement import compare
+from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.measurement import PointMeasurement
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.preparation import Preparation
+from gpr20_main_control.mid.recovery import REST_LIMIT_S, Recovery
 from gpr20_main_control.mid.robot import Robot, Sample, StoredTrace
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_main_control.mid.survey_estimate import RemainingTime
-from gpr20_main_control.mid.survey_plan import SurveyPoint
+from gpr20_main_control.mid.survey_plan import SurveyPlan, SurveyPoint
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_state import SurveyState
 
 # Traces that wait for the disk when a survey is stopped get this long to be stored [s].
 STOPPING_LIMIT_S = 60.0
-# Axes that slow down from their top speed rest long before this [s].
-REST_LIMIT_S = 10.0
 POLL_S = 0.05
-
-
-@dataclass(frozen=True)
-class SurveyPlan:
-    """What a survey will do.
-
-    Attributes:
-        survey_id: UUID.
-        points: All points in the order of their visit.
-        durations_s: How long each takes [s].
-        stored: Points that are on the disk already, of a survey that is resumed.
-        last: The trace of them that was stored last.
-    """
-
-    survey_id: str
-    points: Sequence[SurveyPoint]
-    durations_s: Sequence[float]
-    stored: FrozenSet[int] = frozenset()
-    last: Optional[StoredTrace] = None
-
-    @property
-    def pending(self) -> List[SurveyPoint]:
-        """The points that are not stored yet."""
-        return [point for point in self.points if point.index not in self.stored]
-
-    @property
-    def pending_durations_s(self) -> List[float]:
-        """How long the points that are not stored yet take [s]."""
-        return [self.durations_s[point.index] for point in self.pending]
 
 
 class SurveyRun:
@@ -68,8 +38,9 @@ class SurveyRun:
         preparation: Preparation,
         measurement: PointMeasurement,
         report: SurveyReport,
+        recovery: Recovery,
         board: StatusBoard,
-        stop: threading.Event,
+        interruption: Interruption,
         clock: Clock,
         utc_now_ns: Callable[[], int],
     ) -> None:
@@ -79,8 +50,9 @@ class SurveyRun:
         self._preparation = preparation
         self._measurement = measurement
         self._report = report
+        self._recovery = recovery
         self._board = board
-        self._stop = stop
+        self._interruption = interruption
         self._clock = clock
         self._utc_now_ns = utc_now_ns
         self._pause_requested = threading.Event()
@@ -97,8 +69,8 @@ class SurveyRun:
     def run(self) -> None:
         """Carry out the survey; every way out ends in a final state with a message."""
         try:
+            self._report.announce()
             self._survey()
-            self._finish()
         except StopRequested:
             self._end(SurveyState.STOPPED, "stopped", "stopped on request")
         except Exception as error:
@@ -121,22 +93,29 @@ class SurveyRun:
             try:
                 self._prepare()
                 if self._measure_pending():
-                    self._queue.drain()
+                    self._queue.drain(self._interruption.check)
+                    self._finish()
                     return
                 self._hold("on request")
             except DeviceError as error:
                 # A part that was told to stop fails, too; that is no reason to pause.
-                self._raise_if_stopped()
-                if not self._preparation.survey_is_open:
-                    raise
-                self._hold(f"{error}; resume when it is mended, or stop")
+                self._interruption.check_stop()
+                self._recover_or_hold(error)
+            if self._all_stored and self._finish_now():
+                return
 
     def _prepare(self) -> None:
+        self._recovery.begin()
         self._preparation.check()
-        self._raise_if_stopped()
-        self._preparation.open_survey()
-        self._board.enter(SurveyState.HOMING, "homing the axes")
-        homed = self._positioner.home(again=self._home_again)
+        self._interruption.check()
+        remark = self._preparation.open_survey()
+        self._board.enter(SurveyState.HOMING, f"homing the axes{remark}")
+        try:
+            homed = self._positioner.home(again=self._home_again)
+        except DeviceError:
+            # Some axes may have been homed, and nobody will know the next time.
+            self._compare_again = True
+            raise
         self._home_again = False
         self._compare_again = self._compare_again or bool(homed)
         self._queue.retry()
@@ -187,7 +166,41 @@ class SurveyRun:
         # Counted before the wait for room: the queue has the sample even if that fails.
         self._next += 1
         self._last = sample.as_stored()
-        self._queue.put(sample, self._stop)
+        self._queue.put(sample, self._interruption.check)
+
+    def _recover_or_hold(self, error: DeviceError) -> None:
+        """Return when the survey can go on: because a node is back, or it was resumed."""
+        reason = str(error)
+        self._hold_time()
+        lost = self._recovery.loss_behind(error)
+        if lost and not self._pause_requested.is_set():
+            try:
+                self._recovery.wait_for_return(lost)
+                return
+            except NodeLostError as gone:
+                reason = str(gone)
+        if not self._preparation.survey_is_open:
+            raise DeviceError(reason) from error
+        self._positioner.stop()
+        requested = "on request; " if self._pause_requested.is_set() else ""
+        self._hold(f"{requested}{reason}; resume when it is mended, or stop")
+
+    @property
+    def _all_stored(self) -> bool:
+        return self._next == len(self._pending) and not self._queue.waiting
+
+    def _finish_now(self) -> bool:
+        """End the survey, all of which is stored; whether that was possible as things are.
+
+        A storage that died while it ended the survey may have ended it; such a survey cannot
+        be opened again.
+        """
+        try:
+            self._finish()
+        except DeviceError as error:
+            self._board.say(f"the survey is not ended yet: {error}")
+            return False
+        return True
 
     def _hold(self, reason: str) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
@@ -196,8 +209,9 @@ class SurveyRun:
         self._resume.clear()
         self._board.enter(SurveyState.PAUSED, f"paused: {reason}")
         while not self._resume.is_set():
-            self._raise_if_stopped()
+            self._interruption.check_stop()
             self._clock.wait_s(self._resume, POLL_S)
+        self._recovery.note_progress()
         self._board.enter(SurveyState.CHECKING, "checking the robot before going on")
 
     def _finish(self) -> None:
@@ -230,8 +244,11 @@ class SurveyRun:
 
     def _close_early(self, outcome: str, reason: str) -> str:
         try:
+            if self._recovery.nodes_changed:
+                # The storage may be one of them, to which no survey is open.
+                self._preparation.open_survey()
             self._queue.retry()
-            self._queue.drain(STOPPING_LIMIT_S)
+            self._queue.drain_within(STOPPING_LIMIT_S)
             stored = self._close(outcome, reason)
         except DeviceError as error:
             return f"; the recordings could not be finished: {error}"
@@ -243,6 +260,7 @@ class SurveyRun:
 
     def _count_stored(self, stored: int, index: int) -> None:
         self._report.note_stored(index)
+        self._recovery.note_progress()
         elapsed_s = self._surveyed_s
         if self._surveying_since_s is not None:
             elapsed_s += self._clock.now_s() - self._surveying_since_s
@@ -254,7 +272,3 @@ class SurveyRun:
         if self._surveying_since_s is not None:
             self._surveyed_s += self._clock.now_s() - self._surveying_since_s
             self._surveying_since_s = None
-
-    def _raise_if_stopped(self) -> None:
-        if self._stop.is_set():
-            raise StopRequested("the survey was told to stop")

@@ -26,6 +26,7 @@ class SurveySettings:
         height_s: Time that the height measurement takes [s]; for the estimate only.
         attempts: How often a measurement is tried before the survey pauses.
         on_height_failure: `pause`, or `store_without` to store the trace with no height.
+        return_limit_s: How long a survey waits for a node that is gone before it pauses [s].
         accepted_calibrations: Calibration statuses, on the instrument's scale, with which
             a survey may be made: 0 none, 1 high, 2 and 3 moderate, 4 low.
     """
@@ -34,11 +35,13 @@ class SurveySettings:
     height_s: float = 0.4
     attempts: int = 3
     on_height_failure: str = HeightPolicy.PAUSE.value
+    return_limit_s: float = 30.0
     accepted_calibrations: Tuple[int, ...] = (1, 2, 3)
 
     def __post_init__(self) -> None:
         number_between("settle_s", self.settle_s, 0.0, 60.0, "s")
         number_between("height_s", self.height_s, 0.0, 60.0, "s")
+        number_between("return_limit_s", self.return_limit_s, 0.0, 3600.0, "s")
         number_between("attempts", self.attempts, 1, 100)
         policies = [policy.value for policy in HeightPolicy]
         if self.on_height_failure not in policies:

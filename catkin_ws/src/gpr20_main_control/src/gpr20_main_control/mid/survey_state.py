@@ -47,10 +47,14 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
     # From rest to CHECKING without new parameters: a survey is resumed from its folder.
     _S.IDLE: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
-    _S.HOMING: frozenset([_S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
-    _S.SURVEYING: frozenset([_S.PAUSING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
-    _S.PAUSING: frozenset([_S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    # To FINISHED: a node was lost when everything was stored already.
+    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    _S.HOMING: frozenset([_S.CHECKING, _S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
+    # Back to CHECKING: a node was lost, the survey goes on by itself when it is back.
+    _S.SURVEYING: frozenset(
+        [_S.CHECKING, _S.PAUSING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]
+    ),
+    _S.PAUSING: frozenset([_S.CHECKING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
     _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
     _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
     _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),

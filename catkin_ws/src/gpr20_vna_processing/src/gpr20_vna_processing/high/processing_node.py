@@ -61,6 +61,7 @@ DEFAULT_TOPICS = (
     "control_current_coordinate",
     "control_survey_data",
     "survey_coverage",
+    "survey_parameters",
     "/diagnostics",
 )
 MAX_REPAIRS_TOLD = 10
@@ -146,6 +147,7 @@ class ProcessingNode:
         self._diagnostics = Diagnostics("storage", self._health)
 
     def _open_survey(self, request: Any) -> OpenSurveyResponse:
+        interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
         folder = self._processing.open_survey(
             request.survey_id,
             microseconds(request.started),
@@ -153,9 +155,12 @@ class ProcessingNode:
             request.needed_bytes,
         )
         message = f"survey {request.survey_id} is open in {folder}"
-        return OpenSurveyResponse(success=True, message=message, path=str(folder))
+        return OpenSurveyResponse(
+            success=True, message=message, path=str(folder), interrupted=interrupted
+        )
 
     def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
+        interrupted = self._interrupt_other(request.interrupt_open, request.survey)
         reopened = self._processing.reopen_survey(request.survey)
         stored = len(reopened.stored_indices)
         message = f"survey {reopened.survey_id} goes on with {stored} traces stored"
@@ -168,7 +173,11 @@ class ProcessingNode:
             report_json=reopened.report_json,
             stored_indices=reopened.stored_indices,
             last=trace_message(reopened.last) if reopened.last else Trace(),
+            interrupted=interrupted,
         )
+
+    def _interrupt_other(self, wanted: bool, survey: str) -> str:
+        return self._processing.interrupt_other(survey) if wanted else ""
 
     def _report_survey(self, request: Any) -> ReportSurveyResponse:
         self._processing.report(request.survey_id, request.report_json)

@@ -15,6 +15,7 @@ from gpr20_vna_processing.errors import (
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage
 from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
+from gpr20_vna_processing.mid.ended_survey import find_ended_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
@@ -99,6 +100,22 @@ class DataProcessing:
         )
         self._do(lambda: self._open(folder, description, started_us, needed_bytes))
         return folder
+
+    def interrupt_other(self, survey: str) -> str:
+        """Close the open survey as interrupted, unless it is this one; it stays resumable.
+
+        Whoever filled it has gone without closing it, if another survey shall be opened.
+
+        Args:
+            survey: Id of the survey that shall be opened, or the name of its folder.
+
+        Returns:
+            The name of the folder of the survey that was closed; empty if none was.
+
+        Raises:
+            StorageFailedError: The disk refused; the survey is still open.
+        """
+        return self._do(lambda: self._interrupt_other(survey), self._limits.long_timeout_s)
 
     def reopen_survey(self, survey: str) -> ReopenedSurvey:
         """Open a survey that was cut off or ended early, repaired; may be repeated.
@@ -283,6 +300,10 @@ class DataProcessing:
     def _close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
         if self._survey is None and self._closed and self._closed.survey_id == survey_id:
             return self._closed  # the answer to the first call may have been lost
+        if self._survey is None:
+            before = find_ended_survey(self._storage.data, survey_id, outcome)
+            if before is not None:
+                return before  # by a process that died before it could answer
         survey = self._opened_as(survey_id)
         ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
         survey.close(outcome, reason, ended)
@@ -297,6 +318,14 @@ class DataProcessing:
     def _interrupt(self) -> None:
         if self._survey is not None:
             self._close(self._survey.survey_id, INTERRUPTED, "the storage was shut down")
+
+    def _interrupt_other(self, survey: str) -> str:
+        opened = self._survey
+        if opened is None or survey in (opened.survey_id, opened.folder.name):
+            return ""
+        reason = f"left open by the control, which began {survey[:64]}"
+        self._close(opened.survey_id, INTERRUPTED, reason)
+        return opened.folder.name
 
     def _write_messages(self, messages: Sequence[RecordedMessage]) -> None:
         survey = self._survey

@@ -1,0 +1,110 @@
+"""What the control says of itself, as topics."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import rospy
+
+from gpr20_main_control.mid.coverage import Coverage
+from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.status_board import Status
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
+from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+
+NO_TARGET = -1.0
+
+
+class SurveyTopics:
+    """The publishers of the survey."""
+
+    def __init__(self, simulated: bool) -> None:
+        """Advertise them.
+
+        Args:
+            simulated: Whether the robot is; every status says so.
+        """
+        self._simulated = simulated
+        self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
+        self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
+        self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
+        self._progress = rospy.Publisher("control_survey_data", SurveyData, queue_size=10)
+        self._coverage = rospy.Publisher(
+            "survey_coverage", SurveyCoverage, queue_size=10, latch=True
+        )
+        self._parameters = rospy.Publisher(
+            "survey_parameters", SurveyParametersMessage, queue_size=10, latch=True
+        )
+
+    def publish_change(self, before: Status, after: Status) -> None:
+        """Tell of a change of the status."""
+        if (before.state, before.text) != (after.state, after.text):
+            rospy.loginfo("%s: %s", after.state.name, after.text)
+            self.publish_status(after)
+        self.publish_progress(after)
+
+    def publish_status(self, status: Status) -> None:
+        """Publish state and message."""
+        message = ControlStatus()
+        message.header.stamp = rospy.Time.now()
+        message.code = int(status.state)
+        message.message = status.text
+        message.survey_id = status.survey_id
+        message.simulated = self._simulated
+        self._status.publish(message)
+
+    def _publish_target(self, status: Status) -> None:
+        message = Coordinates()
+        message.header.stamp = rospy.Time.now()
+        target = status.target
+        message.x_mm = NO_TARGET if target is None else target.x_mm
+        message.y_mm = NO_TARGET if target is None else target.y_mm
+        message.z_deg = NO_TARGET if target is None else target.z_deg
+        self._target.publish(message)
+
+    def publish_progress(self, status: Status) -> None:
+        """Publish the point that is visited, and how far the survey is."""
+        self._publish_target(status)
+        self._publish_survey_data(status)
+
+    def _publish_survey_data(self, status: Status) -> None:
+        message = SurveyData()
+        message.header.stamp = rospy.Time.now()
+        message.survey_id = status.survey_id
+        message.completion_percent = status.completion_percent
+        message.total_points = status.total_points
+        message.visited_points = status.visited_points
+        message.remaining_points = status.total_points - status.visited_points
+        message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
+        self._progress.publish(message)
+
+    def publish_coverage(self, coverage: Coverage, survey_id: str) -> None:
+        """Publish what became of each planned sample."""
+        reasons = coverage.reasons
+        message = SurveyCoverage()
+        message.header.stamp = rospy.Time.now()
+        message.survey_id = survey_id
+        runs = coverage.runs()
+        message.planned = coverage.planned
+        message.run_starts = [start for start, _state in runs]
+        message.run_states = bytes(state for _start, state in runs)
+        message.failures = [f"{index}: {reasons[index]}" for index in sorted(reasons)]
+        message.verdict = coverage.verdict().text
+        self._coverage.publish(message)
+
+    def publish_parameters(self, parameters: SurveyParameters) -> None:
+        """Publish the parameters of the next or present survey."""
+        self._parameters.publish(SurveyParametersMessage(**asdict(parameters)))
+
+    def publish_current(self, robot: Robot) -> None:
+        """Publish where the axes are; nothing before all of them have said so."""
+        readings = [axis.reading() for _axis_id, axis in robot.axes()]
+        if any(reading is None for reading in readings):
+            return
+        message = Coordinates()
+        message.header.stamp = rospy.Time.now()
+        message.x_mm, message.y_mm, message.z_deg = (
+            reading.coordinate for reading in readings if reading is not None
+        )
+        self._current.publish(message)

@@ -1,0 +1,109 @@
+"""Surveys that were cut off go on with exactly what is missing."""
+
+import json
+from dataclasses import asdict
+
+import pytest
+from fake_robot import AXES, PARAMETERS, FakeAnalyzer
+
+from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.mid.robot import ReopenedSurvey, StoredTrace, SweepSetting
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+
+def test_after_an_axis_was_homed_again_the_last_point_is_measured_as_a_control(bench):
+    def lose_zero():
+        if bench.analyzer.sweeps == 5:
+            bench.x.homed = False
+            bench.analyzer.on_sweep = lambda: None
+
+    bench.analyzer.on_sweep = lose_zero
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    report = bench.storage.reports[-1]
+    (control,) = report["controls"]
+    # The fifth sweep was taken twice: the trace says 5 or less, the control one more than all.
+    assert control["index"] == bench.storage.samples[4].index
+    assert report["coverage"].count("r") == 1
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def cut_off_survey(bench, stored, **changes):
+    """Put a survey that was cut off on the disk of the bench: these samples are stored."""
+    metadata = {
+        "simulated": True,
+        "parameters": asdict(PARAMETERS),
+        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
+        **changes,
+    }
+    last = (
+        StoredTrace(max(stored), 0.2, analyzer_frequencies(), (1.0,) * 5, (1.0,) * 5)
+        if stored
+        else None
+    )
+    bench.storage.reopened = ReopenedSurvey(
+        "5ec1a5d2-0000-4000-8000-000000000000",
+        "/data/survey",
+        json.dumps(metadata),
+        "",
+        tuple(sorted(stored)),
+        last,
+    )
+
+
+def analyzer_frequencies():
+    analyzer = FakeAnalyzer()
+    analyzer.configure(SweepSetting(600.0e6, 6.0e9, 5))
+    return analyzer.frequencies_hz()
+
+
+@pytest.mark.parametrize("stored", [[], [0], [0, 1, 2, 3, 4], [0, 2, 5, 23], list(range(23))])
+def test_a_survey_that_was_cut_off_goes_on_with_exactly_what_is_missing(bench, stored):
+    cut_off_survey(bench, stored)
+    bench.x.homed = bench.y.homed = bench.z.homed = True
+    message = bench.control.resume("20260101T000000_5ec1a5d2")
+    assert f"{24 - len(stored)} of 24 traces to go" in message
+    status = bench.wait_for(State.FINISHED)
+    assert status.survey_id == "5ec1a5d2-0000-4000-8000-000000000000"
+    missing = [index for index in range(24) if index not in stored]
+    assert [sample.index for sample in bench.storage.samples] == missing
+    assert [axis.homings for axis in bench.axes] == [1, 1, 1]
+    controls = bench.storage.reports[-1]["controls"]
+    assert [control["index"] for control in controls] == ([max(stored)] if stored else [])
+    assert bench.storage.records == []
+
+
+def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench):
+    cut_off_survey(bench, [0, 1])
+    bench.control.resume("survey")
+    bench.wait_for(State.FINISHED)
+    (control,) = bench.storage.reports[-1]["controls"]
+    # The first sweep of this analyzer is 1 + 1j everywhere, which is what is stored.
+    assert control["difference_db"] is None
+    assert control["height_difference_m"] == 0.0
+    said = [status.message for status in bench.history]
+    assert any("point 1 differs by -inf dB" in message for message in said)
+
+
+@pytest.mark.parametrize(
+    "changes, message",
+    [
+        ({"simulated": False}, "measured by the real robot.* a simulated one"),
+        ({"parameters": {}}, "survey.json is not whole"),
+        ({"axes": {}}, "with step_size None of the x axis"),
+    ],
+)
+def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench, changes, message):
+    cut_off_survey(bench, [0, 1], **changes)
+    with pytest.raises(RequestRefusedError, match=message):
+        bench.control.resume("survey")
+    assert bench.board.status.state is State.IDLE
+    assert bench.storage.closed[-1][1] == "failed"
+
+
+def test_a_survey_that_is_not_there_is_refused(bench):
+    with pytest.raises(DeviceError, match="there is no survey nowhere"):
+        bench.control.resume("nowhere")
+    assert bench.board.status.state is State.IDLE

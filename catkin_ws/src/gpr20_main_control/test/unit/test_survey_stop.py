@@ -1,0 +1,118 @@
+"""Ends that are not the plan's: a stop, a shut down, a fault of the software itself."""
+
+import threading
+
+from fake_robot import LIMIT_S
+
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+
+def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
+    def block():
+        if bench.analyzer.sweeps == 2:
+            for axis in bench.axes:
+                axis.blocked.clear()
+
+    bench.analyzer.on_sweep = block
+    bench.start()
+    bench.wait_for_visited(2)
+    message = bench.control.stop()
+    assert "STOPPED" in message
+    for axis in bench.axes:
+        assert axis.stops > 0
+        axis.blocked.set()
+    final = bench.wait_for(State.STOPPED)
+    assert bench.states[-2:] == ["STOPPING", "STOPPED"]
+    assert final.target is None
+    assert len(bench.storage.samples) < 24
+    assert bench.storage.closed[-1][1] == "stopped"
+
+
+def test_a_paused_survey_can_be_stopped(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+
+
+def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch):
+    monkeypatch.setattr(threading, "excepthook", lambda arguments: None)
+
+    def break_down():
+        raise ZeroDivisionError("a fault of ours")
+
+    bench.analyzer.on_sweep = break_down
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert "a fault of ours" in final.message
+    assert all(axis.stops > 0 for axis in bench.axes)
+    assert bench.storage.closed[-1][1] == "failed"
+
+
+def test_a_survey_can_follow_one_that_was_stopped(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    bench.y.fail_move = ""
+    bench.start()
+    bench.wait_for(State.FINISHED)
+
+
+def test_shutting_down_stops_the_axes_and_ends_the_survey(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    threading.Timer(0.05, bench.x.blocked.set).start()
+    bench.control.shut_down(LIMIT_S)
+    assert all(axis.stops > 0 for axis in bench.axes)
+    assert bench.board.status.state is State.STOPPED
+
+
+def test_a_stop_does_not_wait_for_an_instrument_that_hangs(bench):
+    swept, hang = threading.Event(), threading.Event()
+
+    def hang_up():
+        swept.set()
+        hang.wait(LIMIT_S)
+
+    bench.analyzer.on_sweep = hang_up
+    bench.start()
+    assert swept.wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    assert not hang.is_set()
+    hang.set()
+    assert bench.storage.samples == []
+
+
+def test_a_stop_does_not_wait_for_an_axis_that_hangs_in_its_homing(bench):
+    bench.y.hanging.clear()
+    bench.start()
+    bench.wait_for(State.HOMING)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    bench.y.hanging.set()
+
+
+def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPING)
+    at_rest = []
+    threading.Timer(0.005, lambda: (at_rest.append(True), bench.x.blocked.set())).start()
+    bench.wait_for(State.STOPPED)
+    assert at_rest or "STILL MOVES" in bench.board.status.message
+
+
+def test_an_axis_that_does_not_stop_is_told(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.control.stop()
+    final = bench.wait_for(State.STOPPED)
+    assert "AN AXIS STILL MOVES" in final.message

@@ -1,0 +1,97 @@
+"""Storing beside the survey, and what is told of it: disk, metadata, coverage."""
+
+import json
+import threading
+
+from fake_robot import LIMIT_S
+
+from gpr20_main_control.mid.coverage import SampleState
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+
+def test_the_metadata_say_what_was_measured_with_what(bench):
+    survey_id = bench.start()
+    bench.wait_for(State.FINISHED)
+    record = bench.storage.records[0]
+    metadata = json.loads(record.metadata_json)
+    assert record.survey_id == survey_id
+    assert metadata["simulated"] is True
+    assert metadata["parameters"]["x_points"] == 3
+    assert metadata["instrument"]["identity"] == "Anritsu,MS2026C/2,SIMULATED,1.0"
+    assert metadata["axes"]["x"]["max_coord"] == 650.0
+    assert record.needed_bytes > 24 * 5 * 100
+
+
+def test_a_full_disk_at_the_start_is_refused_before_anything_moves(bench):
+    bench.storage.fail_open = "0 bytes are free"
+    bench.start()
+    final = bench.wait_for(State.FAILED)
+    assert "0 bytes are free" in final.message
+    assert [axis.homings for axis in bench.axes] == [0, 0, 0]
+
+
+def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
+    bench.storage.failures = 3
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "could not be stored: the disk is full" in status.message
+    bench.control.resume("")
+    bench.wait_for(State.FINISHED)
+    # The storage may have been restarted: the survey is opened again, not anew.
+    assert len(bench.storage.records) == 1
+    assert bench.storage.reopenings == ["survey"]
+    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+
+
+def test_a_slow_disk_makes_the_survey_wait(bench):
+    bench.storage.free.clear()
+    fifth, sixth = threading.Event(), threading.Event()
+
+    def note():
+        # Called at the beginning of a sweep, before it is counted.
+        {4: fifth, 5: sixth}.get(bench.analyzer.sweeps, threading.Event()).set()
+
+    bench.analyzer.on_sweep = note
+    bench.start()
+    # One trace is being stored and four wait; a sixth would have no room.
+    assert fifth.wait(LIMIT_S)
+    assert not sixth.wait(0.5)
+    assert bench.board.status.visited_points == 0
+    bench.storage.free.set()
+    bench.complete()
+
+
+def test_a_folder_that_holds_too_few_traces_is_never_called_finished(bench):
+    bench.storage.lose = 1
+    bench.start()
+    final = bench.wait_for(State.FAILED, State.FINISHED)
+    assert final.state is State.FAILED
+    assert "23 of 24 traces" in final.message
+
+
+def test_the_coverage_says_of_every_sample_what_became_of_it(bench):
+    def break_down():
+        if bench.analyzer.sweeps == 4:
+            bench.analyzer.failures = 3
+
+    bench.analyzer.on_sweep = break_down
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.wait_for_visited(4)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    report = bench.storage.reports[-1]
+    assert report["coverage"] == "mmmmf" + 19 * "-"
+    assert report["failed"] == [{"index": 4, "reason": "the VNA did not answer"}]
+    assert report["verdict"].startswith("INCOMPLETE: 4 of 24 planned traces are stored, 1 failed")
+    assert bench.coverages[-1][0].count(SampleState.MEASURED) == 4
+
+
+def test_a_finished_survey_is_complete_and_only_then_that_word_appears(bench):
+    bench.start()
+    status = bench.wait_for(State.FINISHED)
+    assert "complete: all 24 planned traces are stored" in status.message
+    assert bench.storage.reports[-1]["coverage"] == 24 * "m"
+    early = [verdict for _states, verdict in bench.coverages[:-1]]
+    assert early and not any(verdict.complete for verdict in early)
+    assert all("complete:" not in verdict.text for verdict in early)
