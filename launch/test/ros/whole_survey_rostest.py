@@ -41,6 +41,7 @@ GRAPH_TOPICS = {
     "/control_current_coordinate",
     "/control_survey_data",
     "/survey_coverage",
+    "/survey_parameters",
     "/diagnostics",
 }
 GRAPH_SERVICES = {

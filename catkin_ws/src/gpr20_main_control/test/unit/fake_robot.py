@@ -244,10 +244,10 @@ class FakeStorage:
 class Bench:
     """A control over a fake robot, and what it said."""
 
-    def __init__(self, time_scale=1.0, clock=None, **settings):
+    def __init__(self, time_scale=1.0, clock=None, analyzer=None, storage=None, **settings):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
-        self.analyzer, self.height = FakeAnalyzer(), FakeHeightSensor()
-        self.storage = FakeStorage()
+        self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
+        self.storage = storage or FakeStorage()
         robot = Robot(self.x, self.y, self.z, self.analyzer, self.height, self.storage)
         self.history = []
         self.coverages = []

@@ -140,6 +140,8 @@ class MainControl:
                         f"the paused survey is {status.survey_id}, not {survey[:64]!r}; stop it "
                         "first"
                     )
+                # Here, so that nobody sees it paused who was told that it goes on.
+                self._board.enter(SurveyState.CHECKING, "checking the robot before going on")
                 self._run.resume()
                 return "resuming"
             self._refuse_while_running("another survey cannot be resumed")

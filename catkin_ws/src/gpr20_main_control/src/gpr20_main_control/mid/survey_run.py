@@ -85,7 +85,7 @@ class SurveyRun:
         self._pause_requested.set()
 
     def resume(self) -> None:
-        """Go on after a pause."""
+        """Go on after a pause; the state says so already."""
         self._resume.set()
 
     def _survey(self) -> None:
@@ -212,7 +212,6 @@ class SurveyRun:
             self._interruption.check_stop()
             self._clock.wait_s(self._resume, POLL_S)
         self._recovery.note_progress()
-        self._board.enter(SurveyState.CHECKING, "checking the robot before going on")
 
     def _finish(self) -> None:
         verdict = self._report.coverage.verdict()

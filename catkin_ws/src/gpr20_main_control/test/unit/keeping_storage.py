@@ -1,0 +1,91 @@
+"""A storage in memory that refuses what the real one refuses."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey
+
+
+class KeepingStorage:
+    """Keeps every survey; one at a time is open."""
+
+    def __init__(self):
+        self.records = {}
+        self.samples = defaultdict(dict)
+        self.reports = {}
+        self.outcomes = {}
+        self.opened = ""
+        self.broken = False
+
+    def open(self, record):
+        self._check_disk()
+        interrupted = self._interrupt_other(record.survey_id)
+        self.records[record.survey_id] = record
+        self.opened = record.survey_id
+        return OpenedSurvey(folder_of(record.survey_id), interrupted)
+
+    def reopen(self, survey):
+        found = [one for one in self.records if survey in (one, folder_of(one))]
+        if not found:
+            raise DeviceError(f"there is no survey {survey!r}")
+        (survey_id,) = found
+        if self.outcomes.get(survey_id) == "finished":
+            raise DeviceError(f"survey {survey} is finished and complete")
+        self._check_disk()
+        interrupted = self._interrupt_other(survey_id)
+        self.opened = survey_id
+        self.outcomes.pop(survey_id, None)
+        stored = self.samples[survey_id]
+        return ReopenedSurvey(
+            survey_id,
+            folder_of(survey_id),
+            self.records[survey_id].metadata_json,
+            self.reports.get(survey_id, ""),
+            tuple(sorted(stored)),
+            list(stored.values())[-1].as_stored() if stored else None,
+            interrupted,
+        )
+
+    def report(self, survey_id, report_json):
+        self._check_open(survey_id)
+        json.loads(report_json)
+        self.reports[survey_id] = report_json
+
+    def store(self, sample):
+        self._check_open(sample.survey_id)
+        stored = self.samples[sample.survey_id].setdefault(sample.index, sample)
+        if stored is not sample:
+            raise DeviceError(f"index {sample.index} is stored already with other content")
+
+    def close(self, survey_id, outcome, reason):
+        self._check_open(survey_id)
+        self.opened = ""
+        self.outcomes[survey_id] = outcome
+        return len(self.samples[survey_id])
+
+    def restart(self):
+        """Forget what is open, as a process that is started anew does."""
+        self.opened = ""
+
+    def _interrupt_other(self, survey_id):
+        other, self.opened = self.opened, ""
+        if other in ("", survey_id):
+            return ""
+        self.outcomes[other] = "interrupted"
+        return folder_of(other)
+
+    def _check_disk(self):
+        if self.broken:
+            raise DeviceError("the disk of the robot is full")
+
+    def _check_open(self, survey_id):
+        self._check_disk()
+        if self.opened != survey_id:
+            raise DeviceError(f"survey {survey_id} is not open")
+
+
+def folder_of(survey_id):
+    return f"20260101T000000_{survey_id[:8]}"

@@ -1,0 +1,287 @@
+"""Random requests, failures and measurements: the control stays legal, and nothing is lost."""
+
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+from fake_robot import LIMIT_S, NODES, PARAMETERS, TRAVEL, Bench, FakeAnalyzer
+from hypothesis import event, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from keeping_storage import KeepingStorage, folder_of
+
+from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.mid.survey_parameters import SurveyParametersError
+from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_main_control.mid.survey_state import AT_REST, RUNNING, TRANSITIONS
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+SMALL = replace(PARAMETERS, y_points=3, polarizations_deg=(0.0,))
+PLAN = survey_points(SMALL, TRAVEL)
+MEASURING = (State.SURVEYING, State.PAUSING)
+
+
+class GatedAnalyzer(FakeAnalyzer):
+    """An analyzer whose sweeps end when the test lets them."""
+
+    def __init__(self):
+        super().__init__()
+        self.changed = threading.Condition()
+        self.waiting = None
+        self.granted = None
+
+    def sweep(self):
+        if not self.failures:
+            ticket = object()
+            with self.changed:
+                self.waiting = ticket
+                assert self.changed.wait_for(
+                    lambda: self.granted is ticket or self.waiting is not ticket, LIMIT_S
+                )
+                if self.granted is not ticket:
+                    raise DeviceError("nobody waits for this sweep any more")
+        return super().sweep()
+
+    def grant(self):
+        """Let the sweep that waits end."""
+        with self.changed:
+            self.granted, self.waiting = self.waiting, None
+            self.changed.notify_all()
+
+    def abandon(self):
+        """Let a sweep that nobody waits for fail."""
+        with self.changed:
+            self.waiting = None
+            self.changed.notify_all()
+
+
+class SurveyMachine(RuleBasedStateMachine):
+    """Steps on a control over a fake robot; after each the control has come to rest or to a gate.
+
+    What is drawn never depends on the state, only what is done with it: a step may do nothing.
+    """
+
+    def __init__(self):
+        super().__init__()
+        self.analyzer, self.storage = GatedAnalyzer(), KeepingStorage()
+        self.bench = Bench(
+            analyzer=self.analyzer, storage=self.storage, settle_s=0.0, return_limit_s=3600.0
+        )
+        self.control, self.nodes = self.bench.control, self.bench.nodes
+        self.configured = False
+        self.process = 1
+        self.stored_before = {}
+
+    def teardown(self):
+        self.storage.broken = False
+        if self.state.running:
+            self.control.stop()
+        self.analyzer.abandon()
+        self.control.shut_down(LIMIT_S)
+
+    @property
+    def state(self):
+        return self.bench.board.status.state
+
+    def settle(self):
+        """Wait until only a request or a sweep that is let go can change anything."""
+        deadline_s = time.monotonic() + LIMIT_S
+        while not self.has_settled():
+            assert time.monotonic() < deadline_s, f"still {self.bench.board.status}"
+            time.sleep(0.0005)
+        if self.state not in MEASURING:
+            self.analyzer.abandon()
+
+    def has_settled(self):
+        state = self.state
+        if state in MEASURING:
+            stored = self.bench.board.status.visited_points
+            survey_id = self.bench.board.status.survey_id
+            return self.analyzer.waiting is not None and (
+                self.storage.broken or stored == len(self.storage.samples[survey_id])
+            )
+        if state is State.CHECKING:
+            return bool(self.nodes.missing()) and "holding" in self.bench.board.status.message
+        return state is State.PAUSED or state in AT_REST
+
+    def request(self, call, allowed):
+        """Make a request, which must be refused with a reason and no effect unless allowed."""
+        if allowed:
+            call()
+        else:
+            before, content = self.bench.board.status, self.content()
+            with pytest.raises((RequestRefusedError, DeviceError)) as refusal:
+                call()
+            assert len(str(refusal.value).split()) > 4
+            assert self.bench.board.status == before
+            assert self.content() == content
+        self.settle()
+
+    def content(self):
+        return {one: set(samples) for one, samples in self.storage.samples.items() if samples}
+
+    @initialize(points=st.integers(-2, 8))
+    def begin(self, points):
+        """Most examples begin with a survey that measures."""
+        if points >= -1:
+            self.set_parameters()
+        if points >= 0:
+            self.start()
+            self.measure(points)
+
+    @rule()
+    def set_parameters(self):
+        allowed = self.state in AT_REST
+        self.request(lambda: self.control.set_parameters(SMALL), allowed)
+        self.configured = self.configured or allowed
+
+    @rule()
+    def set_wrong_parameters(self):
+        before = self.bench.board.status
+        with pytest.raises((SurveyParametersError, RequestRefusedError)):
+            self.control.set_parameters(replace(SMALL, x_points=2))
+        assert self.bench.board.status == before
+
+    @rule()
+    def start(self):
+        self.request(self.control.start, self.state in AT_REST and self.configured)
+
+    @rule()
+    def pause(self):
+        self.request(self.control.pause, self.state is State.SURVEYING)
+
+    @rule()
+    def stop(self):
+        allowed = self.state in RUNNING
+        self.request(self.stop_and_wait, allowed)
+
+    def stop_and_wait(self):
+        self.control.stop()
+        self.bench.wait_for(*AT_REST)
+
+    @rule()
+    def resume(self):
+        self.request(lambda: self.control.resume(""), self.state is State.PAUSED)
+
+    @rule(which=st.integers(0, 9), by_folder=st.booleans())
+    def resume_by_name(self, which, by_folder):
+        if not self.storage.records:
+            return
+        survey_id = list(self.storage.records)[which % len(self.storage.records)]
+        name = folder_of(survey_id) if by_folder else survey_id
+        if self.state is State.PAUSED:
+            allowed = survey_id == self.bench.board.status.survey_id
+        else:
+            finished = self.storage.outcomes.get(survey_id) == "finished"
+            allowed = self.state in AT_REST and not finished and not self.storage.broken
+            self.configured = self.configured or allowed
+        self.request(lambda: self.control.resume(name), allowed)
+
+    @rule()
+    def resume_what_does_not_exist(self):
+        self.request(lambda: self.control.resume("20200101T000000_01234567"), False)
+
+    @rule(points=st.sampled_from([1, 2, 3, 20]))
+    def measure(self, points):
+        for _ in range(points):
+            if self.state in MEASURING:
+                self.analyzer.grant()
+                self.settle()
+
+    @rule()
+    def mend_and_go_on(self):
+        """Do what an operator does until the survey measures again."""
+        if self.nodes.missing():
+            self.nodes_return()
+        self.storage.broken, self.bench.y.fail_move = False, ""
+        if self.state not in MEASURING:
+            self.analyzer.failures = 0
+        if self.state is State.PAUSED:
+            self.resume()
+        elif self.state in AT_REST and self.configured:
+            self.start()
+        self.settle()
+
+    @rule(failing=st.sampled_from([0, 1, 10**6]))
+    def change_analyzer(self, failing):
+        if self.state not in MEASURING:
+            self.analyzer.failures = failing
+
+    @rule(broken=st.booleans())
+    def change_disk(self, broken):
+        self.storage.broken = broken
+        self.settle()
+
+    @rule(failing=st.booleans())
+    def change_y_axis(self, failing):
+        self.bench.y.fail_move = "the endstop was pressed" if failing else ""
+
+    @rule()
+    def lose_zero(self):
+        self.bench.x.homed = False
+
+    @rule(node=st.sampled_from(NODES))
+    def node_dies(self, node):
+        self.nodes.note_silent(node)
+        if node == "vna_processing":
+            self.storage.restart()
+        if node == "x_axis/axis_driver":
+            self.bench.x.homed = False
+        self.wait_for_hold()
+        assert f"{node} does not answer" in self.bench.board.status.text or (
+            len(self.nodes.missing()) > 1
+        )
+
+    def wait_for_hold(self):
+        deadline_s = time.monotonic() + LIMIT_S
+        while self.state in MEASURING:
+            assert time.monotonic() < deadline_s, f"still {self.bench.board.status}"
+            time.sleep(0.0005)
+        self.settle()
+
+    @rule()
+    def nodes_return(self):
+        self.process += 1
+        for node in self.nodes.missing():
+            self.nodes.note_alive(node, self.process)
+        self.settle()
+
+    @invariant()
+    def note_what_was_reached(self):
+        event(self.state.name)
+
+    @invariant()
+    def every_step_was_legal(self):
+        states = [State.IDLE, *(status.state for status in self.bench.history)]
+        for before, after in zip(states, states[1:]):
+            assert before is after or after in TRANSITIONS[before]
+
+    @invariant()
+    def nothing_is_lost_or_measured_twice(self):
+        for survey_id, samples in self.storage.samples.items():
+            assert set(self.stored_before.get(survey_id, ())) <= set(samples)
+            sweeps = [sample.sweep.s21_real[0] for sample in samples.values()]
+            assert len(set(sweeps)) == len(sweeps)
+            for index, sample in samples.items():
+                point = PLAN[index]
+                assert (sample.x_coord_mm, sample.y_coord_mm) == (point.x_mm, point.y_mm)
+        self.stored_before = self.content()
+
+    @invariant()
+    def finished_means_that_everything_is_stored(self):
+        status = self.bench.board.status
+        if status.state is State.FINISHED:
+            assert set(self.storage.samples[status.survey_id]) == set(range(len(PLAN)))
+            assert self.storage.outcomes[status.survey_id] == "finished"
+        elif status.state in (State.STOPPED, State.PAUSED, State.FAILED):
+            assert "complete:" not in status.message or "INCOMPLETE" in status.message
+
+    @invariant()
+    def what_is_shown_as_visited_is_stored(self):
+        status = self.bench.board.status
+        assert status.visited_points <= len(self.storage.samples[status.survey_id])
+
+
+SurveyMachine.TestCase.settings = settings(max_examples=100, stateful_step_count=40, deadline=None)
+TestSurveyMachine = SurveyMachine.TestCase

@@ -1,0 +1,244 @@
+"""Nodes that are lost: the survey holds, and goes on or pauses by what it was."""
+
+import threading
+
+import pytest
+from fake_robot import LIMIT_S, Bench
+
+from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.survey_state import SurveyState as State
+
+VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
+
+
+@pytest.fixture
+def patient_bench():
+    bench = Bench(return_limit_s=3600.0)
+    yield bench
+    bench.release()
+    bench.control.shut_down(LIMIT_S)
+
+
+def lose(bench, node, after):
+    """Let a node die at the beginning of a sweep, once."""
+
+    def die():
+        if bench.analyzer.sweeps == after:
+            bench.analyzer.on_sweep = lambda: None
+            bench.nodes.note_silent(node)
+
+    bench.analyzer.on_sweep = die
+
+
+def come_back(bench, node):
+    bench.nodes.note_alive(node, 2)
+
+
+@pytest.mark.parametrize("node", [VNA, STORAGE, X_AXIS])
+def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(patient_bench, node):
+    bench = patient_bench
+    lose(bench, node, after=5)
+    bench.start()
+    bench.wait_for_message(f"holding: {node} went silent")
+    assert bench.board.status.state is State.CHECKING
+    assert f"{node} does not answer" in bench.board.status.text
+    assert all(axis.stops > 0 for axis in bench.axes)
+    come_back(bench, node)
+    bench.complete()
+    assert "PAUSED" not in bench.states
+    assert "does not answer" not in bench.board.status.text
+
+
+def test_the_sample_in_flight_is_measured_again_after_connecting_anew(patient_bench):
+    bench = patient_bench
+    lose(bench, VNA, after=5)
+    bench.start()
+    bench.wait_for_message("holding")
+    connections = len(bench.analyzer.connections)
+    come_back(bench, VNA)
+    bench.complete()
+    assert len(bench.analyzer.connections) > connections
+    sweeps = [sample.sweep.s21_real[0] for sample in bench.storage.samples]
+    assert len(set(sweeps)) == 24
+
+
+def test_an_axis_that_was_started_anew_is_homed_and_a_control_is_measured(patient_bench):
+    bench = patient_bench
+    lose(bench, X_AXIS, after=5)
+    bench.start()
+    bench.wait_for_message("holding")
+    bench.x.homed = False
+    come_back(bench, X_AXIS)
+    bench.complete()
+    assert [axis.homings for axis in bench.axes] == [2, 1, 1]
+    assert len(bench.storage.reports[-1]["controls"]) == 1
+
+
+def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):
+    lose(bench, VNA, after=5)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "vna_acquisition went silent and did not come back within 30 s" in status.message
+    assert "resume when it is mended, or stop" in status.message
+    come_back(bench, VNA)
+    bench.resume_to_the_end()
+
+
+def test_a_node_that_dies_again_and_again_pauses_the_survey(patient_bench):
+    bench = patient_bench
+    deaths = []
+
+    def die():
+        if bench.analyzer.sweeps >= 5:
+            deaths.append(VNA)
+            bench.nodes.note_silent(VNA)
+            bench.nodes.note_alive(VNA, 1 + len(deaths))
+
+    bench.analyzer.on_sweep = die
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "started anew, 4 times with no trace in between" in status.message
+    bench.analyzer.on_sweep = lambda: None
+    bench.resume_to_the_end()
+
+
+def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(patient_bench):
+    bench = patient_bench
+
+    def fail():
+        if bench.analyzer.sweeps == 5:
+            bench.analyzer.on_sweep = lambda: None
+            bench.analyzer.failures = 3
+            # Nobody knows yet; the survey has to ask.
+            bench.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
+
+    bench.analyzer.on_sweep = fail
+    bench.start()
+    bench.complete()
+    assert "PAUSED" not in bench.states
+
+
+def test_a_paused_survey_says_so_and_stays_paused(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.nodes.note_silent(VNA)
+    assert bench.board.status.state is State.PAUSED
+    assert bench.board.status.text.endswith("; vna_acquisition does not answer")
+    come_back(bench, VNA)
+    assert "does not answer" not in bench.board.status.text
+    bench.y.fail_move = ""
+    bench.resume_to_the_end()
+
+
+@pytest.mark.parametrize("configured", [False, True])
+def test_a_control_at_rest_says_so(bench, configured):
+    if configured:
+        bench.start()
+        bench.wait_for(State.FINISHED)
+    state = bench.board.status.state
+    bench.nodes.note_silent(X_AXIS)
+    assert bench.board.status.state is state
+    assert bench.board.status.text.endswith("; x_axis/axis_driver does not answer")
+
+
+def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(patient_bench):
+    bench = patient_bench
+    swept, hang = threading.Event(), threading.Event()
+
+    def hang_up():
+        swept.set()
+        hang.wait(LIMIT_S)
+
+    bench.analyzer.on_sweep = hang_up
+    bench.start()
+    assert swept.wait(LIMIT_S)
+    bench.control.pause()
+    bench.nodes.note_silent(VNA)
+    status = bench.wait_for(State.PAUSED)
+    assert "on request; vna_acquisition went silent" in status.message
+    bench.analyzer.on_sweep = lambda: None
+    hang.set()
+    come_back(bench, VNA)
+    bench.resume_to_the_end()
+
+
+def test_a_survey_that_holds_can_be_stopped(patient_bench):
+    bench = patient_bench
+    lose(bench, X_AXIS, after=5)
+    bench.start()
+    bench.wait_for_message("holding")
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    assert bench.storage.closed[-1][1] == "stopped"
+
+
+def test_a_survey_that_is_started_without_a_node_fails_before_anything_moves(bench):
+    bench.nodes.note_silent(VNA)
+    bench.start()
+    status = bench.wait_for(State.FAILED)
+    assert "vna_acquisition went silent and did not come back" in status.message
+    assert all(axis.moves == [] and axis.homings == 0 for axis in bench.axes)
+
+
+def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(patient_bench):
+    bench = patient_bench
+    usual = bench.storage.close
+
+    def close_and_die(survey_id, outcome, reason):
+        bench.storage.close = usual
+        usual(survey_id, outcome, reason)
+        bench.nodes.note_silent(STORAGE)
+        bench.nodes.check()
+
+    bench.storage.close = close_and_die
+    bench.start()
+    bench.wait_for_message("holding: vna_processing went silent")
+
+    def refuse(_survey):
+        raise AssertionError("a survey that has ended is not opened again")
+
+    bench.storage.reopen = refuse
+    come_back(bench, STORAGE)
+    bench.complete()
+
+
+def test_a_survey_that_was_still_open_is_told_and_can_be_resumed(bench):
+    bench.storage.interrupted = "20260101T000000_01234567"
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    said = [status.message for status in bench.history]
+    assert any(
+        "survey 20260101T000000_01234567 was still open and is closed as interrupted" in one
+        for one in said
+    )
+
+
+def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch):
+    monkeypatch.setattr("gpr20_main_control.mid.main_control.REQUEST_LIMIT_S", 0.05)
+    opening, opened = threading.Event(), threading.Event()
+
+    def open_slowly(_survey):
+        opening.set()
+        assert opened.wait(LIMIT_S)
+        raise RequestRefusedError("there is none")
+
+    monkeypatch.setattr(bench.storage, "reopen", open_slowly)
+
+    def resume():
+        with pytest.raises(RequestRefusedError, match="there is none"):
+            bench.control.resume("survey")
+
+    resuming = threading.Thread(target=resume)
+    resuming.start()
+    assert opening.wait(LIMIT_S)
+    with pytest.raises(RequestRefusedError, match="another request is still being carried out"):
+        bench.start()
+    opened.set()
+    resuming.join(LIMIT_S)
+
+
+def test_the_parameters_are_told_when_they_are_set_and_when_a_survey_begins(bench):
+    bench.start(x_points=4)
+    bench.wait_for(State.FINISHED)
+    assert [one.x_points for one in bench.parameters] == [4, 4]
