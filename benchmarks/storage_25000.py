@@ -207,7 +207,7 @@ def run(data: Path, parameters: SurveyParameters) -> bool:
     print(f"\nClosing, with the indexes and the manifest: {closing_s:.1f} s. {sizes(folder)}.")
     with start_node(data):
         reopen = service("reopen_survey", ReopenSurvey)
-        reopening_s = seconds(lambda: reopen(survey_id))
+        reopening_s = seconds(lambda: reopen(survey=survey_id))
         print(f"Reopening, with every trace read three times: {reopening_s:.1f} s.")
         finish = service("close_survey", CloseSurvey)
         seconds(lambda: finish(survey_id, "finished", "end of the benchmark"))

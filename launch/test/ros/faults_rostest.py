@@ -50,7 +50,7 @@ REFUSED = (
     ("get_freq", GetFreq),
     ("get_data", GetData),
     ("get_calibration_status", GetCalibrationStatus),
-    ("open_survey", OpenSurvey, "../..", rospy.Time(), "[]", 2**64 - 1),
+    ("open_survey", OpenSurvey, "../..", rospy.Time(), "[]", 2**64 - 1, False),
     ("store_data", StoreData, Trace()),
     ("close_survey", CloseSurvey, "../..", "lost", ""),
     ("simulator/set_fault", SetFault, "toaster", "BURNT", -1),
@@ -255,7 +255,7 @@ class FaultsTest(unittest.TestCase):
         pid = node_pid("/vna_acquisition")
         os.kill(pid, signal.SIGSTOP)
         try:
-            self.wait_for_pause("did not answer within", "check that its node runs")
+            self.wait_for_pause("vna_acquisition went silent", "did not come back within 3 s")
         finally:
             os.kill(pid, signal.SIGCONT)
         self.finish(survey_id)

@@ -116,3 +116,32 @@ def test_an_axis_that_does_not_stop_is_told(bench):
     bench.control.stop()
     final = bench.wait_for(State.STOPPED)
     assert "AN AXIS STILL MOVES" in final.message
+
+
+def test_a_stop_does_not_wait_for_an_instrument_that_hangs_in_the_checks(bench, monkeypatch):
+    asked, answer = threading.Event(), threading.Event()
+
+    def hang_up(_address):
+        asked.set()
+        assert answer.wait(LIMIT_S)
+        return "too late"
+
+    monkeypatch.setattr(bench.analyzer, "connect", hang_up)
+    bench.start()
+    assert asked.wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    assert not answer.is_set()
+    answer.set()
+
+
+def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(bench, monkeypatch):
+    hang = threading.Event()
+    monkeypatch.setattr(bench.storage, "close", lambda *_: hang.wait(LIMIT_S))
+    bench.analyzer.on_sweep = lambda: bench.analyzer.sweeps == 3 and bench.control.stop()
+    bench.start()
+    bench.wait_for(State.STOPPING)
+    bench.nodes.note_silent("vna_processing")
+    status = bench.wait_for(State.STOPPED)
+    assert "the recordings could not be finished: vna_processing went silent" in status.message
+    hang.set()

@@ -231,6 +231,21 @@ class StoreSurveyTest(unittest.TestCase):
         self.wait_until(lambda: len(live) >= TRACES, "the replay brought too few traces")
         self.assertEqual([numbers(one) for one in live], expected)
 
+    def test_10_what_a_publisher_that_has_just_begun_sends_after_the_start_is_recorded(
+        self,
+    ) -> None:
+        for number in range(5):
+            self.survey_id = str(uuid.uuid4())
+            axis = rospy.Publisher("y_axis/current_coord", CurrentCoordinate, queue_size=10)
+            opened = self.open()
+            axis.publish(CurrentCoordinate(coordinate=float(number)))
+            self.store(0)
+            self.assertTrue(self.close().success)
+            axis.unregister()
+            with rosbag.Bag(f"{opened.path}/survey.bag") as bag:
+                topics = [topic for topic, _message, _time in bag.read_messages()]
+            self.assertIn("/robot1/y_axis/current_coord", topics)
+
     def test_2_what_is_wrong_is_answered_with_a_reason_and_leaves_no_trace(self) -> None:
         before = glob.glob(self.data + "/*")
         for changes, reason in (
@@ -306,9 +321,9 @@ class StoreSurveyTest(unittest.TestCase):
 
         second = self.start_node("/robot3", data)
         for name in ("../x", "/etc", str(uuid.uuid4())):
-            self.assertFalse(self.services["reopen_survey"](name).success)
+            self.assertFalse(self.services["reopen_survey"](survey=name).success)
         for name in (self.survey_id, os.path.basename(opened.path)):
-            answer = self.services["reopen_survey"](name)
+            answer = self.services["reopen_survey"](survey=name)
             self.assertTrue(answer.success, answer.message)
             self.assertEqual((answer.path, answer.survey_id), (opened.path, self.survey_id))
             self.assertEqual(answer.stored_indices, (0, 1, 2))
@@ -325,7 +340,7 @@ class StoreSurveyTest(unittest.TestCase):
         for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
             indices = [message.index for message in found["/robot3/trace"]]
             self.assertEqual(indices, list(range(TRACES)))
-        refused = self.services["reopen_survey"](self.survey_id)
+        refused = self.services["reopen_survey"](survey=self.survey_id)
         self.assertFalse(refused.success)
         self.assertIn("complete", refused.message)
         second.send_signal(signal.SIGINT)

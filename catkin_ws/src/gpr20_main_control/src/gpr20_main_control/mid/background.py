@@ -30,6 +30,16 @@ def in_background(call: Callable[[], Result]) -> Future[Result]:
     return future
 
 
+def interruptible(call: Callable[[], Result], check: Callable[[], None]) -> Result:
+    """Make a call that may take long and return its result, or raise what it raised.
+
+    Args:
+        call: What to call. If the wait for it is given up, it goes on in its thread.
+        check: Called again and again meanwhile; what it raises ends the wait.
+    """
+    return result_of(in_background(call), check)
+
+
 def result_of(future: Future[Result], check: Callable[[], None]) -> Result:
     """Return the result of a call, or raise what it raised.
 

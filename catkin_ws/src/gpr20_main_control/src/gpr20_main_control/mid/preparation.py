@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import Callable, Optional, Tuple
+from typing import Callable, Optional, Tuple, TypeVar
 
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.background import interruptible
+from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord, Sweep, SweepSetting
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
+
+Result = TypeVar("Result")
 
 CALIBRATION_MEANINGS = {
     0: "no calibration",
@@ -49,6 +53,7 @@ class Preparation:
         settings: SurveySettings,
         robot: Robot,
         positioner: Positioner,
+        interruption: Interruption,
         make_record: Callable[[InstrumentState], SurveyRecord],
         reopened: Optional[ReopenedSurvey] = None,
     ) -> None:
@@ -56,6 +61,7 @@ class Preparation:
         self._settings = settings
         self._robot = robot
         self._positioner = positioner
+        self._interruption = interruption
         self._make_record = make_record
         self._instrument = InstrumentState("", 0, SweepSetting(0.0, 0.0, 0))
         self._folder = "" if reopened is None else reopened.folder
@@ -86,7 +92,7 @@ class Preparation:
         self._positioner.check_alive()
         self.check_analyzer()
         if self._settings.on_height_failure == HeightPolicy.PAUSE.value:
-            self._robot.height_sensor.height_m()
+            self._call(self._robot.height_sensor.height_m)
 
     def check_analyzer(self) -> None:
         """Connect the analyzer, look at its calibration and configure its sweep.
@@ -95,11 +101,11 @@ class Preparation:
             DeviceError: It is not there, not calibrated, or refuses the sweep.
         """
         analyzer = self._robot.analyzer
-        identity = analyzer.connect(self._parameters.vna_address)
-        calibration = analyzer.calibration()
+        identity = self._call(lambda: analyzer.connect(self._parameters.vna_address))
+        calibration = self._call(analyzer.calibration)
         self._check_calibration(calibration)
         setting = self._configure()
-        frequencies_hz = analyzer.frequencies_hz()
+        frequencies_hz = self._call(analyzer.frequencies_hz)
         if self._frequencies_hz and frequencies_hz != self._frequencies_hz:
             raise DeviceError(
                 "the VNA's frequencies are no longer those of this survey; stop it and start anew"
@@ -107,10 +113,14 @@ class Preparation:
         self._frequencies_hz = frequencies_hz
         self._instrument = InstrumentState(identity, calibration, setting)
 
-    def open_survey(self) -> str:
+    def open_survey(self, check: Optional[Callable[[], None]] = None) -> str:
         """Make the survey's folder and begin its recordings, or see that they are still open.
 
         The storage may have been restarted since; opening an open survey changes nothing.
+
+        Args:
+            check: Called again and again meanwhile, instead of the usual look at a stop and
+                at the nodes; what it raises ends the wait.
 
         Returns:
             A remark for the operator on a survey that was still open; else nothing.
@@ -119,9 +129,13 @@ class Preparation:
             DeviceError: There is no room, or the folder cannot be made.
         """
         if self._folder:
-            self._robot.storage.reopen(PurePosixPath(self._folder).name)
+            name = PurePosixPath(self._folder).name
+            interruptible(
+                lambda: self._robot.storage.reopen(name), check or self._interruption.check
+            )
             return ""
-        opened = self._robot.storage.open(self._make_record(self._instrument))
+        record = self._make_record(self._instrument)
+        opened = self._call(lambda: self._robot.storage.open(record))
         self._folder = opened.folder
         return interruption_remark(opened.interrupted)
 
@@ -147,6 +161,10 @@ class Preparation:
                 f"change accepted_calibrations (now {accepted})"
             )
 
+    def _call(self, call: Callable[[], Result]) -> Result:
+        # One by one: of what was given up, no more than one call still happens.
+        return interruptible(call, self._interruption.check)
+
     def _asked_setting(self) -> SweepSetting:
         return SweepSetting(
             self._parameters.start_frequency_hz,
@@ -156,7 +174,7 @@ class Preparation:
 
     def _configure(self) -> SweepSetting:
         asked = self._asked_setting()
-        accepted = self._robot.analyzer.configure(asked)
+        accepted = self._call(lambda: self._robot.analyzer.configure(asked))
         if accepted != asked:
             raise DeviceError(f"the VNA accepted {accepted} instead of {asked}")
         return accepted

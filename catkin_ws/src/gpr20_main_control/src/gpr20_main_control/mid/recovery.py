@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Callable
+
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.interruption import Interruption
@@ -41,6 +43,20 @@ class Recovery:
     def nodes_changed(self) -> bool:
         """Whether nodes are missing or others than those with which the survey went on last."""
         return bool(self._nodes.lost())
+
+    def patience(self) -> Callable[[], None]:
+        """Return what ends the wait for a storage that may be gone, for a survey that ends.
+
+        It raises NodeLostError once a node is missing and as much time has passed since now as
+        a survey waits for one.
+        """
+        deadline_s = self._clock.now_s() + self._return_limit_s
+
+        def check() -> None:
+            if self._nodes.missing() and self._clock.now_s() > deadline_s:
+                raise NodeLostError(self._nodes.lost())
+
+        return check
 
     def begin(self) -> None:
         """Go on with the nodes as they are now.

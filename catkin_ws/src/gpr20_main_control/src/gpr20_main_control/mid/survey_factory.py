@@ -100,7 +100,13 @@ class SurveyFactory:
 
         around = self._surroundings
         return Preparation(
-            parameters, around.settings, around.robot, self._positioner, make_record, reopened
+            parameters,
+            around.settings,
+            around.robot,
+            self._positioner,
+            self._interruption,
+            make_record,
+            reopened,
         )
 
     def _measurement(self, preparation: Preparation) -> PointMeasurement:

@@ -8,6 +8,7 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested
+from gpr20_main_control.mid.background import interruptible
 from gpr20_main_control.mid.control_measurement import compare
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.measurement import PointMeasurement
@@ -140,7 +141,11 @@ class SurveyRun:
         measured = self._measurement.measure(point)
         control = compare(stored, measured.sweep, measured.height_m)
         self._report.note_control(control, self._utc_now_ns())
-        self._robot.storage.report(self._plan.survey_id, self._report.to_json())
+        report_json = self._report.to_json()
+        interruptible(
+            lambda: self._robot.storage.report(self._plan.survey_id, report_json),
+            self._interruption.check,
+        )
         self._board.say(f"measuring; {control.text}")
 
     def _visit(self, point: SurveyPoint) -> None:
@@ -215,7 +220,7 @@ class SurveyRun:
 
     def _finish(self) -> None:
         verdict = self._report.coverage.verdict()
-        stored = self._close("finished", verdict.text)
+        stored = self._close("finished", verdict.text, self._interruption.check)
         total = len(self._plan.points)
         if not verdict.complete or stored != total:
             self._board.enter(
@@ -242,20 +247,23 @@ class SurveyRun:
         self._board.enter(state, message)
 
     def _close_early(self, outcome: str, reason: str) -> str:
+        patience = self._recovery.patience()
         try:
             if self._recovery.nodes_changed:
                 # The storage may be one of them, to which no survey is open.
-                self._preparation.open_survey()
+                self._preparation.open_survey(patience)
             self._queue.retry()
             self._queue.drain_within(STOPPING_LIMIT_S)
-            stored = self._close(outcome, reason)
+            stored = self._close(outcome, reason, patience)
         except DeviceError as error:
             return f"; the recordings could not be finished: {error}"
         return f"; {stored} of {len(self._plan.points)} traces in {self._preparation.folder}"
 
-    def _close(self, outcome: str, reason: str) -> int:
-        self._robot.storage.report(self._plan.survey_id, self._report.to_json())
-        return self._robot.storage.close(self._plan.survey_id, outcome, reason)
+    def _close(self, outcome: str, reason: str, check: Callable[[], None]) -> int:
+        storage, survey_id = self._robot.storage, self._plan.survey_id
+        report_json = self._report.to_json()
+        interruptible(lambda: storage.report(survey_id, report_json), check)
+        return interruptible(lambda: storage.close(survey_id, outcome, reason), check)
 
     def _count_stored(self, stored: int, index: int) -> None:
         self._report.note_stored(index)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Tuple
 
+import rosgraph
 import rospy
 from std_msgs.msg import String
 
@@ -65,6 +66,8 @@ DEFAULT_TOPICS = (
     "/diagnostics",
 )
 MAX_REPAIRS_TOLD = 10
+# Connections to nodes that were just started are made within this time [s].
+CONNECTION_LIMIT_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -148,6 +151,7 @@ class ProcessingNode:
 
     def _open_survey(self, request: Any) -> OpenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
+        self._connect_recorder()
         folder = self._processing.open_survey(
             request.survey_id,
             microseconds(request.started),
@@ -161,6 +165,7 @@ class ProcessingNode:
 
     def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
+        self._connect_recorder()
         reopened = self._processing.reopen_survey(request.survey)
         stored = len(reopened.stored_indices)
         message = f"survey {reopened.survey_id} goes on with {stored} traces stored"
@@ -175,6 +180,16 @@ class ProcessingNode:
             last=trace_message(reopened.last) if reopened.last else Trace(),
             interrupted=interrupted,
         )
+
+    def _connect_recorder(self) -> None:
+        try:
+            lacking = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
+        except (rosgraph.MasterException, OSError) as error:
+            # Traces do not pass the master; a survey is not refused for its positions.
+            rospy.logwarn("the master does not say who publishes: %s", error)
+            return
+        if lacking:
+            rospy.logwarn("recording begins without a publisher of %s", ", ".join(lacking))
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Callable, Iterable
+import time
+from collections import Counter
+from typing import Callable, Iterable, List
 
+import rosgraph
 import rospy
 
 from gpr20_vna_processing.high.messages import METADATA_TOPIC, TRACE_TOPIC
@@ -12,6 +15,7 @@ from gpr20_vna_processing.low.recording import RecordedMessage
 # Topics that make an axis move or stop.
 COMMANDS = ("/axis/goal", "/axis/cancel")
 COMMAND_SUFFIX = "_recorded"
+POLL_S = 0.02
 
 
 class TopicRecorder:
@@ -39,6 +43,33 @@ class TopicRecorder:
             rospy.Subscriber(name, rospy.AnyMsg, self._received, callback_args=recorded_name(name))
             for name in sorted(names)
         ]
+
+    def wait_until_connected(self, limit_s: float) -> List[str]:
+        """Wait until every publisher of the topics that the master knows is connected.
+
+        What a publisher sends before is in no recording.
+
+        Args:
+            limit_s: At most so long [s].
+
+        Returns:
+            The topics that lack a publisher still; its node may be dead.
+        """
+        deadline_s = time.monotonic() + limit_s
+        while True:
+            publishers = self._publishers()
+            lacking = [
+                one.name
+                for one in self._subscribers
+                if one.get_num_connections() < publishers[one.name]
+            ]
+            if not lacking or time.monotonic() > deadline_s:
+                return lacking
+            time.sleep(POLL_S)
+
+    def _publishers(self) -> Counter[str]:
+        published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
+        return Counter({topic: len(nodes) for topic, nodes in published})
 
     def _received(self, message: rospy.AnyMsg, topic: str) -> None:
         header = message._connection_header

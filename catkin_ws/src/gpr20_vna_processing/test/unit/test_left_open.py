@@ -1,0 +1,76 @@
+"""Surveys that their control left open, and answers to a close that were lost."""
+
+import pytest
+from storage_kit import OTHER_SURVEY, SURVEY, Kit, make_trace, read_json
+
+from gpr20_vna_processing.errors import SurveyRefusedError
+from gpr20_vna_processing.mid.recordings import open_recordings
+
+METADATA = '{"planned_traces": 2}'
+
+
+@pytest.fixture
+def kits(tmp_path):
+    """Makes storages over the same data folder, one after another."""
+    made = []
+
+    def make():
+        for kit in made:
+            kit.processing.shut_down()
+        made[:] = [Kit(tmp_path / "data", open_recordings)]
+        return made[0]
+
+    yield make
+    for kit in made:
+        kit.processing.shut_down()
+
+
+def test_a_survey_that_was_left_open_makes_room_and_can_go_on_later(kits):
+    kit = kits()
+    folder = kit.open(metadata_json=METADATA)
+    kit.processing.store(make_trace(0))
+    assert kit.processing.interrupt_other(OTHER_SURVEY) == folder.name
+    ended = read_json(folder / "survey.json")
+    assert (ended["outcome"], ended["stored_traces"]) == ("interrupted", 1)
+    kit.open(OTHER_SURVEY)
+    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
+    assert kit.processing.reopen_survey(folder.name).stored_indices == [0]
+
+
+@pytest.mark.parametrize("by_folder", [False, True])
+def test_a_survey_does_not_interrupt_itself(kits, by_folder):
+    kit = kits()
+    folder = kit.open()
+    assert kit.processing.interrupt_other(folder.name if by_folder else SURVEY) == ""
+    assert kit.processing.state().survey_id == SURVEY
+
+
+def test_there_may_be_nothing_to_interrupt(kits):
+    assert kits().processing.interrupt_other(SURVEY) == ""
+
+
+def finished(kit):
+    folder = kit.open(metadata_json=METADATA)
+    for index in range(2):
+        kit.processing.store(make_trace(index))
+    return folder, kit.processing.close_survey(SURVEY, "finished", "complete")
+
+
+def test_a_close_that_a_dead_process_did_not_answer_is_answered_by_the_next_one(kits):
+    folder, closed = finished(kits())
+    content = (folder / "survey.json").read_bytes()
+    assert kits().processing.close_survey(SURVEY, "finished", "complete") == closed
+    assert (folder / "survey.json").read_bytes() == content
+
+
+def test_a_survey_that_ended_otherwise_is_not_open_to_be_closed(kits):
+    finished(kits())
+    with pytest.raises(SurveyRefusedError, match="no survey is open"):
+        kits().processing.close_survey(SURVEY, "stopped", "")
+
+
+def test_a_survey_whose_close_was_cut_off_has_to_be_opened_again(kits):
+    folder, _closed = finished(kits())
+    (folder / "manifest.json").unlink()
+    with pytest.raises(SurveyRefusedError, match="no survey is open"):
+        kits().processing.close_survey(SURVEY, "finished", "")
