@@ -19,6 +19,8 @@ from gpr20_main_control.mid.survey_state import SurveyState as State
 
 SMALL = replace(PARAMETERS, y_points=3, polarizations_deg=(0.0,))
 PLAN = survey_points(SMALL, TRAVEL)
+# A pause on request, one because of what was mended meanwhile, and one more.
+MOST_PAUSES = 4
 MEASURING = (State.SURVEYING, State.PAUSING)
 
 
@@ -191,17 +193,33 @@ class SurveyMachine(RuleBasedStateMachine):
 
     @rule()
     def mend_and_go_on(self):
-        """Do what an operator does until the survey measures again."""
-        if self.nodes.missing():
-            self.nodes_return()
-        self.storage.broken, self.bench.y.fail_move = False, ""
-        if self.state not in MEASURING:
-            self.analyzer.failures = 0
+        """Do what an operator does until the survey measures again, which it must."""
+        self.mend()
         if self.state is State.PAUSED:
             self.resume()
         elif self.state in AT_REST and self.configured:
             self.start()
-        self.settle()
+        assert self.state in (*MEASURING, State.FINISHED) or not self.configured
+
+    @rule()
+    def mend_and_measure_to_the_end(self):
+        """A survey that is not stopped ends with everything, whatever it has met."""
+        for _ in range(MOST_PAUSES):
+            self.mend()
+            self.measure(len(PLAN) + 1)
+            if not self.state.running:
+                break
+            if self.state is State.PAUSED:
+                self.resume()
+        assert self.state in AT_REST
+        if self.bench.states[-2:-1] in (["SURVEYING"], ["PAUSING"]):
+            assert self.state is State.FINISHED
+
+    def mend(self):
+        self.storage.broken, self.bench.y.fail_move = False, ""
+        if self.state not in MEASURING:
+            self.analyzer.failures = 0
+        self.nodes_return()
 
     @rule(failing=st.sampled_from([0, 1, 10**6]))
     def change_analyzer(self, failing):

@@ -5,7 +5,7 @@ import threading
 import pytest
 from fake_robot import LIMIT_S, Bench
 
-from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
@@ -195,12 +195,31 @@ def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(pa
     bench.start()
     bench.wait_for_message("holding: vna_processing went silent")
 
-    def refuse(_survey):
-        raise AssertionError("a survey that has ended is not opened again")
+    def refuse(*_arguments):
+        raise DeviceError("a survey that has ended is not opened again and takes no report")
 
-    bench.storage.reopen = refuse
+    bench.storage.reopen = bench.storage.report = refuse
     come_back(bench, STORAGE)
     bench.complete()
+
+
+def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(patient_bench):
+    bench = patient_bench
+    usual = bench.storage.open
+
+    def open_and_die(record):
+        bench.storage.open = usual
+        usual(record)
+        bench.nodes.note_silent(STORAGE)
+        bench.nodes.check()
+
+    bench.storage.open = open_and_die
+    bench.start()
+    bench.wait_for_message("holding: vna_processing went silent")
+    come_back(bench, STORAGE)
+    bench.complete()
+    first, second = bench.storage.records
+    assert first == second
 
 
 def test_a_survey_that_was_still_open_is_told_and_can_be_resumed(bench):

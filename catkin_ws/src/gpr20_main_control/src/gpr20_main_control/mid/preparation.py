@@ -64,6 +64,8 @@ class Preparation:
         self._interruption = interruption
         self._make_record = make_record
         self._instrument = InstrumentState("", 0, SweepSetting(0.0, 0.0, 0))
+        self._recorded = self._instrument
+        self._record: Optional[SurveyRecord] = None
         self._folder = "" if reopened is None else reopened.folder
         last = None if reopened is None else reopened.last
         self._frequencies_hz: Tuple[float, ...] = () if last is None else last.frequency_hz
@@ -134,10 +136,17 @@ class Preparation:
                 lambda: self._robot.storage.reopen(name), check or self._interruption.check
             )
             return ""
-        record = self._make_record(self._instrument)
+        record = self._record_now()
         opened = self._call(lambda: self._robot.storage.open(record))
         self._folder = opened.folder
         return interruption_remark(opened.interrupted)
+
+    def _record_now(self) -> SurveyRecord:
+        # The same again if the answer to the first call was lost: the storage knows it by that.
+        if self._record is None or self._recorded != self._instrument:
+            self._record = self._make_record(self._instrument)
+            self._recorded = self._instrument
+        return self._record
 
     def check_sweep(self, sweep: Sweep) -> None:
         """Refuse a sweep that is not this survey's, or was made without calibration.

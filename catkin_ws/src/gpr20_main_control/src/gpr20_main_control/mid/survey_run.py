@@ -66,6 +66,7 @@ class SurveyRun:
         self._home_again = self._compare_again = preparation.survey_is_open
         self._surveying_since_s: Optional[float] = None
         self._surveyed_s = 0.0
+        self._closing_report = ""
 
     def run(self) -> None:
         """Carry out the survey; every way out ends in a final state with a message."""
@@ -262,7 +263,10 @@ class SurveyRun:
     def _close(self, outcome: str, reason: str, check: Callable[[], None]) -> int:
         storage, survey_id = self._robot.storage, self._plan.survey_id
         report_json = self._report.to_json()
-        interruptible(lambda: storage.report(survey_id, report_json), check)
+        if report_json != self._closing_report:
+            interruptible(lambda: storage.report(survey_id, report_json), check)
+        # Not twice: a survey that was closed by a call whose answer was lost takes no report.
+        self._closing_report = report_json
         return interruptible(lambda: storage.close(survey_id, outcome, reason), check)
 
     def _count_stored(self, stored: int, index: int) -> None:
