@@ -7,8 +7,9 @@ import threading
 import time
 from dataclasses import replace
 
+from fake_clocks import FastClock
+
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
-from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_book import NodeBook
@@ -48,34 +49,6 @@ PARAMETERS = SurveyParameters(
     y_stop_mm=35.0,
     y_points=4,
 )
-
-
-class FastClock(Clock):
-    """A thousand seconds pass in each real one."""
-
-    FACTOR = 1000.0
-
-    def now_s(self):
-        return time.monotonic() * self.FACTOR
-
-    def wait_s(self, event, timeout_s):
-        return event.wait(timeout_s / self.FACTOR)
-
-
-class ManualClock(Clock):
-    """Time passes when a test says so, and a little in each wait, which ends at once."""
-
-    def __init__(self):
-        self.time_s = 0.0
-        self.waits_s = []
-
-    def now_s(self):
-        return self.time_s
-
-    def wait_s(self, event, timeout_s):
-        self.waits_s.append(timeout_s)
-        self.time_s += 0.01
-        return event.wait(0.001)
 
 
 class FakeAxis:

@@ -3,7 +3,8 @@
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, ManualClock
+from fake_clocks import ManualClock
+from fake_robot import LIMIT_S
 
 from gpr20_main_control.errors import NodeLostError, NodeSilentError
 from gpr20_main_control.mid.node_book import START_LIMIT_S, NodeBook

@@ -1,7 +1,8 @@
 """Moves, homings and positions: nothing is measured where the antennas are not."""
 
 import pytest
-from fake_robot import Bench, ManualClock
+from fake_clocks import ManualClock
+from fake_robot import Bench
 
 from gpr20_main_control.mid.survey_state import SurveyState as State
 

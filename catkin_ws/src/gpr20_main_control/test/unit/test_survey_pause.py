@@ -1,7 +1,8 @@
 """Pauses, and how a survey goes on after them."""
 
 import pytest
-from fake_robot import Bench, ManualClock
+from fake_clocks import ManualClock
+from fake_robot import Bench
 
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.survey_state import SurveyState as State

@@ -1,0 +1,35 @@
+"""Clocks by which time passes faster, or when a test says so."""
+
+from __future__ import annotations
+
+import time
+
+from gpr20_common.low.clock import Clock
+
+
+class FastClock(Clock):
+    """A thousand seconds pass in each real one."""
+
+    FACTOR = 1000.0
+
+    def now_s(self):
+        return time.monotonic() * self.FACTOR
+
+    def wait_s(self, event, timeout_s):
+        return event.wait(timeout_s / self.FACTOR)
+
+
+class ManualClock(Clock):
+    """Time passes when a test says so, and a little in each wait, which ends at once."""
+
+    def __init__(self):
+        self.time_s = 0.0
+        self.waits_s = []
+
+    def now_s(self):
+        return self.time_s
+
+    def wait_s(self, event, timeout_s):
+        self.waits_s.append(timeout_s)
+        self.time_s += 0.01
+        return event.wait(0.001)
