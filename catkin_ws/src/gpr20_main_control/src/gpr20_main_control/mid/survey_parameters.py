@@ -19,6 +19,7 @@ MIN_COORDINATE_MM = 0.0
 MAX_COORDINATE_MM = 800.0
 MIN_GRID_POINTS = 3
 MAX_TRACES = 1_000_000
+MAX_POLARIZATIONS = 36
 # How far a rotation may be from a motor step, as a part of it.
 ON_STEP = 1.0e-6
 DEFAULT_POLARIZATIONS_DEG = (0.0, 90.0)
@@ -144,8 +145,7 @@ def _grid(name: str, start_mm: float, stop_mm: float, points: int, travel: Trave
 
 
 def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
-    if not rotations_deg:
-        raise InvalidValueError("polarizations are empty; at least one rotation is needed")
+    number_between("number of polarizations", len(rotations_deg), 1, MAX_POLARIZATIONS)
     for rotation_deg in rotations_deg:
         number_between("polarization", rotation_deg, travel.lower, travel.upper, "deg")
         if abs(rotation_deg / travel.step - round(rotation_deg / travel.step)) > ON_STEP:
