@@ -34,7 +34,7 @@ check() {
 
 # How many tests a log of pytest or rostest speaks of.
 summary_of() {
-    grep -hoE '[0-9]+ passed.*in|\* TESTS: [0-9]+' "$1" | tail -n 1 | sed -E 's/ in$//; s/\* TESTS: ([0-9]+)/\1 passed/'
+    grep -ahoE '[0-9]+ passed.*in|\* TESTS: [0-9]+' "$1" | tail -n 1 | sed -E 's/ in$//; s/\* TESTS: ([0-9]+)/\1 passed/'
 }
 
 unit_tests() {
