@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Counter, List, Optional
 
-from evidence import faults_after_a_kill, faults_in_the_end, survey_id_of
+from evidence import faults_after_a_kill, faults_in_the_end, outcome_of, survey_id_of
 from robot import VICTIMS, Robot
 
 TIME_SCALE = 60.0
@@ -74,7 +74,8 @@ class Matrix:
             status = self._run_client(options, victim)
             folder = folder or self._new_folder()
             if folder is not None:
-                if status == FINISHED:
+                # A client whose control was killed in the last moment cannot know that it ended.
+                if status == FINISHED or outcome_of(folder) == "finished":
                     break
                 self.result.resumes += 1
                 options = ["--resume", folder.name]

@@ -23,7 +23,12 @@ Place = Tuple[float, float, float]
 
 def survey_id_of(folder: Path) -> str:
     """Return the id of the survey in a folder."""
-    return str(json.loads((folder / "survey.json").read_text())["survey_id"])
+    return str(_description(folder)["survey_id"])
+
+
+def outcome_of(folder: Path) -> str:
+    """Return how the survey in a folder ended; empty while it has not."""
+    return str(_description(folder).get("outcome", ""))
 
 
 def faults_after_a_kill(folder: Path, acknowledged: Iterable[str]) -> List[str]:
@@ -72,6 +77,10 @@ def faults_in_the_end(folder: Path, acknowledged: Iterable[str], planned: Set[Pl
     if verdict.returncode != 0:
         faults.append(f"verify.sh ends with {verdict.returncode}: {verdict.stdout[-300:]}")
     return [f"{folder.name}: {fault}" for fault in faults]
+
+
+def _description(folder: Path) -> dict:
+    return dict(json.loads((folder / "survey.json").read_text()))
 
 
 def _faults_of_place(trace: dict) -> List[str]:
