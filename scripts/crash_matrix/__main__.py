@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Counter, List, Optional
 
 from evidence import faults_after_a_kill, faults_in_the_end, outcome_of, survey_id_of
-from robot import VICTIMS, Robot
+from robot import POWER, VICTIMS, Robot
 
 TIME_SCALE = 60.0
 PLACES_MM = (10.0, 15.0, 20.0)
@@ -92,6 +92,8 @@ class Matrix:
                 client.wait(self._chance.uniform(*KILLED_AFTER_S))
             except subprocess.TimeoutExpired:
                 self._kill(victim)
+                if victim == POWER:
+                    client.kill()
         try:
             printed, _nothing = client.communicate(timeout=CLIENT_LIMIT_S)
         except subprocess.TimeoutExpired:

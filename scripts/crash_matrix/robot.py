@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import socket
@@ -24,7 +25,9 @@ NODES = [
     "main_control",
     "simulator",
 ]
-VICTIMS = [*NODES, MASTER]
+# Everything at once, as when the power fails.
+POWER = "all at once"
+VICTIMS = [*NODES, MASTER, POWER]
 START_LIMIT_S = 60.0
 END_LIMIT_S = 60.0
 LAUNCH_FILE = Path(__file__).with_name("probed_survey.launch")
@@ -96,11 +99,24 @@ class Robot:
         )
 
     def kill(self, name: str) -> bool:
-        """Kill a node or the master; return whether it was there to be killed."""
+        """Kill a node, the master or everything; return whether it was there to be killed."""
+        if name == POWER:
+            return self._kill_everything()
         pid = self._processes().get(name)
         if pid is None:
             return False
         os.kill(pid, signal.SIGKILL)
+        return True
+
+    def _kill_everything(self) -> bool:
+        assert self._launch is not None
+        launch = psutil.Process(self._launch.pid)
+        # Stopped first, so that nothing is started anew meanwhile.
+        launch.suspend()
+        for process in [*launch.children(recursive=True), launch]:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                process.kill()
+        self._launch.wait()
         return True
 
     def stop(self) -> None:
@@ -125,7 +141,7 @@ class Robot:
 
     def _wait_for_nodes(self) -> None:
         deadline_s = time.monotonic() + START_LIMIT_S
-        while not set(VICTIMS) <= set(self._processes()):
+        while not {*NODES, MASTER} <= set(self._processes()):
             if time.monotonic() > deadline_s:
                 raise RuntimeError(f"the robot does not start; see {self._log.name}")
             time.sleep(0.1)
