@@ -7,8 +7,10 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import unittest
 from typing import List
+from xmlrpc.server import SimpleXMLRPCServer
 
 import rosnode
 import rospkg
@@ -185,6 +187,23 @@ class RunSurvey(unittest.TestCase):
         output = self.end_of(process)
         self.assertEqual(process.returncode, 1, output)
         self.assertIn("no ROS master answers at http://127.0.0.1:9", output)
+
+    def test_a_master_that_dies_while_it_is_joined_is_told_within_the_limit(self) -> None:
+        # It says that it is there and is gone before anybody can register.
+        master = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
+        master.register_function(lambda caller: (1, "", os.getpid()), "getPid")
+
+        def answer_once() -> None:
+            master.handle_request()
+            master.server_close()
+
+        thread = threading.Thread(target=answer_once)
+        thread.start()
+        process = self.client("--wait", "1", master=f"http://127.0.0.1:{master.server_address[1]}")
+        output = self.end_of(process)
+        thread.join()
+        self.assertEqual(process.returncode, 1, output)
+        self.assertIn("no ROS master answers", output)
 
     def test_ctrl_c_while_waiting_for_main_control_stops_nothing(self) -> None:
         self.fake.close()

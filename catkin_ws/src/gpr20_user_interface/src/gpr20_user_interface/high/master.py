@@ -12,12 +12,14 @@ from gpr20_common.low.clock import Clock
 from gpr20_user_interface.errors import MasterUnavailableError
 
 POLL_S = 0.2
+# To join a master that answers.
+JOIN_LIMIT_S = 15.0
 
 
 def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock: Clock) -> None:
     """Make this process a ROS node that leaves Ctrl-C to its own handlers.
 
-    `rospy.init_node` alone would wait for a master for ever.
+    `rospy.init_node` alone would wait for a master for ever, also for one that dies meanwhile.
 
     Args:
         name: Base name of the node; a number makes it one of its own.
@@ -26,28 +28,35 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
         clock: Measures the waiting.
 
     Raises:
-        MasterUnavailableError: No master answered in time.
+        MasterUnavailableError: No master answered in time, or it died while it was joined.
     """
-    _wait_for_master(wait_s, is_cancelled, clock)
-    rospy.init_node(name, anonymous=True, disable_signals=True)
+    online, joined, given_up = threading.Event(), threading.Event(), threading.Event()
 
-
-def _wait_for_master(wait_s: float, is_cancelled: Callable[[], bool], clock: Clock) -> None:
-    online, given_up = threading.Event(), threading.Event()
-
-    def probe() -> None:
+    def join() -> None:
         while not given_up.is_set() and not rosgraph.is_master_online():
             given_up.wait(POLL_S)
         online.set()
+        if not given_up.is_set():
+            rospy.init_node(name, anonymous=True, disable_signals=True)
+            joined.set()
 
     # In a thread, because a connection to an address that swallows packets takes minutes to fail.
-    threading.Thread(target=probe, daemon=True).start()
-    deadline_s = clock.now_s() + wait_s
-    while not clock.wait_s(online, POLL_S):
-        if is_cancelled() or clock.now_s() > deadline_s:
+    threading.Thread(target=join, daemon=True).start()
+    for event, limit_s in ((online, wait_s), (joined, JOIN_LIMIT_S)):
+        if not _happens(event, limit_s, is_cancelled, clock):
             given_up.set()
-            waited_s = wait_s + clock.now_s() - deadline_s
             raise MasterUnavailableError(
-                f"no ROS master answers at {rosgraph.get_master_uri()} (waited {waited_s:.0f} s); "
+                f"no ROS master answers at {rosgraph.get_master_uri()} (waited {limit_s:.0f} s); "
                 "start `roslaunch gpr20 survey.launch`, or correct ROS_MASTER_URI"
             )
+
+
+def _happens(
+    event: threading.Event, limit_s: float, is_cancelled: Callable[[], bool], clock: Clock
+) -> bool:
+    """Wait for an event; return whether it came within the limit."""
+    deadline_s = clock.now_s() + limit_s
+    while not clock.wait_s(event, POLL_S):
+        if is_cancelled() or clock.now_s() > deadline_s:
+            return False
+    return True

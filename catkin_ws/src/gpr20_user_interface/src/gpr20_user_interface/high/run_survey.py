@@ -10,7 +10,7 @@ import rospy
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.mid.survey_parameters import RobotTravel, problems
-from gpr20_user_interface.errors import ParametersRefusedError
+from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robot_travel import read_axis_limits
@@ -60,7 +60,11 @@ def _run(options: Options, events: EventQueue, signals: StopSignals) -> int:
         _check(options, read_axis_limits().travel or DOCUMENTED_TRAVEL)
     except Gpr20Error as error:
         print(f"run_survey: {error}", file=sys.stderr)
-        return ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED
+        status = ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED
+        if isinstance(error, MasterUnavailableError):
+            # Nobody to take leave of; rospy would wait for the master once more.
+            leave_now(status)
+        return status
     return _follow(options, events)
 
 
