@@ -50,6 +50,8 @@ install_debian_packages() {
 
 install_python_packages() {
     local files=(requirements.txt) arguments=() file stamp
+    # Surveys are analysed elsewhere than on the robot.
+    [ "$robot" = yes ] || files+=(requirements-analysis.txt)
     [ "$dev" = no ] || files+=(requirements-dev.txt)
     [ "$robot" = no ] || files+=(requirements-robot.txt)
     if [ ! -x "$GPR20_VENV/bin/python" ]; then
@@ -64,6 +66,16 @@ install_python_packages() {
     echo "installing Python packages: ${arguments[*]}"
     "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check "${arguments[@]}"
     for file in "${files[@]}"; do cp "$GPR20_ROOT/$file" "$GPR20_VENV/installed-$file"; done
+}
+
+# The command gpr20; its sources run from where they are.
+install_analysis() {
+    local project="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml" stamp="$GPR20_VENV/installed-pyproject.toml"
+    if [ "$robot" = yes ] || cmp -s "$project" "$stamp"; then return 0; fi
+    echo "installing the command gpr20"
+    "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
+        --editable "$GPR20_WORKSPACE/src/gpr20_analysis"
+    cp "$project" "$stamp"
 }
 
 # Python sources run from where they are; only these files decide what the build makes.
@@ -92,4 +104,5 @@ build_workspace() {
 
 install_debian_packages
 install_python_packages
+install_analysis
 build_workspace

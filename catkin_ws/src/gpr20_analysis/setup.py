@@ -5,10 +5,16 @@ setup(
     **generate_distutils_setup(
         packages=[
             "gpr20_analysis",
+            "gpr20_analysis.commands",
             "gpr20_analysis.low",
             "gpr20_analysis.mid",
         ],
         package_dir={"": "src"},
-        entry_points={"console_scripts": ["gpr20-verify = gpr20_analysis.verify:main"]},
+        entry_points={
+            "console_scripts": [
+                "gpr20 = gpr20_analysis.commands.main:main",
+                "gpr20-verify = gpr20_analysis.verify:main",
+            ]
+        },
     )
 )

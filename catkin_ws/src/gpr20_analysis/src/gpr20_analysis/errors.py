@@ -11,3 +11,19 @@ class AnalysisError(Gpr20Error):
 
 class UnreadableFileError(AnalysisError, ValueError):
     """A file is not as the storage wrote it."""
+
+
+class DamagedSurveyError(AnalysisError, ValueError):
+    """Samples of a survey cannot be trusted; the faults are named."""
+
+
+class WrongDatasetError(AnalysisError, ValueError):
+    """A Dataset lacks what a step needs, or holds what it cannot work on."""
+
+
+class ExportError(AnalysisError, ValueError):
+    """A survey cannot be written in the format that was asked for."""
+
+
+class MissingLibraryError(AnalysisError, ImportError):
+    """An optional library is not installed."""

@@ -57,7 +57,18 @@ def decode(content: bytes) -> TraceRecord:
         values = json.loads(content.decode("ascii"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
         raise TraceRefusedError(f"the file is no strict JSON: {error}") from error
-    if not isinstance(values, dict) or values.keys() != KEYS or content[-1:] != b"\n":
+    if content[-1:] != b"\n":
+        raise TraceRefusedError("the file does not end as the storage ends it")
+    return from_values(values)
+
+
+def from_values(values: Any) -> TraceRecord:
+    """Return the trace of a file's JSON value, checked.
+
+    Raises:
+        TraceRefusedError: It is not the value of a trace's file.
+    """
+    if not isinstance(values, dict) or values.keys() != KEYS:
         raise TraceRefusedError("the file does not hold exactly the entries of a trace")
     try:
         return _trace(values)

@@ -1,0 +1,114 @@
+"""Makes a survey of any size on the disk, as the storage would have written it, for benchmarks.
+
+The storage's own writers make the files; only the waiting for the disk after every trace is left
+out.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Mapping
+
+import numpy as np
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_json
+from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
+STARTED_US = 1_790_000_000_000_000
+TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+MESSAGES = Path(__file__).resolve().parents[1] / "catkin_ws/src/gpr20_msgs/msg"
+TRACES_PER_COMMIT = 500
+
+
+def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501) -> int:
+    """Write a survey of noise, which is the hardest to compress; return its number of traces.
+
+    Args:
+        folder: Made here; must not exist.
+        x_points: Columns.
+        y_points: Rows; each stop has two polarizations.
+        frequency_points: Points of a sweep.
+    """
+    parameters = SurveyParameters(
+        "127.0.0.1", 6e8, 6e9, frequency_points, x_start_mm=0.0, x_stop_mm=600.0,
+        x_points=x_points, y_start_mm=0.0, y_stop_mm=600.0, y_points=y_points,
+    )  # fmt: skip
+    points = survey_points(parameters, TRAVEL)
+    traces = folder / survey_folder.TRACES_FOLDER
+    traces.mkdir(parents=True)
+    description = _description(parameters, len(points))
+    (folder / survey_folder.SURVEY_FILE).write_bytes(survey_metadata.encode(description))
+    text = json.dumps(description)
+    recordings = open_recordings(folder, dict(description), STARTED_US * 1000)
+    messages = _Messages()
+    for recording in recordings:
+        recording.write(messages.make("/survey_metadata", "std_msgs/String", {"data": text}, 0))
+    noise = np.random.default_rng(20)
+    frequency_hz = np.linspace(6e8, 6e9, frequency_points)
+    for point in points:
+        moment_us = STARTED_US + 10**6 * (point.index + 1)
+        real, imag = noise.standard_normal((2, frequency_points)) * 1e-3
+        trace = TraceRecord(
+            "gpr20-trace/1", SURVEY_ID, f"sample-{point.index}", point.index, moment_us,
+            point.x_mm, point.y_mm, point.z_deg, 0.2, frequency_hz, real, imag,
+            moment_us - 500_000, moment_us - 1000, (),
+        )  # fmt: skip
+        (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
+        for recording in recordings:
+            recording.begin_chunk()
+            recording.write(messages.trace(trace))
+            if point.index % TRACES_PER_COMMIT == 0:
+                recording.commit()
+    for recording in recordings:
+        recording.commit()
+        recording.finish()
+    return len(points)
+
+
+def _description(parameters: SurveyParameters, planned: int) -> Mapping[str, Any]:
+    axes = {
+        name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
+        for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
+    }
+    return {
+        "format": survey_metadata.FORMAT, "survey_id": SURVEY_ID, "simulated": True,
+        "started": "2026-09-21T14:13:20.000000+00:00", "ended": "2026-09-21T15:13:20.000000+00:00",
+        "outcome": "finished", "reason": "", "stored_traces": planned, "planned_traces": planned,
+        "parameters": asdict(parameters), "axes": axes,
+    }  # fmt: skip
+
+
+class _Messages:
+    """Serializes as the node does, without ROS."""
+
+    def __init__(self) -> None:
+        self._types = get_typestore(Stores.ROS1_NOETIC)
+        text = (MESSAGES / "Trace.msg").read_text()
+        self._types.register(get_types_from_msg(text, "gpr20_msgs/msg/Trace"))
+
+    def trace(self, trace: TraceRecord) -> RecordedMessage:
+        values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
+        values["quality"] = list(trace.quality)
+        for name in ("timestamp", "sweep_started", "sweep_ended"):
+            seconds, rest_us = divmod(getattr(trace, f"{name}_us"), 1_000_000)
+            time_type = self._types.types["builtin_interfaces/msg/Time"]
+            values[name] = time_type(sec=seconds, nanosec=rest_us * 1000)
+        return self.make("/trace", "gpr20_msgs/Trace", values, trace.index + 1)
+
+    def make(
+        self, topic: str, datatype: str, values: Mapping[str, Any], place: int
+    ) -> RecordedMessage:
+        name = datatype.replace("/", "/msg/")
+        definition, md5sum = self._types.generate_msgdef(name)
+        data = bytes(self._types.serialize_ros1(self._types.types[name](**values), name))
+        return RecordedMessage(
+            topic, datatype, md5sum, definition, data, STARTED_US * 1000 + place * 10**9
+        )

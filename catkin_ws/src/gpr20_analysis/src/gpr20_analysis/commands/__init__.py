@@ -1,0 +1,1 @@
+"""The command gpr20: one module a subcommand."""

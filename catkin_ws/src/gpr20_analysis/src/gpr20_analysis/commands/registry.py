@@ -1,0 +1,24 @@
+"""The subcommands of gpr20 by name.
+
+Only the module of the chosen one is imported, so a command needs no library of another one.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Dict
+
+from gpr20_analysis.commands.command import Command
+
+MODULES = "gpr20_analysis.commands"
+
+SUMMARIES: Dict[str, str] = {
+    "info": "what a survey holds and what is missing in it",
+    "verify": "check a survey's folder against its manifest, recordings and plan",
+}
+"""Name of each subcommand and what it does; its module is `<name>_command`."""
+
+
+def load(name: str) -> Command:
+    """Return the subcommand of a name of `SUMMARIES`."""
+    return importlib.import_module(f"{MODULES}.{name}_command").COMMAND

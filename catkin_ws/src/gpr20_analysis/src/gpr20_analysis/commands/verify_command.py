@@ -1,0 +1,36 @@
+"""gpr20 verify: check a survey's folder; gpr20-verify is the same."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.mid.verification import verify
+
+FAULTS_TOLD = 50
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("folder", type=Path, help="folder of one survey")
+    parser.add_argument("--all", action="store_true", help=f"tell more than {FAULTS_TOLD} faults")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Check the folder, tell what was found and return the exit status."""
+    found = verify(chosen.folder)
+    told = found.faults if chosen.all else found.faults[:FAULTS_TOLD]
+    for fault in told:
+        print(f"FAULT: {fault}")
+    if len(told) < len(found.faults):
+        print(f"... and {len(found.faults) - len(told)} more; --all tells them")
+    for note in found.notes:
+        print(f"note: {note}")
+    print(found.verdict)
+    return found.status
+
+
+COMMAND = Command(
+    "Check a survey's folder: files, numbers, places. Nothing is changed.", add_arguments, run
+)

@@ -1,0 +1,105 @@
+"""Datasets of surveys, A-scans and images as NetCDF and Zarr.
+
+NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real` and `s21_imag`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Dict
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
+
+NETCDF, ZARR = ".nc", ".zarr"
+REAL, IMAGINARY = "_real", "_imag"
+PART_OF = "complex_part_of"
+ENGINE = "h5netcdf"
+
+
+def is_dataset(path: Path) -> bool:
+    """Say whether a path names a Dataset written by `write_dataset`."""
+    return path.suffix in (NETCDF, ZARR)
+
+
+def write_dataset(data: xr.Dataset, path: Path) -> None:
+    """Write any Dataset, complex variables included; the file is whole or not there.
+
+    Args:
+        data: In memory or lazy.
+        path: Ends in .nc or .zarr; what is there is replaced.
+
+    Raises:
+        AnalysisError: The path ends in something else.
+        OSError: The disk refused.
+    """
+    stored = _as_real(data)
+    if path.suffix == NETCDF:
+        beside = path.with_name(f".{path.name}.writing")
+        stored.to_netcdf(str(beside), engine=ENGINE)
+        os.replace(str(beside), str(path))
+    elif path.suffix == ZARR:
+        stored.to_zarr(str(path), mode="w", consolidated=True)
+    else:
+        raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
+
+
+def read_dataset(path: Path) -> xr.Dataset:
+    """Read what `write_dataset` wrote, into memory.
+
+    Raises:
+        UnreadableFileError: It is damaged, or is something else.
+        OSError: It cannot be read.
+    """
+    if not path.exists():
+        raise AnalysisError(f"{path} does not exist")
+    try:
+        if path.suffix == NETCDF:
+            with xr.open_dataset(str(path), engine=ENGINE) as stored:
+                return _as_complex(stored.load())
+        return _as_complex(xr.open_zarr(str(path)).load())
+    except (ValueError, KeyError, RuntimeError, OSError) as error:
+        raise UnreadableFileError(f"{path} cannot be read as a Dataset: {error}") from error
+
+
+def _as_real(data: xr.Dataset) -> xr.Dataset:
+    variables: Dict[str, Any] = {}
+    for name, values in data.data_vars.items():
+        if np.issubdtype(values.dtype, np.complexfloating):
+            for ending, part in ((REAL, values.real), (IMAGINARY, values.imag)):
+                variables[f"{name}{ending}"] = part.assign_attrs({**values.attrs, PART_OF: name})
+        else:
+            variables[str(name)] = values
+    stored = xr.Dataset(variables, data.coords, {})
+    for key, value in data.attrs.items():
+        stored.attrs[key] = _plain(key, value)
+    return stored
+
+
+def _plain(key: str, value: Any) -> Any:
+    if key in LIST_ATTRIBUTES or isinstance(value, (dict, list, tuple)):
+        return json.dumps(value)
+    return int(value) if isinstance(value, (bool, np.bool_)) else value
+
+
+def _as_complex(stored: xr.Dataset) -> xr.Dataset:
+    data = stored.copy()
+    for name in list(stored.data_vars):
+        whole = stored[name].attrs.get(PART_OF)
+        if whole is None or not str(name).endswith(REAL):
+            continue
+        real, imaginary = stored[name], stored[f"{whole}{IMAGINARY}"]
+        values = np.empty(real.shape, np.result_type(real.dtype, np.complex64))
+        values.real, values.imag = real.values, imaginary.values
+        kept = {key: value for key, value in real.attrs.items() if key != PART_OF}
+        data[whole] = (real.dims, values, kept)
+        data = data.drop_vars([f"{whole}{REAL}", f"{whole}{IMAGINARY}"])
+    for key in LIST_ATTRIBUTES:
+        if isinstance(data.attrs.get(key), str):
+            data.attrs[key] = json.loads(data.attrs[key])
+    return data
