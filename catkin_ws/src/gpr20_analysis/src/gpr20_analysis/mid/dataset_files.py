@@ -19,7 +19,6 @@ from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
 NETCDF, ZARR = ".nc", ".zarr"
 REAL, IMAGINARY = "_real", "_imag"
 PART_OF = "complex_part_of"
-ENGINE = "h5netcdf"
 
 
 def is_dataset(path: Path) -> bool:
@@ -41,7 +40,7 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
     stored = _as_real(data)
     if path.suffix == NETCDF:
         beside = path.with_name(f".{path.name}.writing")
-        stored.to_netcdf(str(beside), engine=ENGINE)
+        stored.to_netcdf(str(beside), engine="h5netcdf")
         os.replace(str(beside), str(path))
     elif path.suffix == ZARR:
         stored.to_zarr(str(path), mode="w", consolidated=True)
@@ -60,7 +59,7 @@ def read_dataset(path: Path) -> xr.Dataset:
         raise AnalysisError(f"{path} does not exist")
     try:
         if path.suffix == NETCDF:
-            with xr.open_dataset(str(path), engine=ENGINE) as stored:
+            with xr.open_dataset(str(path), engine="h5netcdf") as stored:
                 return _as_complex(stored.load())
         return _as_complex(xr.open_zarr(str(path)).load())
     except (ValueError, KeyError, RuntimeError, OSError) as error:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
@@ -19,7 +20,8 @@ def in_memory(shape: Tuple[int, int]) -> np.ndarray:
     return np.full(shape, complex(math.nan, math.nan), np.complex128)
 
 
-class SampleFacts(NamedTuple):
+@dataclass
+class SampleFacts:
     """A trace without its numbers; times in microseconds since 1970, UTC."""
 
     index: int
