@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional
 
 from mcap.reader import make_reader
+from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.low import recorded_messages
-from gpr20_analysis.low.trace_decoder import DATATYPE, TRACE
+from gpr20_analysis.low.trace_decoder import TRACE
 from gpr20_vna_processing.errors import SurveyRefusedError
 from gpr20_vna_processing.low.mcap_file import MAGIC
 from gpr20_vna_processing.low.stored_bag import StoredBag
@@ -74,11 +75,12 @@ def open_mcap(path: Path) -> RecordedSurvey:
         with path.open("rb") as stream:
             reader = make_reader(stream, validate_crcs=True)
             attached = {one.name: one.data for one in reader.iter_attachments()}
-            count = _mcap_count(reader)
+            summary = reader.get_summary()
     except Exception as error:
         raise UnreadableFileError(f"{path.name} cannot be read: {error!r}") from error
     metadata = attached[ATTACHMENT].decode("utf-8", "replace") if ATTACHMENT in attached else None
-    return RecordedSurvey(recorded_messages.mcap_traces(path), count, metadata)
+    traces = recorded_messages.mcap_traces(path, summary)
+    return RecordedSurvey(traces, _mcap_count(summary), metadata)
 
 
 def _unfinished(recording: StoredRecording) -> RecordedSurvey:
@@ -88,17 +90,11 @@ def _unfinished(recording: StoredRecording) -> RecordedSurvey:
     return RecordedSurvey(traces, 0, metadata, [CUT_OFF])
 
 
-def _mcap_count(reader: Any) -> int:
-    summary = reader.get_summary()
+def _mcap_count(summary: Optional[Summary]) -> int:
     if summary is None or summary.statistics is None:
         return 0
     counts = summary.statistics.channel_message_counts
-    return sum(
-        counts.get(channel.id, 0)
-        for channel in summary.channels.values()
-        if channel.schema_id in summary.schemas
-        and summary.schemas[channel.schema_id].name == DATATYPE
-    )
+    return sum(counts.get(number, 0) for number in recorded_messages.trace_channels(summary))
 
 
 def _bag_has_index(path: Path) -> bool:
