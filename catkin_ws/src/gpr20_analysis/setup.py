@@ -8,6 +8,9 @@ setup(
             "gpr20_analysis.commands",
             "gpr20_analysis.low",
             "gpr20_analysis.mid",
+            "gpr20_analysis.mid.imaging",
+            "gpr20_analysis.mid.plotting",
+            "gpr20_analysis.mid.processing",
         ],
         package_dir={"": "src"},
         entry_points={

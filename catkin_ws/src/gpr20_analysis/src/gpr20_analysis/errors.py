@@ -27,3 +27,7 @@ class ExportError(AnalysisError, ValueError):
 
 class MissingLibraryError(AnalysisError, ImportError):
     """An optional library is not installed."""
+
+
+class RecipeError(AnalysisError, ValueError):
+    """A chain of steps is not written as it must be, or names what is not there."""

@@ -14,6 +14,9 @@ MODULES = "gpr20_analysis.commands"
 
 SUMMARIES: Dict[str, str] = {
     "info": "what a survey holds and what is missing in it",
+    "process": "apply a chain of steps and keep the result with its recipe",
+    "image": "image the ground below a survey and name the echoes in it",
+    "plot": "draw a survey, its A-scans or an image",
     "verify": "check a survey's folder against its manifest, recordings and plan",
 }
 """Name of each subcommand and what it does; its module is `<name>_command`."""

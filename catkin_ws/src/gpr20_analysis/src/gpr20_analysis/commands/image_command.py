@@ -1,0 +1,145 @@
+"""gpr20 image: the image of the ground, and the echoes in it."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.commands import processing_input, survey_input
+from gpr20_analysis.commands.command import DONE, Command
+from gpr20_analysis.errors import ExportError, WrongDatasetError
+from gpr20_analysis.low.figure_file import save_figure
+from gpr20_analysis.mid.dataset import DEPTH, POLARIZATION
+from gpr20_analysis.mid.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.mid.imaging.echoes import FAINTEST_DB, find_echoes
+from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.mid.imaging.image_output import echo_lines, permittivity_line, write_volume
+from gpr20_analysis.mid.processing.chain import PROCESSING, recipe_of
+from gpr20_analysis.mid.processing.sweep import Window
+
+DEFAULT_STEPS = ("background:method=mean",)
+MOST_DEPTHS = 5000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    survey_input.add_survey(parser)
+    processing_input.add_steps(parser)
+    add = parser.add_argument
+    add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
+    add("--permittivity", type=float, help="relative permittivity; estimated by focus if not given")
+    add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
+        metavar=("FIRST", "LAST", "STEP"),
+        help="depths of the image [m]; default 0 0.3 0.003")  # fmt: skip
+    add("--height", type=float, metavar="M", help="one antenna height instead of the recorded ones")
+    add(
+        "--leave-out-missing",
+        action="store_true",
+        help="image without the samples that are missing",
+    )
+    add("--window", choices=[one.value for one in Window], default=Window.HANN.value)
+    add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
+    add("--separation", type=float, default=0.0, metavar="M",
+        help="distance between the antennas; back-projection uses it")  # fmt: skip
+    add("--output", "-o", type=Path, action="append", default=[],
+        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
+    add(
+        "--figures",
+        type=Path,
+        metavar="FOLDER",
+        help="PNG maximum projections, a slice at each echo",
+    )
+    add("--faintest", type=float, default=FAINTEST_DB, metavar="DB",
+        help="faintest echo told, below the brightest")  # fmt: skip
+    add("--json", action="store_true", help="for programs: the echoes as JSON")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Make the image and return the exit status."""
+    for path in chosen.output:
+        if path.suffix not in (NETCDF, ZARR, ".vtr"):
+            raise ExportError(f"{path.name} must end in {NETCDF}, {ZARR} or .vtr")
+    options = options_of(chosen)
+    survey = survey_input.load(chosen)
+    default = () if recipe_of(survey) else DEFAULT_STEPS
+    image = image_survey(
+        processing_input.process(survey, processing_input.steps_of(chosen, default)), options
+    )
+    _write(image, chosen)
+    _tell(image, chosen)
+    return DONE
+
+
+def options_of(chosen: argparse.Namespace) -> ImageOptions:
+    """Return what the arguments ask for.
+
+    Raises:
+        WrongDatasetError: It names the argument that no image can be made with.
+    """
+    first, last, step = chosen.depth
+    count = (last - first) / step if step else np.nan
+    if not 1.0 <= count <= MOST_DEPTHS:
+        raise WrongDatasetError(
+            f"--depth {first:g} {last:g} {step:g} makes no 2..{MOST_DEPTHS} depths"
+        )
+    return ImageOptions(
+        method=Method(chosen.method),
+        permittivity=chosen.permittivity,
+        depth_m=tuple(first + step * np.arange(int(np.floor(count + 1e-9)) + 1)),
+        height_m=chosen.height,
+        leave_out_missing=chosen.leave_out_missing,
+        window=Window(chosen.window),
+        widest_angle_deg=chosen.widest_angle,
+        separation_m=chosen.separation,
+    )
+
+
+def _write(image: xr.Dataset, chosen: argparse.Namespace) -> None:
+    for path in chosen.output:
+        if path.suffix in (NETCDF, ZARR):
+            write_dataset(image, path)
+        else:
+            write_volume(image, path)
+    if chosen.figures:
+        from gpr20_analysis.mid.plotting.scans import c_scan_figure, projection_figure
+
+        chosen.figures.mkdir(parents=True, exist_ok=True)
+        for turn, degrees in enumerate(image[POLARIZATION].values):
+            figure = projection_figure(image, turn)
+            save_figure(figure, chosen.figures / f"projections_{degrees:g}deg.png")
+        for echo in find_echoes(image, chosen.faintest):
+            depth_mm = round(float(image[DEPTH].sel(depth=echo.depth_m, method="nearest")) * 1000.0)
+            name = f"slice_{depth_mm:04d}mm.png"
+            save_figure(c_scan_figure(image, echo.depth_m), chosen.figures / name)
+
+
+def _tell(image: xr.Dataset, chosen: argparse.Namespace) -> None:
+    echoes = find_echoes(image, chosen.faintest)
+    if chosen.json:
+        told = {
+            "permittivity": image.attrs["permittivity"],
+            "permittivity_source": image.attrs["permittivity_source"],
+            "method": image.attrs["method"],
+            "processing": json.loads(image.attrs.get(PROCESSING, "[]")),
+            "notes": image.attrs["notes"],
+            "echoes": [dataclasses.asdict(echo) for echo in echoes],
+        }
+        print(json.dumps(told, indent=2))
+        return
+    for note in image.attrs["notes"]:
+        print(f"note: {note}")
+    print(permittivity_line(image))
+    print("\n".join(echo_lines(echoes)) if echoes else "no echo stands out")
+
+
+COMMAND = Command(
+    "Image the ground below a survey and name the echoes in it. Without steps the mean of all "
+    "traces is taken away first.",
+    add_arguments,
+    run,
+)

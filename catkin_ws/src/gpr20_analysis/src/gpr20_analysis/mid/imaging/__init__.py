@@ -1,0 +1,1 @@
+"""From the traces of a survey to an image of the ground."""

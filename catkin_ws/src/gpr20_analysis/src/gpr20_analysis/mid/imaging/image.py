@@ -1,0 +1,223 @@
+"""The image of a survey: every polarization, by one method, with what was done to get it."""
+
+from __future__ import annotations
+
+import enum
+import json
+from dataclasses import dataclass, replace
+from typing import Dict, List, Optional, Tuple
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.mid.dataset import (
+    ATTRIBUTES,
+    DEPTH,
+    IMAGE,
+    POLARIZATION,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    X,
+    Y,
+    missing_samples,
+    require,
+    require_complete,
+    usable,
+)
+from gpr20_analysis.mid.imaging.back_projection import back_projection_image
+from gpr20_analysis.mid.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
+from gpr20_analysis.mid.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.mid.imaging.phase_shift import phase_shift_image
+from gpr20_analysis.mid.imaging.records import Focus, Traces
+from gpr20_analysis.mid.processing.delay import ADVANCE, known_height
+from gpr20_analysis.mid.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.mid.processing.samples import FILLED
+from gpr20_analysis.mid.processing.sweep import Sweep, Window
+
+
+class Method(enum.Enum):
+    """How an image is computed."""
+
+    PHASE_SHIFT = "phase-shift"
+    BACK_PROJECTION = "back-projection"
+    KIRCHHOFF = "kirchhoff"
+    KIRCHHOFF_2D = "kirchhoff-2d"
+
+
+@dataclass(frozen=True)
+class ImageOptions:
+    """What a user decides about an image.
+
+    Attributes:
+        method: How.
+        permittivity: Relative permittivity of the soil; None: estimate it by focus.
+        depth_m: Depths [m], ascending.
+        height_m: One antenna height for all traces instead of the recorded ones [m].
+        leave_out_missing: Image without the samples that are missing, instead of refusing.
+        window: Weights over the band.
+        widest_angle_deg: Widest angle to the vertical in air.
+        separation_m: Distance between the antennas [m]; back-projection alone uses it.
+    """
+
+    method: Method = Method.PHASE_SHIFT
+    permittivity: Optional[float] = None
+    depth_m: Tuple[float, ...] = tuple(np.round(np.arange(0.0, 0.3001, 0.003), 6))
+    height_m: Optional[float] = None
+    leave_out_missing: bool = False
+    window: Window = Window.HANN
+    widest_angle_deg: float = 70.0
+    separation_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what no image can be made with.
+
+        Raises:
+            WrongDatasetError: It names the value and what is allowed.
+        """
+        depth_m = np.asarray(self.depth_m, dtype=np.float64)
+        if depth_m.size < 2 or not np.all(np.diff(depth_m) > 0.0) or not depth_m[0] >= 0.0:
+            raise WrongDatasetError(
+                f"the depths are {depth_m.size} values from {depth_m[:1]} m; they must be two or "
+                "more, ascending, not negative"
+            )
+        _check("permittivity", self.permittivity, 1.0, 100.0)
+        _check("antenna height", self.height_m, 0.001, 10.0)
+        _check("widest angle", self.widest_angle_deg, 5.0, 89.0)
+        _check("antenna separation", self.separation_m, 0.0, 2.0)
+
+
+def image_survey(survey: xr.Dataset, options: ImageOptions) -> xr.Dataset:
+    """Return the image of a survey.
+
+    Args:
+        survey: Dataset with `s21`, coupling and surface echo taken away.
+        options: What the user decides.
+
+    Returns:
+        Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
+        methods), and attributes that say how it was made and what was left out.
+
+    Raises:
+        WrongDatasetError: The data cannot be imaged by this method.
+        DamagedSurveyError: Samples or heights are missing, and that was not allowed for.
+    """
+    traces, notes = traces_of(survey, options)
+    focus = Focus(
+        permittivity=options.permittivity or 4.0,
+        depth_m=np.asarray(options.depth_m, dtype=np.float64),
+        window=options.window,
+        widest_angle_deg=options.widest_angle_deg,
+        separation_m=options.separation_m,
+    )
+    attributes: Dict[str, object] = {"permittivity_source": "given"}
+    if options.permittivity is None:
+        estimate = estimate_permittivity(traces, focus)
+        focus = replace(focus, permittivity=estimate.permittivity)
+        attributes = _estimate_attributes(estimate)
+    volumes = [_volume(one, focus, options.method) for one in traces]
+    coordinates = {
+        POLARIZATION: survey[POLARIZATION],
+        DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
+        Y: survey[Y],
+        X: survey[X],
+    }
+    values = np.stack([volume for volume, _ in volumes])
+    image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
+    image[IMAGE].attrs.update(units="1", long_name="image")
+    kept = {key: value for key, value in survey.attrs.items() if key != "notes"}
+    kept["notes"] = [*survey.attrs.get("notes", []), *notes]
+    return image.assign_attrs({**kept, **attributes, **_record(options, focus)})
+
+
+def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], List[str]]:
+    """Return the traces of each polarization, and what must be known of them.
+
+    Raises:
+        WrongDatasetError: The data are no spectra, or were changed for display.
+        DamagedSurveyError: Samples or heights are missing, and that was not allowed for.
+    """
+    if DISPLAY_ONLY in survey.attrs:
+        raise WrongDatasetError(
+            f"the data were changed for display ({survey.attrs[DISPLAY_ONLY]}); image without it"
+        )
+    measured = require(survey, S21, S21_DIMS).values
+    present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
+    if not options.leave_out_missing:
+        require_complete(survey, "an image (or --leave-out-missing, or the step fill)")
+        if not np.all(present):
+            raise WrongDatasetError(
+                f"{np.count_nonzero(~present)} samples marked usable hold NaN; a step before made "
+                "them, so look at the recipe"
+            )
+    height_m = _heights(survey, options, present)
+    sweep = Sweep.of(survey)
+    spectra = np.where(present[..., None], measured, 0.0)
+    if ADVANCE in survey:
+        advance = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
+        spectra *= np.exp(-2j * np.pi * sweep.frequency_hz * advance[..., None])
+    turns = survey[POLARIZATION].values
+    x_m, y_m = (np.asarray(survey[name].values, dtype=np.float64) for name in (X, Y))
+    traces = [
+        Traces(spectra[turn], sweep, x_m, y_m, height_m[turn], float(turns[turn]))
+        for turn in range(len(turns))
+    ]
+    return traces, _notes(survey, present)
+
+
+def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:
+    if options.height_m is not None:
+        return np.full(present.shape, options.height_m)
+    height_m = known_height(survey).values
+    if not np.any(present):
+        raise WrongDatasetError("no sample is usable; there is nothing to image")
+    # A sample that is left out adds nothing, so its height may be any.
+    return np.where(present, height_m, float(np.mean(height_m[present])))
+
+
+def _volume(traces: Traces, focus: Focus, method: Method) -> Tuple[np.ndarray, np.ndarray]:
+    if method is Method.BACK_PROJECTION:
+        return back_projection_image(traces, focus), focus.depth_m
+    if method is Method.PHASE_SHIFT:
+        return phase_shift_image(traces, focus), focus.depth_m
+    return kirchhoff_image(traces, focus, "x" if method is Method.KIRCHHOFF_2D else "xy")
+
+
+def _notes(survey: xr.Dataset, present: np.ndarray) -> List[str]:
+    notes = []
+    absent = int(np.count_nonzero(~present))
+    if absent:
+        named = "; ".join(missing_samples(survey)[:3])
+        notes.append(f"{absent} of {present.size} samples were left out of the image ({named})")
+    if FILLED in survey and bool(survey[FILLED].any()):
+        notes.append(f"{int(survey[FILLED].sum())} samples of the image were not measured")
+    return notes
+
+
+def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
+    return {
+        "permittivity_source": "estimated by focus",
+        "permittivity_lowest": estimate.lowest,
+        "permittivity_highest": estimate.highest,
+    }
+
+
+def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
+    record = {
+        "method": options.method.value,
+        "permittivity": focus.permittivity,
+        "window": focus.window.value,
+        "widest_angle_deg": focus.widest_angle_deg,
+        "separation_m": focus.separation_m,
+        "height_m": options.height_m,
+        "leave_out_missing": options.leave_out_missing,
+    }
+    return {"permittivity": focus.permittivity, "method": options.method.value,
+            "imaging": json.dumps(record)}  # fmt: skip
+
+
+def _check(what: str, value: Optional[float], lowest: float, highest: float) -> None:
+    # Written so that NaN is refused too.
+    if value is not None and not lowest <= value <= highest:
+        raise WrongDatasetError(f"the {what} is {value:g}; it must be {lowest:g}..{highest:g}")

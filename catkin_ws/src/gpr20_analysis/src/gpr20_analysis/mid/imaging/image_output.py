@@ -1,0 +1,53 @@
+"""An image in the forms that other programs take, and in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import List
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.low.vtk_file import write_vtk
+from gpr20_analysis.mid.dataset import DEPTH, IMAGE, MM_PER_M, POLARIZATION, X, Y, require
+from gpr20_analysis.mid.imaging.echoes import Echo
+
+
+def write_volume(image: xr.Dataset, path: Path) -> None:
+    """Write the magnitude of each polarization as VTK, z upwards from the surface.
+
+    Raises:
+        ExportError: The path does not end in .vtr.
+        MissingLibraryError: pyevtk is not installed.
+        OSError: It cannot be written.
+    """
+    magnitude = np.abs(require(image, IMAGE, (POLARIZATION, X, Y, DEPTH)).values)
+    volumes = {
+        f"magnitude_{turn:g}_deg": np.ascontiguousarray(volume[:, :, ::-1])
+        for turn, volume in zip(image[POLARIZATION].values, magnitude)
+    }
+    write_vtk(path, image[X].values, image[Y].values, -image[DEPTH].values[::-1], volumes)
+
+
+def echo_lines(echoes: List[Echo]) -> List[str]:
+    """Return a table of echoes, one line each below its heading."""
+    heading = "polarization      x mm      y mm  depth mm  level dB   -3 dB width x, y, depth mm"
+    return [heading] + [
+        f"{echo.polarization_deg:8g} deg {echo.x_m * MM_PER_M:9.1f} {echo.y_m * MM_PER_M:9.1f} "
+        f"{echo.depth_m * MM_PER_M:9.1f} {echo.level_db:9.1f}   {echo.width_x_m * MM_PER_M:8.1f} "
+        f"{echo.width_y_m * MM_PER_M:8.1f} {echo.width_depth_m * MM_PER_M:8.1f}"
+        for echo in echoes
+    ]
+
+
+def permittivity_line(image: xr.Dataset) -> str:
+    """Return what permittivity was taken, and how far depths are off if it is another."""
+    value = float(image.attrs["permittivity"])
+    if "permittivity_lowest" not in image.attrs:
+        return f"relative permittivity {value:.3g} as given"
+    lowest, highest = (float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest"))
+    deeper, shallower = (100.0 * (np.sqrt(value / one) - 1.0) for one in (lowest, highest))
+    return (
+        f"relative permittivity {value:.3g}, ESTIMATED by focus; nearly as sharp from {lowest:.3g} "
+        f"to {highest:.3g}: depths may be off by {shallower:+.0f} % to {deeper:+.0f} %"
+    )

@@ -1,0 +1,101 @@
+"""From frequency to time, and where time begins."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.fft
+import xarray as xr
+
+from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.mid.dataset import (
+    A_SCAN,
+    ATTRIBUTES,
+    DELAY,
+    FREQUENCY,
+    HEIGHT,
+    MM_PER_M,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    require,
+    usable,
+)
+from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
+from gpr20_analysis.mid.processing.sweep import Sweep, Window
+
+ADVANCE = "advance"
+"""Variable: by how much time zero lies after the antennas' own, (polarization, y, x) [s]."""
+
+
+def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4.0) -> xr.Dataset:
+    """Return A-scans: complex, analytic; their magnitude is the envelope.
+
+    The values stand at their true frequencies, the start of the sweep included, so the phase of
+    an echo is that of the measurement. An echo of magnitude 1 at a sampled delay has magnitude 1.
+
+    Args:
+        survey: Dataset with `s21`.
+        window: Weights over the band.
+        padding: How many times more samples than frequencies.
+
+    Returns:
+        Dataset with `a_scan` (polarization, y, x, delay) instead of `s21`.
+
+    Raises:
+        WrongDatasetError: The frequencies are not evenly spaced, or the padding is below 1.
+    """
+    if not padding >= 1.0:
+        raise WrongDatasetError(f"the padding is {padding:g}; it must be 1 or more")
+    measured = require(survey, S21, S21_DIMS)
+    sweep = Sweep.of(survey)
+    weights = window.weights(sweep.count)
+    count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
+    delay_s = np.arange(count) * (sweep.unambiguous_s / count)
+    a_scans = scipy.fft.ifft(measured.values * weights, count, axis=-1, workers=2)
+    a_scans *= count / weights.sum() * np.exp(2j * np.pi * sweep.start_hz * delay_s)
+    in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
+    in_time = in_time.assign_coords({DELAY: (DELAY, delay_s, ATTRIBUTES[DELAY])})
+    return in_time.assign({A_SCAN: ((*SAMPLE_DIMS, DELAY), a_scans, ATTRIBUTES[A_SCAN])})
+
+
+def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
+    """Put delay 0 at the surface below each trace, by its recorded height.
+
+    Done on the spectra, so no delay is rounded; variable `advance` keeps what was taken away, from
+    which imaging works out where the antennas were.
+
+    Raises:
+        WrongDatasetError: It was done before.
+        DamagedSurveyError: A usable sample has no height.
+    """
+    measured = require(survey, S21, S21_DIMS)
+    if ADVANCE in survey:
+        raise WrongDatasetError("time zero was set before; a second time would shift it again")
+    advance = 2.0 * known_height(survey) / SPEED_OF_LIGHT_M_S
+    phase = 2.0 * np.pi * survey[FREQUENCY] * advance
+    return survey.assign(
+        {
+            S21: (measured * np.exp(1j * phase)).transpose(*S21_DIMS),
+            ADVANCE: advance.assign_attrs(units="s", long_name="delay of the surface taken away"),
+        }
+    )
+
+
+def known_height(survey: xr.Dataset) -> xr.DataArray:
+    """Return the heights (polarization, y, x); every usable sample has one.
+
+    Raises:
+        WrongDatasetError: The data hold no heights.
+        DamagedSurveyError: A usable sample has none.
+    """
+    height_m = require(survey, HEIGHT, SAMPLE_DIMS)
+    lacking = (usable(survey) & ~(height_m > 0.0)).transpose(*SAMPLE_DIMS)
+    if bool(lacking.any()):
+        turn, row, column = np.argwhere(lacking.values)[0]
+        raise DamagedSurveyError(
+            f"{int(lacking.sum())} usable samples have no height, the first at "
+            f"x {float(survey['x'][column]) * MM_PER_M:g} mm, "
+            f"y {float(survey['y'][row]) * MM_PER_M:g} mm; give one height for all (--height), or "
+            "fill them in"
+        )
+    return height_m
