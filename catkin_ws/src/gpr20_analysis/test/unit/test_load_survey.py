@@ -1,0 +1,154 @@
+"""A survey becomes the same Dataset from whatever holds it."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from survey_kit import POINTS, make_survey, planned_trace
+
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.mid import dataset
+from gpr20_analysis.mid.dataset import Quality
+from gpr20_analysis.mid.dataset_files import write_dataset
+from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.mid.row_order import arrange
+from gpr20_analysis.mid.survey_grid import grid_of
+
+ALL = len(POINTS)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
+
+
+@pytest.mark.parametrize("name", ["traces", "survey.bag", "survey.mcap"])
+def test_every_recording_gives_the_same_dataset(folder, name):
+    assert load_survey(folder / name).equals(load_survey(folder))
+
+
+def test_every_sample_lies_at_its_place(folder):
+    survey = load_survey(folder)
+    for index, point in enumerate(POINTS):
+        trace = planned_trace(index)
+        own = survey.sel(polarization=point.z_deg).sel(
+            x=point.x_mm / 1000, y=point.y_mm / 1000, method="nearest"
+        )
+        assert int(own["index"]) == index
+        np.testing.assert_array_equal(own.s21.values, trace.s21_real + 1j * trace.s21_imag)
+        assert float(own.height) == trace.antennae_height_m
+        assert own.timestamp.values == np.datetime64(trace.timestamp_us, "us")
+
+
+def test_the_dataset_says_units_and_origin(folder):
+    survey = load_survey(folder)
+    assert survey.s21.dims == ("polarization", "y", "x", "frequency")
+    assert survey.s21.dtype == np.complex128
+    units = {name: survey[name].attrs["units"] for name in ("x", "y", "frequency", "height")}
+    assert units == {"x": "m", "y": "m", "frequency": "Hz", "height": "m"}
+    assert survey.attrs["planned"] == survey.attrs["stored"] == ALL
+    assert (survey.attrs["missing"], survey.attrs["faults"]) == ([], [])
+
+
+@pytest.mark.parametrize("name", [".", "survey.bag", "survey.mcap"])
+def test_missing_samples_are_nan_marked_and_listed(tmp_path, name):
+    survey = load_survey(make_survey(tmp_path, ALL - 4, "stopped") / name)
+    missing = (survey.quality & int(Quality.MISSING)) != 0
+    assert int(missing.sum()) == len(survey.attrs["missing"]) == 4
+    assert np.isnan(survey.s21.values[missing.values]).all()
+    assert np.isfinite(survey.s21.values[~missing.values]).all()
+    assert survey.attrs["missing"][0].startswith("missing: x ")
+
+
+def test_a_row_that_is_missing_between_others_is_put_in():
+    rows_mm = [0.0, 10.0, 30.0, 40.0]
+    positions = np.array([(0.0, y_mm, x_mm) for y_mm in rows_mm for x_mm in (5.0, 6.0)])
+    notes = []
+    grid = grid_of(positions, notes)
+    assert grid.y_mm == (0.0, 10.0, 20.0, 30.0, 40.0)
+    assert grid.x_mm == (5.0, 6.0)
+    assert "put in" in notes[0]
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
+def test_a_recording_cut_off_by_a_crash_is_read_up_to_the_cut(tmp_path, name):
+    folder = make_survey(tmp_path, 7, None)
+    survey = load_survey(folder / name)
+    assert survey.attrs["stored"] == 7
+    assert any("cut off" in note for note in survey.attrs["notes"])
+
+
+def test_a_height_that_was_not_measured_is_marked(tmp_path):
+    folder = make_survey(tmp_path, ALL, "finished", {3: {"antennae_height_m": float("nan")}})
+    survey = load_survey(folder)
+    marked = survey["index"].values[(survey.quality.values & int(Quality.NO_HEIGHT)) != 0]
+    assert marked.tolist() == [3]
+
+
+def test_remarks_of_the_robot_are_kept(tmp_path):
+    folder = make_survey(tmp_path, ALL, "finished", {5: {"quality": ("VNA was slow", "again")}})
+    survey = load_survey(folder)
+    marked = (survey.quality.values & int(Quality.REMARKED)) != 0
+    assert survey["index"].values[marked].tolist() == [5]
+    assert survey.remarks.values[marked].tolist() == ["VNA was slow; again"]
+
+
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path, ending):
+    survey = load_survey(folder)
+    path = tmp_path / f"survey.{ending}"
+    write_dataset(survey, path)
+    assert load_survey(path).identical(survey)
+
+
+def test_netcdf_is_read_by_plain_xarray(folder, tmp_path):
+    survey = load_survey(folder)
+    write_dataset(survey, tmp_path / "survey.nc")
+    with xr.open_dataset(tmp_path / "survey.nc", engine="h5netcdf") as plain:
+        np.testing.assert_array_equal(plain.s21_real.values, survey.s21.values.real)
+        np.testing.assert_array_equal(plain.s21_imag.values, survey.s21.values.imag)
+
+
+@pytest.mark.parametrize("name", ["nothing", "empty", "text.txt"])
+def test_what_is_no_survey_is_refused_by_name(tmp_path, name):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "text.txt").write_text("no survey")
+    with pytest.raises(AnalysisError, match=name):
+        load_survey(tmp_path / name)
+
+
+def test_the_order_of_the_files_does_not_matter(tmp_path):
+    folder = make_survey(tmp_path, ALL, "finished")
+    expected = load_survey(folder)
+    shuffled = tmp_path / "shuffled"
+    shuffled.mkdir()
+    for path in sorted((folder / "traces").iterdir(), reverse=True):
+        shutil.copy(path, shuffled)
+    assert load_survey(shuffled).equals(expected)
+
+
+@given(st.data())
+def test_rows_come_to_their_cells_and_nothing_else(data):
+    count = data.draw(st.integers(1, 12))
+    filled = data.draw(st.integers(0, count))
+    spare = data.draw(st.integers(-filled, 3))
+    cells = np.array(data.draw(st.permutations(range(count)))[:filled], np.int64)
+    used = np.array(
+        sorted(data.draw(st.sets(st.sampled_from(range(filled))))) if filled else [], int
+    )
+    rows = np.full((max(count + spare, filled, 1), 2), np.nan + 0j)
+    rows[:filled] = np.arange(filled)[:, np.newaxis]
+    expected = np.full((count, 2), np.nan + 0j)
+    expected[cells[used]] = used[:, np.newaxis]
+    np.testing.assert_array_equal(arrange(rows, cells, used, count), expected)
+
+
+def test_the_list_of_missing_samples_follows_the_flags(folder):
+    survey = load_survey(folder)
+    survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
+    assert dataset.missing_samples(survey) == ["damaged: x 20 mm, y 15 mm, 0 deg"]
