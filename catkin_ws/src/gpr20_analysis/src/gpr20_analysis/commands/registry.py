@@ -18,6 +18,8 @@ SUMMARIES: Dict[str, str] = {
     "image": "image the ground below a survey and name the echoes in it",
     "plot": "draw a survey, its A-scans or an image",
     "verify": "check a survey's folder against its manifest, recordings and plan",
+    "export": "a survey in a format of others: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
+    "import": "measurements and simulations of others as a survey",
 }
 """Name of each subcommand and what it does; its module is `<name>_command`."""
 

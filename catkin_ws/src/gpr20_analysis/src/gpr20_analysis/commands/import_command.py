@@ -1,0 +1,74 @@
+"""gpr20 import: measurements and simulations of others as a Dataset."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import xarray as xr
+
+from gpr20_analysis.commands import survey_input
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.info_command import status_of
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.mid import dataset_files
+from gpr20_analysis.mid.formats import gprmax, group_csv, merged_hdf5, original_json
+
+FORMATS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    band = gprmax.Band()
+    parser.add_argument("input", type=Path, help="file, or folder of files")
+    parser.add_argument("output", type=Path, help="Dataset to write, .nc or .zarr")
+    parser.add_argument("--format", choices=FORMATS, required=True, help="what the input is")
+    parser.add_argument(
+        "--band",
+        nargs=3,
+        type=float,
+        metavar=("START_HZ", "STOP_HZ", "POINTS"),
+        default=(band.start_hz, band.stop_hz, band.points),
+        help="gprmax: frequencies of the spectra",
+    )
+    parser.add_argument("--height", type=float, metavar="M", help="gprmax: antenna height [m]")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Convert the input; return the exit status."""
+    if not dataset_files.is_dataset(chosen.output):
+        raise AnalysisError(f"{chosen.output} must end in .nc or .zarr")
+    if chosen.output.exists():
+        raise AnalysisError(f"{chosen.output} exists; nothing is overwritten, name another place")
+    if not chosen.input.exists():
+        raise AnalysisError(f"{chosen.input} does not exist")
+    survey = _read(chosen)
+    survey_input.tell(survey)
+    dataset_files.write_dataset(survey, chosen.output)
+    print(f"{chosen.output}: {dict(survey.sizes)}")
+    return status_of(survey)
+
+
+def _read(chosen: argparse.Namespace) -> xr.Dataset:
+    progress = survey_input.progress_bar("reading")
+    if chosen.format == "group-csv":
+        return group_csv.read_group_csv(chosen.input, progress)
+    if chosen.format == "merged-hdf5":
+        return merged_hdf5.read_merged(chosen.input)
+    if chosen.format == "original-json":
+        return original_json.read_original(chosen.input, progress)
+    start_hz, stop_hz, points = chosen.band
+    if not (0.0 < start_hz < stop_hz and points >= 2 and points == int(points)):
+        raise AnalysisError(
+            f"--band is {start_hz:g} {stop_hz:g} {points:g}; it must be 0 < START < STOP and a "
+            "whole number of at least 2 points"
+        )
+    band = gprmax.Band(start_hz, stop_hz, int(points))
+    return gprmax.read_gprmax(chosen.input, band, chosen.height, progress)
+
+
+COMMAND = Command(
+    "Read measurements and simulations of others, so that they go through the same steps.",
+    add_arguments,
+    run,
+)
