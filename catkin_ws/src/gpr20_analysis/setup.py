@@ -8,6 +8,7 @@ setup(
             "gpr20_analysis.commands",
             "gpr20_analysis.low",
             "gpr20_analysis.mid",
+            "gpr20_analysis.mid.formats",
             "gpr20_analysis.mid.imaging",
             "gpr20_analysis.mid.plotting",
             "gpr20_analysis.mid.processing",

@@ -99,8 +99,9 @@ def test_remarks_of_the_robot_are_kept(tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["nc", "zarr"])
-def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path, ending):
-    survey = load_survey(folder)
+@pytest.mark.parametrize("stored", [ALL, ALL - 5])
+def test_a_dataset_comes_back_from_its_file_unchanged(tmp_path, ending, stored):
+    survey = load_survey(make_survey(tmp_path, stored, "stopped"))
     path = tmp_path / f"survey.{ending}"
     write_dataset(survey, path)
     assert load_survey(path).identical(survey)

@@ -5,6 +5,7 @@ NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import Any, Dict
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError, UnreadableFileError
 from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
 
 NETCDF, ZARR = ".nc", ".zarr"
@@ -37,15 +38,18 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
         AnalysisError: The path ends in something else.
         OSError: The disk refused.
     """
+    if not is_dataset(path):
+        raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
     stored = _as_real(data)
-    if path.suffix == NETCDF:
+    # xarray casts the times of missing samples by way of NaN, which numpy warns of.
+    with np.errstate(invalid="ignore"):
+        if path.suffix == ZARR:
+            _zarr_needed()
+            stored.to_zarr(str(path), mode="w", consolidated=True)
+            return
         beside = path.with_name(f".{path.name}.writing")
         stored.to_netcdf(str(beside), engine="h5netcdf")
         os.replace(str(beside), str(path))
-    elif path.suffix == ZARR:
-        stored.to_zarr(str(path), mode="w", consolidated=True)
-    else:
-        raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
 
 
 def read_dataset(path: Path) -> xr.Dataset:
@@ -58,12 +62,23 @@ def read_dataset(path: Path) -> xr.Dataset:
     if not path.exists():
         raise AnalysisError(f"{path} does not exist")
     try:
-        if path.suffix == NETCDF:
-            with xr.open_dataset(str(path), engine="h5netcdf") as stored:
-                return _as_complex(stored.load())
-        return _as_complex(xr.open_zarr(str(path)).load())
+        with np.errstate(invalid="ignore"):
+            return _read(path)
     except (ValueError, KeyError, RuntimeError, OSError) as error:
         raise UnreadableFileError(f"{path} cannot be read as a Dataset: {error}") from error
+
+
+def _read(path: Path) -> xr.Dataset:
+    if path.suffix == ZARR:
+        _zarr_needed()
+        return _as_complex(xr.open_zarr(str(path), chunks=None).load())
+    with xr.open_dataset(str(path), engine="h5netcdf") as stored:
+        return _as_complex(stored.load())
+
+
+def _zarr_needed() -> None:
+    if importlib.util.find_spec("zarr") is None:
+        raise MissingLibraryError("Zarr needs zarr: pip install 'gpr20_analysis[zarr]'")
 
 
 def _as_real(data: xr.Dataset) -> xr.Dataset:

@@ -19,6 +19,7 @@ from gpr20_analysis.mid.formats.imported import Imported, as_dataset
 from gpr20_analysis.mid.survey_grid import grid_of
 from gpr20_analysis.mid.survey_source import Progress, silent
 
+VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
 NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
 SAME_PARTS = (
@@ -119,13 +120,7 @@ def read_original(folder: Path, progress: Progress = silent) -> xr.Dataset:
 def _read(path: Path) -> Dict[str, Any]:
     try:
         sample = orjson.loads(path.read_bytes())
-        rows = np.array(
-            [
-                (row["freq_value"], row["real_value"], row["imaginary_value"])
-                for row in sample["data"]
-            ],
-            np.float64,
-        )
+        rows = np.array([[row[key] for key in VALUES] for row in sample["data"]], np.float64)
         if rows.ndim != 2 or not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0).all():
             raise ValueError("its frequencies do not ascend, or values are no numbers")
         height = sample["antennae_height"]

@@ -46,8 +46,8 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = sile
             f"GPR-20 survey {survey.attrs.get('survey_id', '')} sample {number}\n"
             "only S21 was measured; S11, S12 and S22 are 0 in place of numbers"
         )
-        name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}"
-        network.write_touchstone(name, dir=str(folder), form="ri", format_spec_S="{:.17g}")
+        name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
+        network.write_touchstone(name, dir=str(folder), form="ri")
     return len(places)
 
 

@@ -1,0 +1,232 @@
+"""What is exported can be read by others, and comes back with the same numbers."""
+
+from __future__ import annotations
+
+import json
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+import segyio
+import skrf
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
+from gpr20_analysis.mid.formats import group_csv, merged_hdf5, original_json
+from gpr20_analysis.mid.loading import load_survey
+
+ALL = len(POINTS)
+MISSING = 4
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
+
+
+@pytest.fixture(scope="module")
+def cut_short(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("short"), ALL - MISSING, "stopped")
+
+
+@pytest.fixture(scope="module")
+def survey(folder):
+    return load_survey(folder)
+
+
+def export(source, output, kind, *more):
+    return main(["export", str(source), str(output), "--format", kind, *more])
+
+
+@pytest.mark.parametrize(
+    ("kind", "output"),
+    [("group-csv", "csv"), ("original-json", "json"), ("merged-hdf5", "merged.h5")],
+)
+@pytest.mark.parametrize("whole", [True, False])
+def test_what_is_exported_is_imported_again(folder, cut_short, tmp_path, kind, output, whole):
+    source = folder if whole else cut_short
+    status = 0 if whole else 1
+    assert export(source, tmp_path / output, kind) == status
+    back = tmp_path / "back.nc"
+    assert main(["import", str(tmp_path / output), str(back), "--format", kind]) == status
+    expected, found = load_survey(source), load_survey(back)
+    exact = {"rtol": 0.0, "atol": 0.0} if kind != "merged-hdf5" else {"rtol": 1e-6, "atol": 0.0}
+    for name in ("s21", "polarization", "y", "x", "frequency"):
+        np.testing.assert_allclose(found[name].values, expected[name].values, **exact)
+    np.testing.assert_allclose(found.height.values, expected.height.values, atol=1e-5)
+    assert len(found.attrs["missing"]) == (0 if whole else MISSING)
+
+
+def test_files_of_the_group_have_its_names_and_header(survey, tmp_path):
+    group_csv.write_group_csv(survey, tmp_path / "csv")
+    path = tmp_path / "csv" / "VNA_X15_Y20_OrY_Fs600M_Fe6000M_Qf5_H300.csv"
+    table = pd.read_csv(path, usecols=["S21_real", "S21_imag"], float_precision="round_trip")
+    own = survey.s21.sel(polarization=90.0, x=0.015, y=0.02).values
+    np.testing.assert_array_equal(table.S21_real.values + 1j * table.S21_imag.values, own)
+
+
+def test_the_merged_file_is_laid_out_as_the_group_reads_it(survey, tmp_path):
+    merged_hdf5.write_merged(survey, tmp_path / "m.h5", "title")
+    with h5py.File(tmp_path / "m.h5", "r") as file:
+        assert file.attrs["Total Amount of A-Scans"] == ALL
+        assert dict(file["Frequency"].attrs) == {"f0": 6e8, "ff": 6e9, "df": 1.35e9, "q": 5}
+        assert file["Position"].attrs["dx"] == pytest.approx(0.005)
+        scans = file["A-Scan/Re{S21 x-pol}"]
+        assert (scans.dtype, scans.compression_opts) == (np.float32, 4)
+        # The second scan is the one next along y: their names sort by x first.
+        own = survey.s21.sel(polarization=0.0, x=0.01, y=0.015).values
+        np.testing.assert_array_equal(scans[1], own.real.astype(np.float32))
+
+
+def test_a_scans_over_time_come_back_from_the_merged_file(folder, tmp_path):
+    assert export(folder, tmp_path / "t.h5", "merged-hdf5", "--domain", "time") == 0
+    with h5py.File(tmp_path / "t.h5", "r") as file:
+        assert file["A-Scan/Im{A-Scan y-pol}"].shape == (ALL // 2, file["Time"].attrs["q"])
+    found = merged_hdf5.read_merged(tmp_path / "t.h5")
+    assert found.a_scan.dims == ("polarization", "y", "x", "delay")
+    assert float(found.delay[-1]) < 1 / 1.35e9
+
+
+def test_segyio_reads_a_cube_whose_traces_are_the_a_scans(survey, tmp_path, folder):
+    assert export(folder, tmp_path / "s.sgy", "segy") == 0
+    with segyio.open(str(tmp_path / "s_090.sgy"), strict=True) as file:
+        cube = segyio.tools.cube(file)
+        assert cube.shape[:2] == (3, 3)
+        header = file.header[1]
+        assert header[segyio.TraceField.SourceX] == 15
+        assert header[segyio.TraceField.SourceGroupScalar] == -1000
+        assert file.bin[segyio.BinField.Interval] == 50
+    own = survey.s21.sel(polarization=90.0, y=0.01, x=0.015).values
+    weights = np.hanning(7)[1:-1]
+    turns = np.exp(2j * np.pi * survey.frequency.values * 3 * 50e-12)
+    assert cube[0, 1, 3] == pytest.approx((own * weights * turns).sum().real / 3.0, rel=1e-5)
+
+
+def test_a_missing_sample_is_a_dead_trace_in_seg_y(cut_short, tmp_path):
+    assert export(cut_short, tmp_path / "s.sgy", "segy") == 1
+    dead = 0
+    for name in ("s_000.sgy", "s_090.sgy"):
+        with segyio.open(str(tmp_path / name)) as file:
+            codes = file.attributes(segyio.TraceField.TraceIdentificationCode)[:]
+            assert np.isfinite(file.trace.raw[:]).all()
+            dead += int((codes == 2).sum())
+    assert dead == MISSING
+
+
+def test_scikit_rf_reads_s21_from_touchstone(survey, folder, tmp_path):
+    assert export(folder, tmp_path / "ts", "touchstone") == 0
+    files = sorted((tmp_path / "ts").glob("*.s2p"))
+    assert len(files) == ALL
+    network = skrf.Network(str(files[0]))
+    own = survey.s21.values[survey["index"].values == 0][0]
+    np.testing.assert_allclose(network.s[:, 1, 0], own, rtol=1e-12)
+    np.testing.assert_allclose(network.f, survey.frequency.values, rtol=1e-12)
+    assert "only S21 was measured" in files[0].read_text()
+
+
+def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
+    assert export(folder, tmp_path / "t.csv", "csv") == 0
+    table = pd.read_csv(tmp_path / "t.csv", float_precision="round_trip")
+    row = table[table["index"] == 7].iloc[0]
+    own = survey.s21.values[survey["index"].values == 7][0]
+    assert row["real_600000000.0_hz"] == own[0].real
+    assert row["imag_6000000000.0_hz"] == own[-1].imag
+
+
+def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
+    assert export(folder, tmp_path / "o", "original-json") == 0
+    sample = json.loads((tmp_path / "o" / "X010.00_Y010.00_Z000.00.json").read_text())
+    assert set(sample) == {
+        "x_coord", "y_coord", "z_coord", "antennae_height", "timestamp", "survey_id", "sample_id",
+        "data",
+    }  # fmt: skip
+    assert set(sample["data"][0]) == {"freq_value", "real_value", "imaginary_value"}
+
+
+def test_samples_that_lost_their_imaginary_part_are_told(folder, tmp_path):
+    assert export(folder, tmp_path / "o", "original-json") == 0
+    for path in (tmp_path / "o").iterdir():
+        sample = json.loads(path.read_text())
+        for row in sample["data"]:
+            row["imaginary_value"] = row["real_value"]
+        path.write_text(json.dumps(sample))
+    notes = original_json.read_original(tmp_path / "o").attrs["notes"]
+    assert any("no phase" in note for note in notes)
+
+
+def make_gprmax(path, position, delay_s, amplitude):
+    step_s, count = 20e-12, 1000
+    time_s = np.arange(count) * step_s
+    pulse = amplitude * np.exp(-(((time_s - delay_s) / 100e-12) ** 2))
+    with h5py.File(path, "w") as file:
+        file.attrs.update(gprMax="3.1.7", Title="t", Iterations=count, dt=step_s, nsrc=1, nrx=1)
+        receiver, source = file.create_group("rxs/rx1"), file.create_group("srcs/src1")
+        receiver.attrs["Position"] = (position[0] + 0.03, position[1], 0.5)
+        source.attrs["Position"] = (position[0] - 0.03, position[1], 0.5)
+        for name in ("Ex", "Ey", "Ez"):
+            receiver[name] = (pulse if name == "Ey" else 0.0 * pulse).astype(np.float32)
+
+
+def test_simulations_of_gprmax_become_spectra_at_the_midpoints(tmp_path):
+    places = [(0.1 + 0.02 * column, 0.2 + 0.02 * row) for row in range(2) for column in range(3)]
+    for number, place in enumerate(places):
+        make_gprmax(tmp_path / f"scan{number + 1}.out", place, 4e-9, 1.0 + number)
+    output = tmp_path / "g.nc"
+    arguments = ["--format", "gprmax", "--height", "0.15", "--band", "1e9", "3e9", "101"]
+    assert main(["import", str(tmp_path), str(output), *arguments]) == 0
+    found = load_survey(output)
+    np.testing.assert_allclose(found.x.values, [0.1, 0.12, 0.14])
+    assert found.polarization.values.tolist() == [90.0]
+    assert found.attrs["simulated"] == 1
+    phase = np.unwrap(np.angle(found.s21.values[0, 1, 2]))
+    slope_s = -np.polyfit(found.frequency.values, phase, 1)[0] / (2 * np.pi)
+    assert slope_s == pytest.approx(4e-9, abs=1e-13)
+    amplitudes = np.abs(found.s21.values[0, :, :, 0]).ravel()
+    np.testing.assert_allclose(amplitudes / amplitudes[0], np.arange(1.0, 7.0), rtol=1e-5)
+
+
+def test_a_time_step_too_coarse_for_the_band_is_refused(tmp_path, capsys):
+    make_gprmax(tmp_path / "a.out", (0.0, 0.0), 1e-9, 1.0)
+    arguments = ["--format", "gprmax", "--band", "1e9", "30e9", "11"]
+    assert main(["import", str(tmp_path), str(tmp_path / "g.nc"), *arguments]) == 3
+    assert "time step" in capsys.readouterr().err
+
+
+def test_nothing_is_overwritten(folder, tmp_path, capsys):
+    (tmp_path / "m.h5").write_text("precious")
+    assert export(folder, tmp_path / "m.h5", "merged-hdf5") == 3
+    assert "exists" in capsys.readouterr().err
+    assert (tmp_path / "m.h5").read_text() == "precious"
+
+
+def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, tmp_path):
+    with pytest.raises(ExportError, match="height"):
+        group_csv.write_group_csv(survey.assign(height=survey.height * np.nan), tmp_path / "c")
+
+
+def test_a_file_of_the_group_with_lines_missing_is_refused(survey, tmp_path):
+    group_csv.write_group_csv(survey, tmp_path)
+    victim = sorted(tmp_path.iterdir())[3]
+    victim.write_text("".join(victim.read_text().splitlines(keepends=True)[:-1]))
+    with pytest.raises(UnreadableFileError, match=victim.name):
+        group_csv.read_group_csv(tmp_path)
+
+
+def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
+    group_csv.write_group_csv(survey, tmp_path)
+    group_csv.write_group_csv(survey.isel(frequency=slice(0, 3)), tmp_path)
+    with pytest.raises(AnalysisError, match="mixes frequencies"):
+        group_csv.read_group_csv(tmp_path)
+
+
+def test_scans_that_do_not_fill_the_grid_of_a_merged_file_are_refused(survey, tmp_path):
+    path = tmp_path / "m.h5"
+    merged_hdf5.write_merged(survey, path, "title")
+    with h5py.File(path, "r+") as file:
+        kept = file["A-Scan/Re{S21 x-pol}"][:-1]
+        del file["A-Scan/Re{S21 x-pol}"]
+        file["A-Scan/Re{S21 x-pol}"] = kept
+    with pytest.raises(UnreadableFileError, match="shape"):
+        merged_hdf5.read_merged(path)
