@@ -6,12 +6,14 @@ setup(
         packages=[
             "gpr20_analysis",
             "gpr20_analysis.commands",
+            "gpr20_analysis.high",
             "gpr20_analysis.low",
             "gpr20_analysis.mid",
             "gpr20_analysis.mid.formats",
             "gpr20_analysis.mid.imaging",
             "gpr20_analysis.mid.plotting",
             "gpr20_analysis.mid.processing",
+            "gpr20_analysis.mid.report",
         ],
         package_dir={"": "src"},
         entry_points={

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Mapping, Optional
@@ -80,7 +80,8 @@ class PlainMessages:
         return _recorded("/trace", "gpr20_msgs/Trace", values, time_ns)
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
-        return _recorded("/survey_metadata", "std_msgs/String", {"data": text}, time_ns)
+        message = _recorded("/survey_metadata", "std_msgs/String", {"data": text}, time_ns)
+        return replace(message, latching=True)
 
     def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
         raise NotImplementedError("these surveys are not reopened")

@@ -30,6 +30,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     survey_input.add_survey(parser)
     processing_input.add_steps(parser)
+    add_image_options(parser)
+    add = parser.add_argument
+    add("--output", "-o", type=Path, action="append", default=[],
+        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
+    add(
+        "--figures",
+        type=Path,
+        metavar="FOLDER",
+        help="PNG maximum projections, a slice at each echo",
+    )
+    add("--faintest", type=float, default=FAINTEST_DB, metavar="DB",
+        help="faintest echo told, below the brightest")  # fmt: skip
+    add("--json", action="store_true", help="for programs: the echoes as JSON")
+
+
+def add_image_options(parser: argparse.ArgumentParser) -> None:
+    """Declare how an image is made."""
     add = parser.add_argument
     add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
     add("--permittivity", type=float, help="relative permittivity; estimated by focus if not given")
@@ -46,17 +63,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; back-projection uses it")  # fmt: skip
-    add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
-    add(
-        "--figures",
-        type=Path,
-        metavar="FOLDER",
-        help="PNG maximum projections, a slice at each echo",
-    )
-    add("--faintest", type=float, default=FAINTEST_DB, metavar="DB",
-        help="faintest echo told, below the brightest")  # fmt: skip
-    add("--json", action="store_true", help="for programs: the echoes as JSON")
 
 
 def run(chosen: argparse.Namespace) -> int:

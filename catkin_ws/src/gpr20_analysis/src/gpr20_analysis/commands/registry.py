@@ -20,6 +20,8 @@ SUMMARIES: Dict[str, str] = {
     "verify": "check a survey's folder against its manifest, recordings and plan",
     "export": "a survey in a format of others: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "measurements and simulations of others as a survey",
+    "report": "one page with everything about a survey",
+    "replay": "a recorded survey back onto its ROS topics",
 }
 """Name of each subcommand and what it does; its module is `<name>_command`."""
 

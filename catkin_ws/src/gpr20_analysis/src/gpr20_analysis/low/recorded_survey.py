@@ -69,8 +69,8 @@ def open_mcap(path: Path) -> RecordedSurvey:
         UnreadableFileError: It is no MCAP file, or its summary is damaged.
         OSError: It cannot be read.
     """
-    if not _mcap_has_end(path):
-        return _unfinished(StoredMcap(path, _never))
+    if not mcap_has_end(path):
+        return _unfinished(StoredMcap(path, never))
     try:
         with path.open("rb") as stream:
             reader = make_reader(stream, validate_crcs=True)
@@ -109,7 +109,13 @@ def _bag_has_index(path: Path) -> bool:
     return head[place : place + 8] != bytes(8)
 
 
-def _mcap_has_end(path: Path) -> bool:
+def mcap_has_end(path: Path) -> bool:
+    """Say whether an MCAP file was finished.
+
+    Raises:
+        UnreadableFileError: It is no MCAP file.
+        OSError: It cannot be read.
+    """
     with path.open("rb") as stream:
         if stream.read(len(MAGIC)) != MAGIC:
             raise UnreadableFileError(f"{path.name} does not begin as an MCAP file does")
@@ -128,5 +134,6 @@ def _text(data: bytes) -> str:
     return data[4:].decode("utf-8", "replace")
 
 
-def _never(path: Path) -> Any:
+def never(path: Path) -> Any:
+    """Refuse to make a recording, for those that are only read."""
     raise SurveyRefusedError(f"{path} is only read here")

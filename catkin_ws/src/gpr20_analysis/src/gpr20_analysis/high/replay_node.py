@@ -1,0 +1,86 @@
+"""Publishes a recorded survey on the topics on which it was recorded."""
+
+from __future__ import annotations
+
+import threading
+from typing import Dict, Iterable, Type
+
+import rospy
+
+from gpr20_analysis.mid.replay import Content
+from gpr20_msgs.msg import Trace
+from gpr20_vna_processing.high.messages import TRACE_TOPIC, trace_message
+from gpr20_vna_processing.low.recording import RecordedMessage
+
+QUEUE_LENGTH = 1000
+POLL_S = 0.05
+
+
+class ReplayNode:
+    """Makes publishers as messages come and publishes them."""
+
+    def __init__(self, stopped: threading.Event, subscriber_wait_s: float) -> None:
+        """Take what ends the replay; the node must be initialized.
+
+        Args:
+            stopped: Set when the replay must end.
+            subscriber_wait_s: How long a topic waits for its first subscriber before its first
+                message [s].
+        """
+        self._stopped = stopped
+        self._subscriber_wait_s = subscriber_wait_s
+        self._publishers: Dict[str, rospy.Publisher] = {}
+        self.published = 0
+        self.traces = 0
+        rospy.on_shutdown(stopped.set)
+
+    def run(self, contents: Iterable[Content]) -> None:
+        """Publish everything, as it comes."""
+        for content in contents:
+            if isinstance(content, RecordedMessage):
+                self._publish_recorded(content)
+            else:
+                publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), None)
+                publisher.publish(trace_message(content))
+                self.traces += 1
+            self.published += 1
+
+    def _publish_recorded(self, message: RecordedMessage) -> None:
+        publisher = self._publisher(message.topic, message)
+        raw = publisher.data_class()
+        raw._buff = message.data
+        publisher.publish(raw)
+        self.traces += message.datatype == "gpr20_msgs/Trace"
+
+    def _publisher(self, topic: str, message: object) -> rospy.Publisher:
+        if topic not in self._publishers:
+            if isinstance(message, RecordedMessage):
+                kind, latch = _message_class(message), message.latching
+            else:
+                kind, latch = Trace, False
+            publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=QUEUE_LENGTH)
+            self._publishers[topic] = publisher
+            if topic.rsplit("/", 1)[-1] == TRACE_TOPIC:
+                self._await_subscriber(publisher)
+        return self._publishers[topic]
+
+    def _await_subscriber(self, publisher: rospy.Publisher) -> None:
+        # Who has subscribed already is told of the new publisher a moment later.
+        polls = int(self._subscriber_wait_s / POLL_S)
+        for _ in range(polls):
+            if publisher.get_num_connections() or self._stopped.wait(POLL_S):
+                return
+
+
+def _message_class(message: RecordedMessage) -> Type:
+    """Return a class whose messages are sent as they are; their type need not be installed."""
+    return type(
+        "RecordedAnyMsg",
+        (rospy.AnyMsg,),
+        {
+            "__slots__": rospy.AnyMsg.__slots__,
+            "_type": message.datatype,
+            "_md5sum": message.md5sum,
+            "_full_text": message.definition,
+        },
+    )

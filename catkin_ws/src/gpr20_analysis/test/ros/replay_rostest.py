@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""A recorded survey comes back on its topics, from MCAP and from JSON."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import rospy
+from std_msgs.msg import String
+
+from gpr20_msgs.msg import Trace
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
+from survey_kit import POINTS, make_survey, planned_trace
+
+TIME_LIMIT_S = 30.0
+NODE = Path(__file__).resolve().parents[2] / "nodes" / "replay"
+
+
+class ReplayTest(unittest.TestCase):
+    def setUp(self) -> None:
+        self.data = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.data, ignore_errors=True)
+        self.folder = make_survey(self.data, len(POINTS), "finished")
+        self.changed = threading.Condition()
+        self.traces = []
+        self.times_s = []
+        self.metadata = []
+        self.subscribers = [
+            rospy.Subscriber("/trace", Trace, self.on_trace),
+            rospy.Subscriber("/survey_metadata", String, self.on_metadata),
+        ]
+        self.addCleanup(lambda: [one.unregister() for one in self.subscribers])
+
+    def on_trace(self, message: Trace) -> None:
+        with self.changed:
+            self.traces.append(message)
+            self.times_s.append(time.monotonic())
+            self.changed.notify_all()
+
+    def on_metadata(self, message: String) -> None:
+        with self.changed:
+            self.metadata.append(message.data)
+            self.changed.notify_all()
+
+    def replay(self, survey: Path, *options: str) -> None:
+        command = [sys.executable, str(NODE), str(survey), *options]
+        done = subprocess.run(command, timeout=TIME_LIMIT_S, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with self.changed:
+            found = self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
+        self.assertTrue(found, f"{len(self.traces)} traces came back")
+
+    def assert_same(self) -> None:
+        for index, message in enumerate(self.traces):
+            trace = planned_trace(index)
+            self.assertEqual(message.index, index)
+            self.assertEqual(list(message.s21_real), trace.s21_real.tolist())
+            self.assertEqual(list(message.s21_imag), trace.s21_imag.tolist())
+            self.assertEqual(message.x_coord_mm, trace.x_coord_mm)
+
+    def test_every_trace_comes_back_from_mcap_with_the_metadata(self) -> None:
+        self.replay(self.folder, "--rate", "100")
+        self.assert_same()
+        with self.changed:
+            self.changed.wait_for(lambda: self.metadata, TIME_LIMIT_S)
+        self.assertIn("planned_traces", self.metadata[0])
+
+    def test_every_trace_comes_back_from_json_files_alone_at_the_rate(self) -> None:
+        # One trace was taken each second.
+        self.replay(self.folder / "traces", "--rate", "20")
+        self.assert_same()
+        took_s = self.times_s[-1] - self.times_s[0]
+        self.assertGreater(took_s, (len(POINTS) - 1) / 20 - 0.1)
+
+    def test_the_launch_file_replays_a_folder(self) -> None:
+        command = ["roslaunch", "gpr20", "replay.launch", f"survey:={self.folder}", "rate:=100"]
+        subprocess.run(command, check=True, timeout=2 * TIME_LIMIT_S, stdout=subprocess.DEVNULL)
+        with self.changed:
+            self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
+        self.assert_same()
+        self.assertEqual(len(self.traces), len(POINTS))
+
+
+if __name__ == "__main__":
+    import rostest
+
+    rospy.init_node("replay_test")
+    rostest.rosrun("gpr20_analysis", "replay_survey", ReplayTest)

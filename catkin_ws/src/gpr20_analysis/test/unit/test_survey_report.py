@@ -1,0 +1,62 @@
+"""The report holds everything in one file, and says what is wrong first."""
+
+from __future__ import annotations
+
+import base64
+import re
+
+import pytest
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.mid.report.page import Section, page
+
+ALL = len(POINTS)
+OPTIONS = ["--permittivity", "4", "--depth", "0", "0.1", "0.01"]
+
+
+def report(tmp_path, stored, outcome, changes=None):
+    folder = make_survey(tmp_path, stored, outcome, changes or {})
+    output = tmp_path / "report.html"
+    status = main(["report", str(folder), "--output", str(output), *OPTIONS])
+    return status, output.read_text(encoding="utf-8")
+
+
+def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
+    status, text = report(tmp_path, ALL, "finished")
+    assert status == 0
+    assert not re.search(r"(src|href)=\"(?!data:)", text)
+    figures = re.findall(r"data:image/png;base64,([^\"]+)", text)
+    assert len(figures) >= 6
+    assert all(base64.b64decode(one).startswith(b"\x89PNG") for one in figures)
+    for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
+        assert words in text
+
+
+def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
+    status, text = report(tmp_path, ALL - 4, "stopped")
+    assert status == 1
+    assert text.index("4 of 18 samples have no numbers") < text.index("Coverage and quality")
+    assert "No image was made" in text
+    assert "missing: x " in text
+
+
+def test_words_of_a_survey_are_never_markup(tmp_path):
+    remark = "<script>alert(1)</script>"
+    _, text = report(tmp_path, ALL, "finished", {2: {"quality": (remark,)}})
+    assert "<script>" not in text
+    assert "&lt;script&gt;" in text
+    assert "<b>" not in page("<b>", [Section("<b>", ["<b>"], ["<b>"], [("<b>",)])])
+
+
+def test_a_report_must_be_html(tmp_path, capsys):
+    assert main(["report", str(tmp_path), "--output", str(tmp_path / "r.txt")]) == 3
+    assert ".html" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("height_m", [float("nan")])
+def test_a_survey_without_heights_gets_a_report_that_says_so(tmp_path, height_m):
+    changes = {index: {"antennae_height_m": height_m} for index in range(ALL)}
+    status, text = report(tmp_path, ALL, "finished", changes)
+    assert status == 0
+    assert "not measured" in text and "No image was made" in text
