@@ -24,6 +24,7 @@ from gpr20_analysis.mid.processing.sweep import Window
 
 DEFAULT_STEPS = ("background:method=mean",)
 MOST_DEPTHS = 5000
+ESTIMATE = ("permittivity_lowest", "permittivity_highest", "depth_uncertainty")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -130,6 +131,7 @@ def _tell(image: xr.Dataset, chosen: argparse.Namespace) -> None:
         told = {
             "permittivity": image.attrs["permittivity"],
             "permittivity_source": image.attrs["permittivity_source"],
+            **{key: image.attrs[key] for key in ESTIMATE if key in image.attrs},
             "method": image.attrs["method"],
             "processing": json.loads(image.attrs.get(PROCESSING, "[]")),
             "notes": image.attrs["notes"],

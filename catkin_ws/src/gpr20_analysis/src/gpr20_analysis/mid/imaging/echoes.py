@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -61,14 +61,22 @@ def find_echoes(
     echoes = [
         _echo(float(turn), volume, axes, place, brightest)
         for turn, volume in zip(image[POLARIZATION].values, magnitude)
-        for place in _maxima(volume, axes, threshold, nearest_m)
+        for place in maxima(volume, axes, threshold, nearest_m)
     ]
     return sorted(echoes, key=lambda echo: -echo.level_db)
 
 
-def _maxima(
-    volume: np.ndarray, axes: List[np.ndarray], threshold: float, nearest_m: float
+def maxima(
+    volume: np.ndarray, axes: Sequence[np.ndarray], threshold: float, nearest_m: float
 ) -> List[Tuple[int, ...]]:
+    """Return the places of local maxima of a volume (depth, y, x), not in the outermost depths.
+
+    Args:
+        volume: Magnitudes.
+        axes: Depths, positions along Y, positions along X [m].
+        threshold: Lower ones are left out.
+        nearest_m: Of maxima nearer to each other than half of this the higher one is kept [m].
+    """
     size = [
         2 * max(1, round(nearest_m / (2.0 * _step(axis)))) + 1 if len(axis) > 1 else 1
         for axis in axes
@@ -78,6 +86,22 @@ def _maxima(
     return [tuple(int(index) for index in place) for place in np.argwhere(highest)]
 
 
+def peak_place(
+    volume: np.ndarray, axes: Sequence[np.ndarray], place: Tuple[int, ...]
+) -> Tuple[float, ...]:
+    """Return (depth, y, x) of a local maximum between the voxels [m]."""
+    lines = lines_through(volume, place)
+    return tuple(_peak(line, axis, index) for line, axis, index in zip(lines, axes, place))
+
+
+def lines_through(volume: np.ndarray, place: Tuple[int, ...]) -> List[np.ndarray]:
+    """Return the three lines of a volume through a place, one along each axis."""
+    return [
+        volume[tuple(slice(None) if other == axis else place[other] for other in range(3))]
+        for axis in range(3)
+    ]
+
+
 def _echo(
     turn_deg: float,
     volume: np.ndarray,
@@ -85,11 +109,8 @@ def _echo(
     place: Tuple[int, ...],
     brightest: float,
 ) -> Echo:
-    lines = [
-        volume[tuple(slice(None) if other == axis else place[other] for other in range(3))]
-        for axis in range(3)
-    ]
-    depth_m, y_m, x_m = (_peak(line, axis, index) for line, axis, index in zip(lines, axes, place))
+    lines = lines_through(volume, place)
+    depth_m, y_m, x_m = peak_place(volume, axes, place)
     width_depth_m, width_y_m, width_x_m = (
         _half_power_width(line, axis, index) for line, axis, index in zip(lines, axes, place)
     )
@@ -106,22 +127,26 @@ def _peak(line: np.ndarray, axis: np.ndarray, index: int) -> float:
     if index in (0, len(line) - 1) or np.any(line[index - 1 : index + 2] <= 0.0):
         return float(axis[index])
     before, top, after = np.log(line[index - 1 : index + 2])
-    bend = before - 2.0 * top + after
-    shift = 0.0 if bend == 0.0 else 0.5 * (before - after) / bend
-    return float(axis[index] + shift * _step(axis))
+    back_m, on_m = axis[index] - axis[index - 1], axis[index + 1] - axis[index]
+    rise, fall = (top - before) / back_m, (after - top) / on_m
+    if rise == fall:
+        return float(axis[index])
+    # The slope goes from that of the middle of one interval to that of the other.
+    share = rise / (rise - fall)
+    return float(axis[index] - back_m / 2.0 + share * (back_m + on_m) / 2.0)
 
 
 def _half_power_width(line: np.ndarray, axis: np.ndarray, index: int) -> float:
     limit = line[index] / np.sqrt(2.0)
-    left = _passes(line[index::-1], limit)
-    right = _passes(line[index:], limit)
-    return (left + right) * _step(axis) if len(axis) > 1 else float("nan")
+    left_m = _passes(line[index::-1], axis[index::-1], limit)
+    return abs(_passes(line[index:], axis[index:], limit) - left_m)
 
 
-def _passes(values: np.ndarray, limit: float) -> float:
-    """Return after how many voxels falling values pass a limit; NaN if they never do."""
+def _passes(values: np.ndarray, axis: np.ndarray, limit: float) -> float:
+    """Return where falling values pass a limit; NaN if they never do."""
     below = np.flatnonzero(values < limit)
     if below.size == 0:
         return float("nan")
     after = int(below[0])
-    return after - float((limit - values[after]) / (values[after - 1] - values[after]))
+    share = (limit - values[after]) / (values[after - 1] - values[after])
+    return float(axis[after] + share * (axis[after - 1] - axis[after]))

@@ -200,6 +200,7 @@ def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
         "permittivity_source": "estimated by focus",
         "permittivity_lowest": estimate.lowest,
         "permittivity_highest": estimate.highest,
+        "depth_uncertainty": estimate.depth_uncertainty,
     }
 
 

@@ -48,6 +48,6 @@ def permittivity_line(image: xr.Dataset) -> str:
     lowest, highest = (float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest"))
     deeper, shallower = (100.0 * (np.sqrt(value / one) - 1.0) for one in (lowest, highest))
     return (
-        f"relative permittivity {value:.3g}, ESTIMATED by focus; nearly as sharp from {lowest:.3g} "
+        f"relative permittivity {value:.3g}, ESTIMATED by focus; nearly as good from {lowest:.3g} "
         f"to {highest:.3g}: depths may be off by {shallower:+.0f} % to {deeper:+.0f} %"
     )

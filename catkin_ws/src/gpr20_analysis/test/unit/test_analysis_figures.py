@@ -1,0 +1,105 @@
+"""Figures show what they say, in the units they say, and hide nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from ground_kit import point, scene, survey_of
+
+from gpr20_analysis.errors import ExportError, WrongDatasetError
+from gpr20_analysis.low.figure_file import save_figure
+from gpr20_analysis.mid.dataset import Quality
+from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.mid.plotting import maps, scans
+from gpr20_analysis.mid.plotting.style import NOT_MEASURED, decibels, remarks_of
+from gpr20_analysis.mid.processing.background import remove_background
+from gpr20_analysis.mid.processing.delay import to_time
+
+PLACES_MM = np.linspace(160.0, 320.0, 9)
+SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
+IN_TIME = to_time(remove_background(SURVEY))
+IMAGE = image_survey(remove_background(SURVEY), ImageOptions(permittivity=4.0))
+HOLED = SURVEY.copy(deep=True)
+HOLED.s21[0, 2, 3] = np.nan
+HOLED.quality[0, 2, 3] = int(Quality.MISSING)
+HOLED.attrs["missing"] = ["missing: x 220 mm, y 200 mm, 0 deg"]
+
+FIGURES = {
+    "a-scan": lambda: scans.a_scan_figure(IN_TIME, 0.24, 0.24),
+    "b-scan along x": lambda: scans.b_scan_figure(IN_TIME, "x", 0.24),
+    "b-scan along y, real": lambda: scans.b_scan_figure(IN_TIME, "y", 0.24, scans.Value.REAL),
+    "c-scan in time": lambda: scans.c_scan_figure(IN_TIME, 2.4e-9),
+    "c-scan of an image": lambda: scans.c_scan_figure(IMAGE, 0.083),
+    "projections": lambda: scans.projection_figure(IMAGE, 0),
+    "coverage": lambda: maps.coverage_figure(SURVEY),
+    "height": lambda: maps.height_figure(SURVEY),
+}
+
+
+def panels(figure):
+    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_axis_has_a_unit_and_simulated_data_say_so(name):
+    figure = FIGURES[name]()
+    for axes in panels(figure):
+        for label in (axes.get_xlabel(), axes.get_ylabel()):
+            assert any(unit in label for unit in ("[mm]", "[ns]", "linear")), (name, label)
+    assert "SIMULATED" in figure._supxlabel.get_text()
+
+
+@pytest.mark.parametrize("ending", [".png", ".svg", ".pdf"])
+def test_figures_are_written_in_each_format(tmp_path, ending):
+    path = tmp_path / f"figure{ending}"
+    save_figure(FIGURES["b-scan along x"](), path)
+    assert path.read_bytes()[:5] in (b"\x89PNG\r", b"<?xml", b"%PDF-")
+
+
+def test_other_formats_are_refused(tmp_path):
+    with pytest.raises(ExportError, match="must end in"):
+        save_figure(FIGURES["a-scan"](), tmp_path / "figure.bmp")
+
+
+def test_c_scan_is_brightest_over_the_target():
+    axes = panels(FIGURES["c-scan of an image"]())[0]
+    drawn = axes.collections[0].get_array().reshape(9, 9)
+    row, column = np.unravel_index(np.argmax(drawn), drawn.shape)
+    assert abs(PLACES_MM[column] - 243.7) <= 10.0 and abs(PLACES_MM[row] - 236.2) <= 10.0
+
+
+def test_b_scan_has_delay_downwards():
+    low, high = panels(FIGURES["b-scan along x"]())[0].get_ylim()
+    assert low > high
+
+
+def test_missing_samples_are_grey_and_counted_never_filled_in():
+    figure = scans.b_scan_figure(to_time(HOLED), "x", 0.2)
+    drawn = panels(figure)[0].collections[0].get_array()
+    assert np.ma.getmaskarray(drawn).reshape(-1, 9)[:, 3].all()
+    assert panels(figure)[0].get_facecolor()[:3] == pytest.approx((0.827, 0.827, 0.827), abs=0.01)
+    assert NOT_MEASURED == "lightgrey"
+    assert "1 samples missing" in figure._supxlabel.get_text()
+
+
+def test_coverage_counts_what_is_usable():
+    assert "161 of 162" in maps.coverage_figure(HOLED)._suptitle.get_text()
+    drawn = panels(maps.coverage_figure(HOLED))[0].collections[0].get_array().reshape(9, 9)
+    assert drawn[2, 3] == 3 and np.count_nonzero(drawn) == 1
+
+
+def test_a_scan_of_a_missing_place_is_refused():
+    alone = to_time(HOLED.isel(polarization=[0]))
+    with pytest.raises(WrongDatasetError, match="no sample"):
+        scans.a_scan_figure(alone, float(PLACES_MM[3]) / 1e3, float(PLACES_MM[2]) / 1e3)
+
+
+def test_decibels_are_below_the_maximum_and_keep_nan():
+    values = decibels(np.array([1.0, 0.1, np.nan, 0.0]))
+    np.testing.assert_allclose(values[:2], [0.0, -20.0])
+    assert np.isnan(values[2]) and values[3] < -200.0
+
+
+def test_notes_of_the_data_stand_below_the_figure():
+    noted = IMAGE.assign_attrs(notes=["3 samples were left out"])
+    assert "3 samples were left out" in remarks_of(noted)

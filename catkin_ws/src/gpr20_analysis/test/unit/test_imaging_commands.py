@@ -1,0 +1,136 @@
+"""gpr20 process, image and plot as a user calls them."""
+
+from __future__ import annotations
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+import yaml
+from ground_kit import point, scene, survey_of
+
+from gpr20_analysis.commands.command import REFUSED
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.mid.dataset import Quality
+from gpr20_analysis.mid.dataset_files import read_dataset, write_dataset
+
+PLACES_MM = np.linspace(140.0, 340.0, 11)
+TARGET = point(243.7, 236.2, 0.083)
+
+
+@pytest.fixture
+def survey_file(tmp_path):
+    path = tmp_path / "survey.nc"
+    write_dataset(survey_of(scene([TARGET]), PLACES_MM, PLACES_MM), path)
+    return path
+
+
+@pytest.fixture
+def holed_file(tmp_path):
+    survey = survey_of(scene([TARGET]), PLACES_MM, PLACES_MM)
+    survey.s21[0, 4, 4] = np.nan
+    survey.quality[0, 4, 4] = int(Quality.MISSING)
+    survey.attrs["missing"] = ["missing: x 220 mm, y 220 mm, 0 deg"]
+    path = tmp_path / "holed.nc"
+    write_dataset(survey, path)
+    return path
+
+
+def told(capsys, *arguments):
+    assert main([str(one) for one in arguments]) == 0
+    return capsys.readouterr().out
+
+
+def refused(capsys, *arguments):
+    assert main([str(one) for one in arguments]) == REFUSED
+    return capsys.readouterr().err
+
+
+def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
+    answer = json.loads(told(capsys, "image", survey_file, "--permittivity", 4, "--json"))
+    echo = answer["echoes"][0]
+    assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
+    assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3
+    assert answer["processing"][0]["step"] == "background"
+
+
+def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
+    netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
+    told(
+        capsys, "image", survey_file, "--permittivity", 4, "--depth", 0, 0.2, 0.01,
+        "-o", netcdf, "-o", vtk, "--figures", pictures,
+    )  # fmt: skip
+    image = read_dataset(netcdf)
+    assert image.image.dims == ("polarization", "depth", "y", "x")
+    assert image.image.dtype.kind == "c" and image.sizes["depth"] == 21
+    with h5py.File(netcdf) as stored:
+        assert stored["image_real"].shape == image.image.shape
+    assert b"RectilinearGrid" in vtk.read_bytes()[:400]
+    names = sorted(path.name for path in pictures.iterdir())
+    assert {"projections_0deg.png", "projections_90deg.png"} < set(names)
+
+
+def test_processed_data_go_through_the_chain_and_keep_their_recipe(survey_file, tmp_path, capsys):
+    result, recipe = tmp_path / "clean.nc", tmp_path / "recipe.yaml"
+    told(
+        capsys, "process", survey_file, "--step", "background:method=median", "-o", result,
+        "--save-recipe", recipe,
+    )  # fmt: skip
+    assert yaml.safe_load(recipe.read_text())[0]["method"] == "median"
+    answer = json.loads(told(capsys, "image", result, "--permittivity", 4, "--json"))
+    assert [one["method"] for one in answer["processing"]] == ["median"]
+    again = tmp_path / "again.nc"
+    told(capsys, "process", survey_file, "--recipe", recipe, "-o", again)
+    np.testing.assert_array_equal(read_dataset(result).s21, read_dataset(again).s21)
+
+
+def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
+    assert "1 samples have no numbers" in refused(capsys, "image", holed_file, "--permittivity", 4)
+    text = told(capsys, "image", holed_file, "--permittivity", 4, "--leave-out-missing")
+    assert "note: 1 of 242 samples were left out" in text
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("a-scan", "--x", "240", "--y", "240"),
+        ("b-scan", "--along", "y", "--x", "240", "--value", "real"),
+        ("c-scan", "--delay", "2.4"),
+        ("coverage",),
+        ("height",),
+    ],
+)
+def test_plots_of_a_survey_are_written(survey_file, tmp_path, capsys, arguments):
+    picture = tmp_path / "figure.svg"
+    kind, *options = arguments
+    told(capsys, "plot", kind, survey_file, *options, "-o", picture)
+    assert picture.read_text().startswith("<?xml")
+
+
+def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
+    image = tmp_path / "image.nc"
+    told(capsys, "image", survey_file, "--permittivity", 4, "-o", image)
+    for kind, options in (("c-scan", ("--depth", 83)), ("projection", ("--rotation", 90))):
+        picture = tmp_path / f"{kind}.png"
+        told(capsys, "plot", kind, image, *options, "-o", picture)
+        assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("image", "SURVEY", "--permittivity", "0.2"), "permittivity is 0.2"),
+        (("image", "SURVEY", "--depth", "0", "0.3", "0"), "--depth"),
+        (("image", "SURVEY", "-o", "picture.jpg"), "must end in"),
+        (("image", "SURVEY", "--step", "migrate"), "there is no step"),
+        (("process", "SURVEY", "-o", "x.nc"), "no step was given"),
+        (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside of the survey"),
+        (("plot", "c-scan", "SURVEY", "-o", "x.png"), "--delay"),
+        (("plot", "height", "SURVEY", "-o", "x.jpg"), "must end in"),
+        (("plot", "projection", "SURVEY", "-o", "x.png"), "no 'image'"),
+    ],
+)
+def test_wrong_arguments_are_refused_with_a_reason(survey_file, capsys, arguments, reason):
+    given = [str(survey_file) if one == "SURVEY" else one for one in arguments]
+    assert reason in refused(capsys, *given)

@@ -1,0 +1,160 @@
+"""The images against point scatterers whose place is known, all of them off the grid."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from ground_kit import GRID_MM, point, scene, survey_of
+
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.mid.imaging.echoes import find_echoes
+from gpr20_analysis.mid.imaging.gate import gated_sweep
+from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S, one_way_delay_s
+from gpr20_analysis.mid.processing.background import remove_background
+from gpr20_analysis.mid.processing.sweep import Sweep
+from gpr20_simulator.mid.refraction import refracted_path
+
+TARGETS = (point(173.3, 181.7, 0.1134), point(318.9, 307.4, 0.0711))
+QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
+EXACT = (Method.PHASE_SHIFT, Method.BACK_PROJECTION)
+
+
+def brightest_near(image, target, turn=0):
+    """Return the echo of one polarization nearest to a target."""
+    rotation = float(image.polarization[turn])
+    echoes = [one for one in find_echoes(image) if one.polarization_deg == rotation]
+    return min(
+        echoes,
+        key=lambda one: np.hypot(one.x_m - target.x_mm / 1e3, one.y_m - target.y_mm / 1e3),
+    )
+
+
+def error_mm(echo, target):
+    return np.array(
+        [
+            echo.x_m * 1e3 - target.x_mm,
+            echo.y_m * 1e3 - target.y_mm,
+            (echo.depth_m - target.depth_m) * 1e3,
+        ]
+    )
+
+
+@pytest.fixture(scope="module")
+def survey():
+    return survey_of(scene(TARGETS, **QUIET), rotations_deg=(0.0,))
+
+
+@pytest.mark.parametrize("method", EXACT)
+@pytest.mark.parametrize("permittivity", [2.0, 4.0, 9.0])
+def test_point_targets_are_where_the_scene_has_them(method, permittivity):
+    survey = survey_of(scene(TARGETS, permittivity), rotations_deg=(0.0,))
+    cleaned = remove_background(survey)
+    image = image_survey(cleaned, ImageOptions(method, permittivity))
+    for target in TARGETS:
+        assert np.all(np.abs(error_mm(brightest_near(image, target), target)) < 2.0)
+
+
+def test_phase_shift_and_back_projection_agree(survey):
+    images = [image_survey(survey, ImageOptions(method, 4.0)).image.values for method in EXACT]
+    products = [np.vdot(a, b) for a, b in ((images[0], images[1]), *((i, i) for i in images))]
+    assert abs(products[0]) / np.sqrt(abs(products[1] * products[2])) > 0.85
+
+
+@pytest.mark.parametrize("method", EXACT)
+def test_wrong_permittivity_moves_depth_as_theory_says(survey, method):
+    image = image_survey(survey, ImageOptions(method, 5.0))
+    target = TARGETS[0]
+    moved = brightest_near(image, target).depth_m
+    # Straight below, delay and so depth times the root of the permittivity stay.
+    assert moved == pytest.approx(target.depth_m * np.sqrt(4.0 / 5.0), abs=0.006)
+
+
+@pytest.mark.parametrize("method", EXACT)
+def test_wrong_height_moves_depth_upwards(survey, method):
+    image = image_survey(survey, ImageOptions(method, 4.0, height_m=0.21))
+    assert brightest_near(image, TARGETS[0]).depth_m < TARGETS[0].depth_m - 0.003
+
+
+@pytest.mark.parametrize("method", EXACT)
+def test_shuffled_traces_give_no_focus(survey, method):
+    order = np.random.default_rng(1).permutation(GRID_MM.size**2)
+    mixed = survey.s21.values.reshape(1, -1, survey.sizes["frequency"])[:, order]
+    shuffled = survey.assign(s21=(survey.s21.dims, mixed.reshape(survey.s21.shape)))
+    sharp, blurred = (
+        np.abs(image_survey(one, ImageOptions(method, 4.0)).image.values)
+        for one in (survey, shuffled)
+    )
+    assert sharp.max() > 3.0 * blurred.max()
+
+
+@pytest.mark.parametrize(("method", "limit_mm"), [(EXACT[0], 5.0), (EXACT[1], 1.5)])
+def test_recorded_heights_undo_a_tilted_scanner(method, limit_mm):
+    def height_m(x_mm, y_mm):
+        return 0.2 + 0.04 * (x_mm - 240.0) / 360.0
+
+    survey = survey_of(scene(TARGETS, **QUIET), rotations_deg=(0.0,), height_m=height_m)
+    recorded = image_survey(survey, ImageOptions(method, 4.0))
+    mean = image_survey(survey, ImageOptions(method, 4.0, height_m=0.2))
+    for target in TARGETS:
+        assert np.linalg.norm(error_mm(brightest_near(recorded, target), target)) < limit_mm
+        assert np.linalg.norm(error_mm(brightest_near(mean, target), target)) > 10.0
+
+
+def test_antennas_apart_are_focused_by_back_projection():
+    target = point(243.7, 236.2, 0.06)
+    survey = survey_of(scene([target], separation_m=0.12, **QUIET))
+    apart = image_survey(survey, ImageOptions(Method.BACK_PROJECTION, 4.0, separation_m=0.12))
+    together = image_survey(survey, ImageOptions(Method.BACK_PROJECTION, 4.0))
+    assert np.linalg.norm(error_mm(brightest_near(apart, target), target)) < 1.5
+    assert abs(error_mm(brightest_near(together, target), target)[2]) > 3.0
+
+
+def test_irregular_positions_are_refused_by_the_fast_method_and_imaged_by_the_other():
+    places = GRID_MM + np.where(np.arange(GRID_MM.size) % 2, 4.0, 0.0)
+    survey = survey_of(scene(TARGETS, **QUIET), x_mm=places, rotations_deg=(0.0,))
+    with pytest.raises(WrongDatasetError, match="back-projection"):
+        image_survey(survey, ImageOptions(Method.PHASE_SHIFT, 4.0))
+    image = image_survey(survey, ImageOptions(Method.BACK_PROJECTION, 4.0))
+    assert np.linalg.norm(error_mm(brightest_near(image, TARGETS[0]), TARGETS[0])) < 2.0
+
+
+def test_kirchhoff_of_the_group_shows_the_target_near_its_place():
+    target = TARGETS[0]
+    survey = survey_of(scene([target], **QUIET), rotations_deg=(0.0,))
+    image = image_survey(survey, ImageOptions(Method.KIRCHHOFF, 4.0))
+    assert image.image.dtype == np.float64
+    assert np.linalg.norm(error_mm(brightest_near(image, target), target)) < 20.0
+    # The depth step of this method is the sample time times the speed in the soil.
+    sample_s = 1.0 / (2 * round(6e9 / 54e6) * 54e6)
+    assert np.diff(image.depth)[0] == pytest.approx(sample_s * 1.5e8, rel=0.01)
+
+
+def test_gating_keeps_an_echo_within_and_drops_one_beyond():
+    sweep = Sweep(6e8, 10.8e6, 501)
+    window = np.hanning(501)
+    within, beyond = (np.exp(-2j * np.pi * sweep.frequency_hz * t) * window for t in (6e-9, 25e-9))
+    coarse, matrix = gated_sweep(sweep, 12e-9)
+    assert coarse.count < 100
+    kept = np.interp(coarse.frequency_hz, sweep.frequency_hz, window)
+    np.testing.assert_allclose(np.abs(within @ matrix), kept, atol=0.01)
+    assert np.max(np.abs(beyond @ matrix)) < 0.01
+
+
+def test_a_gate_longer_than_the_sweep_changes_nothing():
+    sweep = Sweep(6e8, 54e6, 101)
+    same, matrix = gated_sweep(sweep, 20e-9)
+    assert same == sweep
+    np.testing.assert_array_equal(matrix, np.eye(101))
+
+
+def test_delays_agree_with_those_of_the_simulator():
+    distance_m = np.linspace(0.0, 1.5, 31)
+    path = refracted_path(0.2, np.full(31, 0.15), distance_m, 6.0)
+    theirs = (path.air_m + np.sqrt(6.0) * path.soil_m) / SPEED_OF_LIGHT_M_S
+    np.testing.assert_allclose(one_way_delay_s(0.2, 0.15, distance_m, 6.0), theirs, rtol=1e-12)
+
+
+def test_a_wave_without_soil_goes_straight():
+    delay_s = one_way_delay_s(0.2, 0.15, 0.6, 1.0)
+    assert delay_s == pytest.approx(np.hypot(0.35, 0.6) / SPEED_OF_LIGHT_M_S, rel=1e-12)

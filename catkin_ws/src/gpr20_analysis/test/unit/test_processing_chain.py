@@ -1,0 +1,101 @@
+"""Chains of steps: how they are written, checked, applied and recorded."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+from ground_kit import point, scene, survey_of
+
+from gpr20_analysis.errors import RecipeError
+from gpr20_analysis.low.recipe_file import read_recipe, recipe_text
+from gpr20_analysis.mid.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.mid.processing.chain import (
+    FUNCTIONS,
+    apply_steps,
+    recipe_of,
+    step_from_text,
+    steps_from_recipe,
+)
+
+PLACES_MM = np.linspace(200.0, 280.0, 5)
+SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
+
+
+def never(path):
+    raise AssertionError(f"no step names a survey, but {path} was read")
+
+
+def test_a_chain_runs_in_its_order_and_is_recorded():
+    texts = ["band:start_hz=1e9,stop_hz=5e9", "background:method=median", "time:padding=2"]
+    result = apply_steps(SURVEY, [step_from_text(text) for text in texts], never)
+    recorded = json.loads(result.attrs["processing"])
+    assert [one["step"] for one in recorded] == ["band", "background", "time"]
+    assert recorded[1] == {"step": "background", "method": "median", "width": 11, "rank": 1}
+
+
+def test_the_recorded_recipe_repeats_the_result(tmp_path):
+    texts = ["background:method=svd,rank=2", "time_zero", "combine:method=difference", "time"]
+    first = apply_steps(SURVEY, [step_from_text(text) for text in texts], never)
+    path = tmp_path / "recipe.yaml"
+    path.write_text(recipe_text(recipe_of(first)))
+    second = apply_steps(SURVEY, steps_from_recipe(read_recipe(path)), never)
+    np.testing.assert_array_equal(first.a_scan.values, second.a_scan.values)
+    assert recipe_of(first) == recipe_of(second)
+
+
+def test_the_recipe_outlives_a_file(tmp_path):
+    done = apply_steps(SURVEY, [step_from_text("background")], never)
+    write_dataset(done, tmp_path / "done.nc")
+    assert recipe_of(read_dataset(tmp_path / "done.nc")) == recipe_of(done)
+
+
+def test_a_step_can_name_a_reference_survey(tmp_path):
+    read = []
+
+    def reader(path):
+        read.append(path)
+        return SURVEY
+
+    steps = [step_from_text(f"coupling:reference={tmp_path}/sky.nc")]
+    apply_steps(SURVEY, steps, reader)
+    assert read == [f"{tmp_path}/sky.nc"]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("migrate", "steps are"),
+        ("background:rang=2", "has no parameter 'rang'"),
+        ("background:rank=two", "'two'"),
+        ("background:rank=1.5", "'1.5'"),
+        ("background:method=average", "median"),
+        ("background:method", "parameter=value"),
+        ("background:rank=1,rank=2", "once each"),
+        ("band:start_hz=1e9", "needs its parameter 'stop_hz'"),
+        ("coupling", "needs its parameter 'reference'"),
+        ("", "there is no step"),
+    ],
+)
+def test_steps_that_make_no_sense_are_refused_with_what_is_allowed(text, told):
+    with pytest.raises(RecipeError, match=told):
+        step_from_text(text)
+
+
+@pytest.mark.parametrize("recipe", ["", "[]", "step: background", "- background", "- {rank: 1}"])
+def test_files_that_are_no_recipe_are_refused(recipe):
+    with pytest.raises(RecipeError):
+        steps_from_recipe(yaml.safe_load(recipe))
+
+
+def test_a_file_that_is_no_yaml_is_refused(tmp_path):
+    path = tmp_path / "recipe.yaml"
+    path.write_text("- [")
+    with pytest.raises(RecipeError, match="YAML"):
+        read_recipe(path)
+
+
+def test_every_step_documents_itself():
+    assert all(function.__doc__ for function in FUNCTIONS.values())

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""From the robot to the image: a survey over three known targets, imaged by `gpr20 image`."""
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+import unittest
+
+import rospy
+import rostest
+from survey_client import SurveyClient
+
+from gpr20_msgs.msg import ControlStatus
+from gpr20_simulator.mid.scene import read_scene
+
+SURVEY_LIMIT_S = 480.0
+LARGEST_ERROR_MM = 5.0
+GRID = {
+    "x_start_mm": 60.0,
+    "x_stop_mm": 420.0,
+    "x_points": 25,
+    "y_start_mm": 60.0,
+    "y_stop_mm": 420.0,
+    "y_points": 25,
+    "frequency_points": 101,
+}
+
+
+def gpr20(*arguments):
+    """Run the command gpr20 and return what it says."""
+    done = subprocess.run(
+        [sys.executable, "-m", "gpr20_analysis.commands.main", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def off_mm(echo, target):
+    """Return how far an echo is from a target, across and in depth [mm]."""
+    across = math.hypot(echo["x_m"] * 1000.0 - target.x_mm, echo["y_m"] * 1000.0 - target.y_mm)
+    return across, (echo["depth_m"] - target.depth_m) * 1000.0
+
+
+class Imaging(unittest.TestCase):
+    """One survey for all tests, which only read it."""
+
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("imaging_rostest")
+        scene = read_scene(rospy.get_param("simulator/scene"))
+        cls.permittivity = scene.soil.relative_permittivity
+        cls.sphere, cls.disc, cls.wire = scene.targets
+        cls.client = SurveyClient()
+        survey_id = cls.client.begin(**GRID)
+        ends = (ControlStatus.FINISHED, ControlStatus.FAILED, ControlStatus.PAUSED)
+        cls.client.wait(
+            lambda: cls.client.statuses and cls.client.statuses[-1].code in ends, SURVEY_LIMIT_S
+        )
+        assert cls.client.statuses[-1].code == ControlStatus.FINISHED, cls.client.statuses[-1]
+        cls.folder = cls.client.folder(survey_id)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.client.data)
+
+    def echoes(self, *options):
+        """Return what gpr20 image says as JSON."""
+        return json.loads(gpr20("image", self.folder, "--json", *options))
+
+    def nearest(self, told, target, rotation_deg):
+        """Return the echo of one polarization that is nearest to a target, and its distances."""
+        echoes = [one for one in told["echoes"] if one["polarization_deg"] == rotation_deg]
+        self.assertTrue(echoes, f"no echo at {rotation_deg} deg")
+        return min(((one, *off_mm(one, target)) for one in echoes), key=lambda found: found[1])
+
+    def check_point_targets(self, method):
+        told = self.echoes("--permittivity", self.permittivity, "--method", method)
+        for target in (self.sphere, self.disc):
+            for rotation_deg in (0.0, 90.0):
+                _, across_mm, deeper_mm = self.nearest(told, target, rotation_deg)
+                print(
+                    f"{method}, {target.name}, {rotation_deg:g} deg: {across_mm:.1f} mm across, "
+                    f"{deeper_mm:+.1f} mm in depth"
+                )
+                self.assertLess(across_mm, LARGEST_ERROR_MM, (method, target.name))
+                self.assertLess(abs(deeper_mm), LARGEST_ERROR_MM, (method, target.name))
+
+    def test_phase_shift_finds_point_targets_within_5_mm(self):
+        self.check_point_targets("phase-shift")
+
+    def test_back_projection_finds_point_targets_within_5_mm(self):
+        self.check_point_targets("back-projection")
+
+    def test_wire_shows_in_the_polarization_along_it_alone(self):
+        told = self.echoes("--permittivity", self.permittivity)
+        _, _, deeper_mm = self.nearest(told, self.wire, 90.0)
+        self.assertLess(abs(deeper_mm), LARGEST_ERROR_MM)
+        half_mm = self.wire.size_m * 500.0
+        across = {
+            turn: [
+                one
+                for one in told["echoes"]
+                if one["polarization_deg"] == turn
+                and abs(one["x_m"] * 1000.0 - self.wire.x_mm) < 15.0
+                and abs(one["y_m"] * 1000.0 - self.wire.y_mm) < half_mm
+            ]
+            for turn in (0.0, 90.0)
+        }
+        self.assertTrue(across[90.0])
+        self.assertFalse(across[0.0])
+
+    def test_estimated_permittivity_says_how_far_off_it_may_be(self):
+        text = gpr20("image", self.folder)
+        self.assertIn("ESTIMATED by focus", text)
+        told = self.echoes()
+        self.assertEqual(told["permittivity_source"], "estimated by focus")
+        self.assertLess(told["permittivity_lowest"], self.permittivity)
+        self.assertGreater(told["permittivity_highest"], self.permittivity)
+        for target in (self.sphere, self.disc):
+            _, across_mm, deeper_mm = self.nearest(told, target, 0.0)
+            print(
+                f"permittivity estimated {told['permittivity']:.2f} instead of "
+                f"{self.permittivity:g}: {target.name} {across_mm:.1f} mm across, "
+                f"{deeper_mm:+.1f} mm in depth"
+            )
+            self.assertLess(across_mm, LARGEST_ERROR_MM)
+            limit = told["depth_uncertainty"] * target.depth_m * 1000.0 + LARGEST_ERROR_MM
+            self.assertLess(abs(deeper_mm), limit)
+
+    def test_output_and_figures_are_written(self):
+        folder = self.folder.parent / "pictures"
+        gpr20(
+            "image", self.folder, "--permittivity", self.permittivity,
+            "-o", self.folder.parent / "image.nc", "-o", self.folder.parent / "image.vtr",
+            "--figures", folder,
+        )  # fmt: skip
+        self.assertGreater((self.folder.parent / "image.nc").stat().st_size, 100_000)
+        self.assertGreater((self.folder.parent / "image.vtr").stat().st_size, 100_000)
+        self.assertTrue((folder / "projections_0deg.png").exists())
+        self.assertTrue(list(folder.glob("slice_*mm.png")))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20", "imaging", Imaging)
