@@ -71,6 +71,8 @@ def test_a_step_can_name_a_reference_survey(tmp_path):
         ("background:rang=2", "has no parameter 'rang'"),
         ("background:rank=two", "'two'"),
         ("background:rank=1.5", "'1.5'"),
+        ("background:rank=inf", "'inf'"),
+        ("time:padding=nan", "'nan'"),
         ("background:method=average", "median"),
         ("background:method", "parameter=value"),
         ("background:rank=1,rank=2", "once each"),

@@ -5,9 +5,10 @@ from __future__ import annotations
 import enum
 import inspect
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, get_type_hints
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type, get_type_hints
 
 import xarray as xr
 
@@ -147,16 +148,17 @@ def recipe_of(data: xr.Dataset) -> List[Dict[str, Any]]:
     return recorded
 
 
-def _plain(step: str, key: str, kind: type, value: Any) -> Any:
+def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
     """Return a value as number or text, after a check that it makes an argument of its type."""
     try:
         if kind is xr.Dataset:
             return str(Path(str(value)).resolve())
         if issubclass(kind, enum.Enum):
             return kind(value).value
-        if kind is int and float(value) != int(float(value)):
-            raise ValueError("not whole")
-        return kind(float(value))
+        number = float(value)
+        if not math.isfinite(number) or (kind is int and number != int(number)):
+            raise ValueError("not finite, or not whole")
+        return kind(number)
     except (TypeError, ValueError) as error:
         choices = [one.value for one in kind] if issubclass(kind, enum.Enum) else kind.__name__
         raise RecipeError(
