@@ -18,6 +18,7 @@ from gpr20_analysis.mid.dataset_files import write_dataset
 from gpr20_analysis.mid.loading import load_survey
 from gpr20_analysis.mid.row_order import arrange
 from gpr20_analysis.mid.survey_grid import grid_of
+from gpr20_analysis.mid.trace_table import in_memory
 
 ALL = len(POINTS)
 
@@ -146,7 +147,7 @@ def test_rows_come_to_their_cells_and_nothing_else(data):
     rows[:filled] = np.arange(filled)[:, np.newaxis]
     expected = np.full((count, 2), np.nan + 0j)
     expected[cells[used]] = used[:, np.newaxis]
-    np.testing.assert_array_equal(arrange(rows, cells, used, count), expected)
+    np.testing.assert_array_equal(arrange(rows, cells, used, count, in_memory), expected)
 
 
 def test_the_list_of_missing_samples_follows_the_flags(folder):

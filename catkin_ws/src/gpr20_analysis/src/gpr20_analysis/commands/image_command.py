@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.commands import processing_input, survey_input
+from gpr20_analysis.commands import processing_input, scheduler, survey_input
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.low.figure_file import save_figure
@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     survey_input.add_survey(parser)
     processing_input.add_steps(parser)
     add_image_options(parser)
+    scheduler.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
         help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
@@ -74,9 +75,9 @@ def run(chosen: argparse.Namespace) -> int:
     options = options_of(chosen)
     survey = survey_input.load(chosen)
     default = () if recipe_of(survey) else DEFAULT_STEPS
-    image = image_survey(
-        processing_input.process(survey, processing_input.steps_of(chosen, default)), options
-    )
+    with scheduler.workers(chosen) as each:
+        steps = processing_input.steps_of(chosen, default)
+        image = image_survey(processing_input.process(survey, steps), options, each)
     _write(image, chosen)
     _tell(image, chosen)
     return DONE

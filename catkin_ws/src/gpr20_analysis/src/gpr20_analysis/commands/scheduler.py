@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-from typing import Iterator
+from typing import Any, Callable, Iterator, List, Sequence
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 
 TIME_LIMIT_S = 10.0
+
+Each = Callable[[Callable[[Any], Any], Sequence[Any]], List[Any]]
 
 
 def add_scheduler(parser: argparse.ArgumentParser) -> None:
@@ -21,16 +23,23 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def in_turn(function: Callable[[Any], Any], things: Sequence[Any]) -> List[Any]:
+    """Apply a function to one thing after another, in this process."""
+    return [function(one) for one in things]
+
+
 @contextlib.contextmanager
-def cluster(chosen: argparse.Namespace) -> Iterator[bool]:
-    """Make dask compute on the cluster that was named, and say whether one was.
+def workers(chosen: argparse.Namespace) -> Iterator[Each]:
+    """Yield what applies a function to each of several things: here, or on the named cluster.
+
+    While it is open dask computes lazy surveys on the cluster too.
 
     Raises:
         MissingLibraryError: dask's distributed is not installed.
         AnalysisError: Nobody answers there.
     """
     if not chosen.scheduler:
-        yield False
+        yield in_turn
         return
     try:
         from distributed import Client
@@ -45,4 +54,10 @@ def cluster(chosen: argparse.Namespace) -> Iterator[bool]:
             f"no dask scheduler answers at {chosen.scheduler} within {TIME_LIMIT_S:g} s: {error}"
         ) from error
     with client:
-        yield True
+
+        def on_cluster(function: Callable[[Any], Any], things: Sequence[Any]) -> List[Any]:
+            # Large arguments are sent once, ahead of the task that needs them.
+            sent = client.scatter(list(things))
+            return client.gather(client.map(function, sent, pure=False))
+
+        yield on_cluster

@@ -51,7 +51,7 @@ def assemble(
             table.add(trace)
     table.finish()
     _check_readable(source, table)
-    return _Assembly(source, plan, table).dataset(accept_damaged)
+    return _Assembly(source, plan, table).dataset(accept_damaged, allocate)
 
 
 def _plan(source: SurveySource) -> Optional[Plan]:
@@ -93,12 +93,12 @@ class _Assembly:
         self._quality = np.full(self._grid.cells, int(Quality.MISSING), np.uint8)
         self._used = self._usable_rows()
 
-    def dataset(self, accept_damaged: bool) -> xr.Dataset:
+    def dataset(self, accept_damaged: bool, allocate: Allocate) -> xr.Dataset:
         """Return the Dataset; see `assemble`."""
         self._mark()
         if self._faults and not accept_damaged:
             raise DamagedSurveyError(self._refusal())
-        rows = arrange(self._table.rows, self._cells, self._used, self._grid.cells)
+        rows = arrange(self._table.rows, self._cells, self._used, self._grid.cells, allocate)
         table = self._table
         shape = self._grid.shape
         samples: Dict[str, Any] = self._sample_variables()

@@ -6,10 +6,14 @@ import math
 
 import numpy as np
 
+from gpr20_analysis.mid.trace_table import Allocate
+
 EMPTY = complex(math.nan, math.nan)
 
 
-def arrange(rows: np.ndarray, cells: np.ndarray, used: np.ndarray, count: int) -> np.ndarray:
+def arrange(
+    rows: np.ndarray, cells: np.ndarray, used: np.ndarray, count: int, allocate: Allocate
+) -> np.ndarray:
     """Return an array whose row of each cell is the one that belongs there, NaN where none does.
 
     The rows are moved within the array if it is large enough, so that a survey is not held in
@@ -20,6 +24,7 @@ def arrange(rows: np.ndarray, cells: np.ndarray, used: np.ndarray, count: int) -
         cells: Cell of each row that was filled.
         used: Which of those rows are wanted; their cells are different.
         count: How many cells there are.
+        allocate: Makes a larger array, if one is needed.
 
     Returns:
         Complex (count, values).
@@ -27,8 +32,9 @@ def arrange(rows: np.ndarray, cells: np.ndarray, used: np.ndarray, count: int) -
     source = np.full(count, -1, np.int64)
     source[cells[used]] = used
     if count > len(rows):
-        found = np.full((count, rows.shape[1]), EMPTY, rows.dtype)
-        found[source >= 0] = rows[source[source >= 0]]
+        found = allocate((count, rows.shape[1]))
+        for cell in np.flatnonzero(source >= 0):
+            found[cell] = rows[source[cell]]
         return found
     _permute(rows, _permutation(source, len(rows)))
     rows[:count][source < 0] = EMPTY

@@ -5,7 +5,8 @@ from __future__ import annotations
 import enum
 import json
 from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Tuple
+from functools import partial
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -35,6 +36,10 @@ from gpr20_analysis.mid.processing.delay import ADVANCE, known_height
 from gpr20_analysis.mid.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.mid.processing.samples import FILLED
 from gpr20_analysis.mid.processing.sweep import Sweep, Window
+
+Volume = Tuple[np.ndarray, np.ndarray]
+"""Image (depth, y, x) of one polarization and its depths [m]."""
+Each = Callable[[Callable[[Traces], Volume], Sequence[Traces]], List[Volume]]
 
 
 class Method(enum.Enum):
@@ -88,12 +93,18 @@ class ImageOptions:
         _check("antenna separation", self.separation_m, 0.0, 2.0)
 
 
-def image_survey(survey: xr.Dataset, options: ImageOptions) -> xr.Dataset:
+def in_turn(function: Callable[[Traces], Volume], traces: Sequence[Traces]) -> List[Volume]:
+    """Return what a function makes of each polarization, one after another."""
+    return [function(one) for one in traces]
+
+
+def image_survey(survey: xr.Dataset, options: ImageOptions, each: Each = in_turn) -> xr.Dataset:
     """Return the image of a survey.
 
     Args:
         survey: Dataset with `s21`, coupling and surface echo taken away.
         options: What the user decides.
+        each: Applies a function to each polarization, perhaps on several machines.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
@@ -116,7 +127,7 @@ def image_survey(survey: xr.Dataset, options: ImageOptions) -> xr.Dataset:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
-    volumes = [_volume(one, focus, options.method) for one in traces]
+    volumes = each(partial(_volume, focus=focus, method=options.method), traces)
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
@@ -176,7 +187,7 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
     return np.where(present, height_m, float(np.mean(height_m[present])))
 
 
-def _volume(traces: Traces, focus: Focus, method: Method) -> Tuple[np.ndarray, np.ndarray]:
+def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
     if method is Method.BACK_PROJECTION:
         return back_projection_image(traces, focus), focus.depth_m
     if method is Method.PHASE_SHIFT:

@@ -138,7 +138,7 @@ def _image(survey: xr.Dataset, steps: Sequence[Step], options: ImageOptions) -> 
     return Section(title, lines=lines, figures=figures)
 
 
-def _no_other_survey(path: Path) -> xr.Dataset:
+def _no_other_survey(path: str) -> xr.Dataset:
     raise AnalysisError(f"a report subtracts no other survey, but a step names {path}")
 
 
