@@ -52,11 +52,11 @@ python38() {
 
 unit_tests_38() {
     local venv="$GPR20_ROOT/.venv38"
-    if ! cmp -s requirements-unit.txt "$venv/installed-requirements"; then
+    if ! cat requirements*.txt | cmp -s - "$venv/installed-requirements"; then
         rm -rf "$venv"
         "$1" -m venv "$venv" &&
             "$venv/bin/pip" install --quiet --disable-pip-version-check -r requirements-unit.txt &&
-            cp requirements-unit.txt "$venv/installed-requirements" || return 1
+            cat requirements*.txt >"$venv/installed-requirements" || return 1
     fi
     # ROS's own packages belong to the other interpreter.
     (unset PYTHONPATH; unit_tests "$venv/bin/python")

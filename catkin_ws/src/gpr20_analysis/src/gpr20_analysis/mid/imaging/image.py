@@ -32,6 +32,7 @@ from gpr20_analysis.mid.imaging.focus_estimate import PermittivityEstimate, esti
 from gpr20_analysis.mid.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.mid.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.mid.imaging.records import Focus, Traces
+from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
 from gpr20_analysis.mid.processing.delay import ADVANCE, known_height
 from gpr20_analysis.mid.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.mid.processing.samples import FILLED
@@ -127,6 +128,7 @@ def image_survey(survey: xr.Dataset, options: ImageOptions, each: Each = in_turn
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+    _check_unambiguous(traces, focus)
     volumes = each(partial(_volume, focus=focus, method=options.method), traces)
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
@@ -185,6 +187,18 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
         raise WrongDatasetError("no sample is usable; there is nothing to image")
     # A sample that is left out adds nothing, so its height may be any.
     return np.where(present, height_m, float(np.mean(height_m[present])))
+
+
+def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
+    height_m = max(float(np.max(one.height_m)) for one in traces)
+    path_m = height_m + float(focus.depth_m[-1]) * np.sqrt(focus.permittivity)
+    longest_s, unambiguous_s = 2.0 * path_m / SPEED_OF_LIGHT_M_S, traces[0].sweep.unambiguous_s
+    if longest_s >= unambiguous_s:
+        raise WrongDatasetError(
+            f"the echo of the deepest layer comes after {longest_s:.3g} s, but steps of "
+            f"{traces[0].sweep.step_hz:g} Hz tell delays up to {unambiguous_s:.3g} s only; image "
+            "less deep, or measure with more points"
+        )
 
 
 def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
