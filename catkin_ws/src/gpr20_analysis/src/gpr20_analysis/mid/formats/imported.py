@@ -17,7 +17,8 @@ class Imported:
     """What a format of others holds.
 
     Attributes:
-        values: (polarization, y, x, frequency or delay); NaN where there is no sample.
+        values: (polarization, y, x, frequency or delay); NaN where there is no sample. Goes into
+            the Dataset, where a sample that is damaged in part becomes NaN throughout.
         polarization_deg: Rotations [deg].
         y_m: Rows [m].
         x_m: Columns [m].
@@ -54,7 +55,8 @@ def as_dataset(found: Imported) -> xr.Dataset:
     quality[damaged] = int(Quality.DAMAGED)
     quality[missing] = int(Quality.MISSING)
     quality[~damaged & ~np.isfinite(found.height_m)] |= int(Quality.NO_HEIGHT)
-    values = np.where(damaged[..., np.newaxis], np.nan, found.values)
+    values = found.values
+    values[damaged] = np.nan
     name, last, axis = (dataset.S21, dataset.FREQUENCY, found.frequency_hz)
     if axis is None:
         name, last, axis = (dataset.A_SCAN, dataset.DELAY, found.delay_s)

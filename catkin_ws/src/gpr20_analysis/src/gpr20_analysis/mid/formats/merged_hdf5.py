@@ -86,7 +86,8 @@ def _read(file: Any, name: str) -> xr.Dataset:
     if not turns:
         raise UnreadableFileError(f"{name} holds no {_scan('X', 'Re', kind)} nor the one of y-pol")
     shape = (len(turns), len(x_m), len(y_m))
-    values = np.empty((*shape, len(axis)), np.complex128)
+    ordered = np.empty((len(turns), len(y_m), len(x_m), len(axis)), np.complex128)
+    values = ordered.swapaxes(1, 2)  # as the scans run
     height_m = np.full(shape, np.nan)
     for turn, letter in enumerate(turns):
         real = _scans(file, _scan(letter, "Re", kind), name, shape[1:], len(axis))
@@ -100,7 +101,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
         height_m[turn] = _heights(file, letter, shape[1:])
     return as_dataset(
         Imported(
-            values.swapaxes(1, 2),
+            ordered,
             [DEGREES[letter] for letter in turns],
             y_m,
             x_m,
