@@ -1,0 +1,68 @@
+"""The command gpr20: help, exit status, and what it says when something is wrong."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands import registry
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.verify import main as gpr20_verify
+
+ALL = len(POINTS)
+
+
+@pytest.mark.parametrize("name", registry.SUMMARIES)
+def test_every_command_explains_itself(name, capsys):
+    assert main([name, "--help"]) == 0
+    assert f"gpr20 {name}" in capsys.readouterr().out
+
+
+def test_help_lists_every_command(capsys):
+    assert main(["--help"]) == 0
+    told = capsys.readouterr().out
+    assert all(name in told for name in registry.SUMMARIES)
+
+
+@pytest.mark.parametrize("arguments", [[], ["nonsense"], ["info"], ["export", "a", "b"]])
+def test_a_wrong_call_is_status_3(arguments):
+    assert main(arguments) == 3
+
+
+def test_an_error_says_which_command_and_what(tmp_path, capsys):
+    assert main(["info", str(tmp_path / "nowhere")]) == 3
+    error = capsys.readouterr().err
+    assert error.startswith("gpr20 info: ") and "nowhere does not exist" in error
+
+
+@pytest.mark.parametrize(("stored", "status"), [(ALL, 0), (ALL - 3, 1)])
+def test_info_tells_how_whole_a_survey_is(tmp_path, capsys, stored, status):
+    folder = make_survey(tmp_path, stored, "stopped")
+    assert main(["info", str(folder), "--json"]) == status
+    told = json.loads(capsys.readouterr().out)
+    assert told["samples"].startswith(f"{stored} of {ALL} of the grid")
+    assert len(told["missing"]) == ALL - stored
+    assert told["frequency"] == "5 from 0.6 to 6 GHz, every 1350 MHz"
+
+
+def test_info_of_a_damaged_survey_is_refused_or_marked(tmp_path, capsys):
+    folder = make_survey(tmp_path, ALL, "finished")
+    next((folder / "traces").glob("000002_*")).write_text("{")
+    assert main(["info", str(folder)]) == 3
+    assert "000002_" in capsys.readouterr().err
+    assert main(["info", str(folder), "--accept-damaged"]) == 2
+    assert "DAMAGED: 000002_" in capsys.readouterr().err
+
+
+def test_gpr20_verify_and_its_former_name_say_the_same(tmp_path, capsys):
+    folder = make_survey(tmp_path, ALL, "finished")
+    assert main(["verify", str(folder)]) == gpr20_verify([str(folder)]) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert first == second
+
+
+def test_replay_without_a_survey_is_refused(tmp_path, capsys):
+    assert main(["replay", str(tmp_path / "nowhere")]) == 3
+    assert "does not exist" in capsys.readouterr().err
