@@ -14,6 +14,7 @@ from gpr20_analysis.mid.formats.imported import Imported, as_dataset
 from gpr20_analysis.mid.loading import load_survey
 
 ALL = len(POINTS)
+ROUNDING = 1e-6  # of the largest value
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,12 @@ def test_two_workers_make_the_same_image(ground, tmp_path, cluster, method):
     assert main(["image", str(ground), *options, *address, "-o", str(there)]) == 0
     expected, found = load_survey(here), load_survey(there)
     assert np.isfinite(expected.image.values).all()
-    assert found.identical(expected)
+    assert found.attrs == expected.attrs
+    # Images are sums in single precision, whose order depends on the threads of the machine.
+    largest = float(abs(expected.image).max())
+    np.testing.assert_allclose(
+        found.image.values, expected.image.values, rtol=0.0, atol=ROUNDING * largest
+    )
 
 
 def test_an_image_deeper_than_the_frequencies_can_tell_is_refused(folder, capsys):
