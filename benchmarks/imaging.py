@@ -1,0 +1,162 @@
+"""How long imaging takes and what memory it needs, and its ratio to the group's program.
+
+Usage: scripts/bench.sh imaging [--sizes 67 158 200] [--back-projection-up-to 67] [--chain]
+
+Each size runs in a process of its own, warm (the best of three runs after one that does not
+count). Data: two point targets off the grid, 501 frequencies from 0.6 to 6 GHz, 10 mm step, 100
+depths. The group's figures are those published for its program on the same problem: 101 s for the
+migration of 67 x 67 positions to 32 depths, 127 s from files to image.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Callable, Dict, List
+
+import numpy as np
+
+from gpr20_analysis.mid.imaging.back_projection import back_projection_image
+from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.mid.imaging.phase_shift import phase_shift_image
+from gpr20_analysis.mid.imaging.records import Focus, Traces
+from gpr20_analysis.mid.imaging.refraction import one_way_delay_s
+from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.mid.processing.background import remove_background
+from gpr20_analysis.mid.processing.sweep import Sweep
+
+STEP_M = 0.010
+HEIGHT_M = 0.20
+PERMITTIVITY = 4.0
+SWEEP = Sweep(600e6, 10.8e6, 501)
+DEPTH_M = np.linspace(0.0, 0.297, 100)
+GROUP_MIGRATION_S = 101.0
+GROUP_CHAIN_S = 127.0
+CHAIN_SIZE = 67
+RUNS = 3
+KIB_PER_MIB = 1024.0
+
+
+def traces(size: int) -> Traces:
+    """Return the echoes of two points over size x size positions."""
+    place_m = STEP_M * np.arange(size)
+    middle_m = place_m[size // 2]
+    s21 = np.zeros((size, size, SWEEP.count), dtype=np.complex128)
+    for x_m, y_m, depth_m in ((-0.0737, 0.0512, 0.0833), (0.0866, -0.0421, 0.1571)):
+        across_m = np.hypot(place_m[None, :] - middle_m - x_m, place_m[:, None] - middle_m - y_m)
+        delay_s = 2.0 * one_way_delay_s(HEIGHT_M, depth_m, across_m, PERMITTIVITY)
+        for row in range(size):
+            s21[row] += np.exp(-2j * np.pi * delay_s[row][:, None] * SWEEP.frequency_hz)
+    return Traces(s21, SWEEP, place_m, place_m, np.full((size, size), HEIGHT_M), 0.0)
+
+
+def best_s(work: Callable[[], object]) -> float:
+    """Return the time of the fastest of several runs, after one that warms up [s]."""
+    work()
+    times = []
+    for _ in range(RUNS):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+def peak_mib() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KIB_PER_MIB
+
+
+def measure(size: int, method: str) -> Dict[str, float]:
+    data, focus = traces(size), Focus(PERMITTIVITY, DEPTH_M)
+    before_mib = peak_mib()
+    image = {"phase-shift": phase_shift_image, "back-projection": back_projection_image}[method]
+    took_s = best_s(lambda: image(data, focus))
+    return {"s": took_s, "data_mib": data.s21.nbytes / 2**20, "before_mib": before_mib,
+            "peak_mib": peak_mib()}  # fmt: skip
+
+
+def measure_chain() -> Dict[str, float]:
+    """Time reading 67 x 67 JSON files of one polarization, background and image."""
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = _survey_files(Path(scratch))
+        options = ImageOptions(permittivity=PERMITTIVITY, depth_m=tuple(DEPTH_M))
+        took_s = best_s(lambda: image_survey(remove_background(load_survey(folder)), options))
+    return {"s": took_s, "peak_mib": peak_mib()}
+
+
+def _survey_files(scratch: Path) -> Path:
+    data = traces(CHAIN_SIZE)
+    folder = scratch / "traces"
+    folder.mkdir()
+    for index, (row, column) in enumerate(np.ndindex(CHAIN_SIZE, CHAIN_SIZE)):
+        x_mm, y_mm = data.x_m[column] * 1e3, data.y_m[row] * 1e3
+        moment = f"2026-01-01T{index // 3600:02d}:{index // 60 % 60:02d}:{index % 60:02d}.000000"
+        sample = {
+            "format": "gpr20-trace/1",
+            "survey_id": "0f8fad5b-d9cb-469f-a165-70867728950e",
+            "sample_id": f"sample-{index}",
+            "index": index,
+            "timestamp": f"{moment}+00:00",
+            "x_coord_mm": x_mm,
+            "y_coord_mm": y_mm,
+            "z_coord_deg": 0.0,
+            "antennae_height_m": HEIGHT_M,
+            "frequency_hz": SWEEP.frequency_hz.tolist(),
+            "s21_real": data.s21[row, column].real.tolist(),
+            "s21_imag": data.s21[row, column].imag.tolist(),
+            "sweep_started": f"{moment}+00:00",
+            "sweep_ended": f"{moment}+00:00",
+            "quality": [],
+        }
+        name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z+000.00.json"
+        (folder / name).write_text(json.dumps(sample))
+    return folder
+
+
+def in_own_process(*arguments: str) -> Dict[str, float]:
+    done = subprocess.run(
+        [sys.executable, __file__, "--one", *arguments], stdout=subprocess.PIPE, check=True
+    )
+    result: Dict[str, float] = json.loads(done.stdout)
+    return result
+
+
+def main(given: List[str]) -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sizes", type=int, nargs="+", default=[31, 67, 100, 158, 200])
+    parser.add_argument("--back-projection-up-to", type=int, default=67)
+    parser.add_argument("--chain", action="store_true", help="from 4,489 files to the image, too")
+    parser.add_argument("--one", nargs="+", help=argparse.SUPPRESS)
+    chosen = parser.parse_args(given)
+    if chosen.one:
+        method, *size = chosen.one
+        print(json.dumps(measure_chain() if method == "chain" else measure(int(size[0]), method)))
+        return
+    print(
+        f"{'method':16}{'positions':>12}{'time s':>9}{'data MiB':>10}{'peak MiB':>10}{'ratio':>8}"
+    )
+    for method in ("phase-shift", "back-projection"):
+        for size in chosen.sizes:
+            if method == "back-projection" and size > chosen.back_projection_up_to:
+                continue
+            one = in_own_process(method, str(size))
+            ratio = f"{GROUP_MIGRATION_S / one['s']:.0f}" if size == CHAIN_SIZE else ""
+            print(
+                f"{method:16}{f'{size} x {size}':>12}{one['s']:9.3f}{one['data_mib']:10.0f}"
+                f"{one['peak_mib']:10.0f}{ratio:>8}"
+            )
+    if chosen.chain:
+        one = in_own_process("chain")
+        print(
+            f"{'files to image':16}{f'{CHAIN_SIZE} x {CHAIN_SIZE}':>12}{one['s']:9.3f}{'':10}"
+            f"{one['peak_mib']:10.0f}{GROUP_CHAIN_S / one['s']:8.0f}"
+        )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
