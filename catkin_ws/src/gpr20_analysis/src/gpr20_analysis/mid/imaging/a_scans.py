@@ -37,7 +37,7 @@ def gated_a_scans(
     samples = scipy.fft.ifft(gated, count, axis=1, workers=2)
     delay_s = sample_s * np.arange(count)
     samples *= (count * np.exp(2j * np.pi * coarse.start_hz * delay_s)).astype(np.complex64)
-    kept = int(np.ceil(longest_delay_s / sample_s)) + 3
+    kept = int(np.ceil(longest_delay_s / sample_s)) + 4
     # Never shorter than was asked for: compiled loops look there without asking.
     beyond = ((0, 0), (0, max(0, kept - count)))
     return np.ascontiguousarray(np.pad(samples[:, :kept], beyond)), sample_s

@@ -52,8 +52,8 @@ def back_projection_image(
     samples, sample_s = gated_a_scans(
         spectra, traces.sweep, focus.window, 2.0 * float(table.delay_s.max())
     )
-    image = kernel(
-        samples,
+    parts = kernel(
+        _parts_and_rises(samples),
         place_m,
         side_m,
         *_levels(table, height_m, sample_s),
@@ -63,7 +63,8 @@ def back_projection_image(
         y_m,
         _reaches_m(height_m, focus),
     )
-    return np.moveaxis(image, 2, 0) / traces.height_m.size
+    image = parts[:, :, 0] + 1j * parts[:, :, 1]
+    return np.moveaxis(image, 2, 0) / np.float32(traces.height_m.size)
 
 
 def _kernel():  # type: ignore[no-untyped-def]
@@ -86,6 +87,12 @@ def _scattered(traces: Traces) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         raise WrongDatasetError("every trace is zero or was left out; there is nothing to image")
     place_m = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
     return place_m[held], spectra[held], traces.height_m.ravel()[held]
+
+
+def _parts_and_rises(samples: np.ndarray) -> np.ndarray:
+    """Return real and imaginary parts, and their rises to the next sample, (trace, 4, delay)."""
+    here, rise = samples[:, :-1], np.diff(samples, axis=1)
+    return np.stack([here.real, here.imag, rise.real, rise.imag], axis=1)
 
 
 def _levels(

@@ -1,4 +1,8 @@
-"""The compiled loops of the back-projection; importing this needs numba."""
+"""The compiled loops of the back-projection; importing this needs numba.
+
+Real and imaginary parts and their rises to the next sample lie in arrays of their own, which lets
+the compiler work on several voxels at once: half as long as with complex numbers.
+"""
 
 from __future__ import annotations
 
@@ -8,41 +12,47 @@ import numba
 import numpy as np
 
 
-@numba.njit(cache=True, fastmath=True)
-def _add_together(column, samples, delays, steps, more, first):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, fastmath=True, error_model="numpy")
+def _add_together(voxels, samples, delays, steps, more, first):  # type: ignore[no-untyped-def]
     """Add a trace to a column of voxels, the distance given in steps of the table."""
     i = int(steps)
     part = np.float32(steps - i)
-    for k in range(first, column.size):
-        one_way = delays[i, k] + part * (delays[i + 1, k] - delays[i, k])
+    nearer, further = delays[i], delays[i + 1]
+    real, imaginary = voxels[0], voxels[1]
+    for k in range(first, real.size):
+        one_way = nearer[k] + part * (further[k] - nearer[k])
         place = np.float32(2.0) * (one_way + more)
-        index = int(place)
+        index = np.int32(place)
         share = place - np.float32(index)
-        column[k] += samples[index] + share * (samples[index + 1] - samples[index])
+        real[k] += samples[0, index] + share * samples[2, index]
+        imaginary[k] += samples[1, index] + share * samples[3, index]
 
 
-@numba.njit(cache=True, fastmath=True)
-def _add_apart(column, samples, delays, out, back, more, first):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, fastmath=True, error_model="numpy")
+def _add_apart(voxels, samples, delays, out, back, more, first):  # type: ignore[no-untyped-def]
     """The same for two antennas at different distances."""
     i, j = int(out), int(back)
     out_part, back_part = np.float32(out - i), np.float32(back - j)
-    for k in range(first, column.size):
+    real, imaginary = voxels[0], voxels[1]
+    for k in range(first, real.size):
         place = np.float32(2.0) * more
         place += delays[i, k] + out_part * (delays[i + 1, k] - delays[i, k])
         place += delays[j, k] + back_part * (delays[j + 1, k] - delays[j, k])
-        index = int(place)
+        index = np.int32(place)
         share = place - np.float32(index)
-        column[k] += samples[index] + share * (samples[index + 1] - samples[index])
+        real[k] += samples[0, index] + share * samples[2, index]
+        imaginary[k] += samples[1, index] + share * samples[3, index]
 
 
 @numba.njit(cache=True, fastmath=True, parallel=True)
 def project(  # type: ignore[no-untyped-def]
     samples, place_m, side_m, level, more, table, step_m, x_m, y_m, reach_m
 ):
-    """Return the image (y, x, depth).
+    """Return the image (y, x, 2: real and imaginary, depth), float32.
 
     Args:
-        samples: Analytic A-scans (trace, delay), complex64.
+        samples: Analytic A-scans (trace, 4, delay), float32: real and imaginary part, and what
+            each rises by to the next sample.
         place_m: Middle of the antennas (trace, 2: x, y) [m].
         side_m: From the middle to the transmitter (2) [m]; the receiver stands opposite.
         level: Index of the table's height nearest to each trace's.
@@ -53,7 +63,7 @@ def project(  # type: ignore[no-untyped-def]
         y_m: The same along Y.
         reach_m: Largest distance that is taken (trace, depth) [m], ascending with depth.
     """
-    image = np.zeros((y_m.size, x_m.size, table.shape[2]), dtype=np.complex64)
+    image = np.zeros((y_m.size, x_m.size, 2, table.shape[2]), dtype=np.float32)
     together = side_m[0] == 0.0 and side_m[1] == 0.0
     for row in numba.prange(y_m.size):
         for trace in range(samples.shape[0]):
