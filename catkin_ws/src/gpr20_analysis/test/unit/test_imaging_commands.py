@@ -94,7 +94,7 @@ def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("a-scan", "--x", "240", "--y", "240"),
+        ("a-scan", "--x", "240", "--y", "240", "--until", "6"),
         ("b-scan", "--along", "y", "--x", "240", "--value", "real"),
         ("c-scan", "--delay", "2.4"),
         ("coverage",),
@@ -127,6 +127,7 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
         (("process", "SURVEY", "-o", "x.nc"), "no step was given"),
         (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside of the survey"),
         (("plot", "c-scan", "SURVEY", "-o", "x.png"), "--delay"),
+        (("plot", "b-scan", "SURVEY", "--until", "0", "-o", "x.png"), "--until"),
         (("plot", "height", "SURVEY", "-o", "x.jpg"), "must end in"),
         (("plot", "projection", "SURVEY", "-o", "x.png"), "no 'image'"),
     ],

@@ -13,7 +13,7 @@ from gpr20_analysis.commands import processing_input, survey_input
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.low.figure_file import FORMATS, save_figure
-from gpr20_analysis.mid.dataset import A_SCAN, IMAGE, MM_PER_M, X, Y
+from gpr20_analysis.mid.dataset import A_SCAN, DELAY, IMAGE, MM_PER_M, X, Y
 from gpr20_analysis.mid.processing.delay import to_time
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--depth", type=float, metavar="MM", help="of a C-scan of an image")
     parser.add_argument("--delay", type=float, metavar="NS", help="of a C-scan of a survey")
+    parser.add_argument("--until", type=float, metavar="NS", help="last delay of A- and B-scans")
     parser.add_argument("--rotation", type=float, metavar="DEG", help="of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
 
@@ -68,6 +69,8 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
     in_time = data if A_SCAN in data else to_time(data)
     if chosen.kind == "c-scan":
         return scans.c_scan_figure(in_time, _needed(chosen.delay, "--delay") * S_PER_NS)
+    if chosen.until is not None:
+        in_time = _until(in_time, chosen.until * S_PER_NS)
     x_m, y_m = _place(data, X, chosen.x), _place(data, Y, chosen.y)
     if chosen.kind == "a-scan":
         return scans.a_scan_figure(in_time, x_m, y_m)
@@ -85,6 +88,13 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
             f"{lowest_m * MM_PER_M:g}..{highest_m * MM_PER_M:g} mm"
         )
     return given_mm / MM_PER_M
+
+
+def _until(in_time: xr.Dataset, last_s: float) -> xr.Dataset:
+    shown = in_time.sel({DELAY: slice(None, last_s)})
+    if shown.sizes[DELAY] < 2:
+        raise WrongDatasetError(f"--until {last_s / S_PER_NS:g} ns leaves no trace to draw")
+    return shown
 
 
 def _needed(value: float, option: str) -> float:
