@@ -85,6 +85,27 @@ def test_processed_data_go_through_the_chain_and_keep_their_recipe(survey_file, 
     np.testing.assert_array_equal(read_dataset(result).s21, read_dataset(again).s21)
 
 
+def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, capsys):
+    answer = json.loads(
+        told(
+            capsys,
+            "image",
+            survey_file,
+            "--step",
+            "background",
+            "--step",
+            "combine",
+            "--permittivity",
+            4,
+            "--figures",
+            tmp_path / "pictures",
+            "--json",
+        )  # fmt: skip
+    )
+    assert answer["echoes"][0]["polarization_deg"] is None
+    assert (tmp_path / "pictures" / "projections_combined.png").exists()
+
+
 def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
     assert "1 samples have no numbers" in refused(capsys, "image", holed_file, "--permittivity", 4)
     text = told(capsys, "image", holed_file, "--permittivity", 4, "--leave-out-missing")

@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import json
 from pathlib import Path
+from typing import Dict, Optional
 
 import numpy as np
 import xarray as xr
@@ -16,9 +17,14 @@ from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.low.figure_file import save_figure
 from gpr20_analysis.mid.dataset import DEPTH, POLARIZATION
 from gpr20_analysis.mid.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.mid.imaging.echoes import FAINTEST_DB, find_echoes
+from gpr20_analysis.mid.imaging.echoes import FAINTEST_DB, Echo, find_echoes
 from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
-from gpr20_analysis.mid.imaging.image_output import echo_lines, permittivity_line, write_volume
+from gpr20_analysis.mid.imaging.image_output import (
+    echo_lines,
+    permittivity_line,
+    rotation_word,
+    write_volume,
+)
 from gpr20_analysis.mid.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.mid.processing.sweep import Window
 
@@ -119,7 +125,7 @@ def _write(image: xr.Dataset, chosen: argparse.Namespace) -> None:
         chosen.figures.mkdir(parents=True, exist_ok=True)
         for turn, degrees in enumerate(image[POLARIZATION].values):
             figure = projection_figure(image, turn)
-            save_figure(figure, chosen.figures / f"projections_{degrees:g}deg.png")
+            save_figure(figure, chosen.figures / f"projections_{rotation_word(degrees)}.png")
         for echo in find_echoes(image, chosen.faintest):
             depth_mm = round(float(image[DEPTH].sel(depth=echo.depth_m, method="nearest")) * 1000.0)
             name = f"slice_{depth_mm:04d}mm.png"
@@ -136,7 +142,7 @@ def _tell(image: xr.Dataset, chosen: argparse.Namespace) -> None:
             "method": image.attrs["method"],
             "processing": json.loads(image.attrs.get(PROCESSING, "[]")),
             "notes": image.attrs["notes"],
-            "echoes": [dataclasses.asdict(echo) for echo in echoes],
+            "echoes": [_plain(echo) for echo in echoes],
         }
         print(json.dumps(told, indent=2))
         return
@@ -144,6 +150,12 @@ def _tell(image: xr.Dataset, chosen: argparse.Namespace) -> None:
         print(f"note: {note}")
     print(permittivity_line(image))
     print("\n".join(echo_lines(echoes)) if echoes else "no echo stands out")
+
+
+def _plain(echo: Echo) -> Dict[str, Optional[float]]:
+    """Return an echo for JSON, which knows no NaN."""
+    values = dataclasses.asdict(echo)
+    return {key: value if np.isfinite(value) else None for key, value in values.items()}
 
 
 COMMAND = Command(

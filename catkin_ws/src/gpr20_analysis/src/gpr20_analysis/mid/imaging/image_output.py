@@ -23,10 +23,15 @@ def write_volume(image: xr.Dataset, path: Path) -> None:
     """
     magnitude = np.abs(require(image, IMAGE, (POLARIZATION, X, Y, DEPTH)).values)
     volumes = {
-        f"magnitude_{turn:g}_deg": np.ascontiguousarray(volume[:, :, ::-1])
+        f"magnitude_{rotation_word(turn)}": np.ascontiguousarray(volume[:, :, ::-1])
         for turn, volume in zip(image[POLARIZATION].values, magnitude)
     }
     write_vtk(path, image[X].values, image[Y].values, -image[DEPTH].values[::-1], volumes)
+
+
+def rotation_word(rotation_deg: float) -> str:
+    """Return a polarization as part of a name."""
+    return "combined" if np.isnan(rotation_deg) else f"{rotation_deg:g}deg"
 
 
 def echo_lines(echoes: List[Echo]) -> List[str]:
