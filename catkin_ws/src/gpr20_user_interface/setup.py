@@ -9,7 +9,10 @@ setup(
             "gpr20_user_interface.low",
             "gpr20_user_interface.mid",
             "gpr20_user_interface.mid.views",
+            "gpr20_user_interface.mid.views.control",
+            "gpr20_user_interface.mid.views.status",
         ],
+        package_data={"gpr20_user_interface": ["translations/*.ts"]},
         package_dir={"": "src"},
     )
 )

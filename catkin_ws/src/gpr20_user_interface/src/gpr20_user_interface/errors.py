@@ -13,3 +13,7 @@ class MasterUnavailableError(UserInterfaceError, OSError):
 
 class ParametersRefusedError(UserInterfaceError, ValueError):
     """The parameters of the survey are not allowed; the message names each."""
+
+
+class LanguageError(UserInterfaceError, ValueError):
+    """The window cannot speak this language."""

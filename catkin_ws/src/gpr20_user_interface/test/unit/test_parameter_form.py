@@ -2,8 +2,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel, problems
-from gpr20_user_interface.mid.parameter_form import FIELDS, check_form
+from gpr20_main_control.mid.survey_parameters import (
+    RobotTravel,
+    Rule,
+    SurveyParameters,
+    Travel,
+    problems,
+)
+from gpr20_user_interface.mid.parameter_form import (
+    FIELDS,
+    MAX_GRID_POINTS,
+    check_form,
+    limits,
+    stepped,
+    texts_of,
+)
 from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL
 
 DEFAULTS = {field.name: field.default for field in FIELDS}
@@ -20,36 +33,36 @@ def test_form_has_every_parameter_of_a_survey():
 
 def test_defaults_can_be_started():
     result = check()
-    assert result.sentences == ()
+    assert (result.wrong_fields, result.broken) == ((), ())
     assert result.parameters.start_frequency_hz == 600e6
     assert result.parameters.polarizations_deg == (0.0, 90.0)
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "words"),
+    ("name", "text", "rule"),
     [
-        ("vna_address", "10.0.7", "four numbers"),
-        ("start_frequency_hz", "0", "between"),
-        ("start_frequency_hz", "6000", "below the stop frequency"),
-        ("start_frequency_hz", "nan", "between"),
-        ("stop_frequency_hz", "6000.1", "between"),
-        ("frequency_points", "4001", "between 2 and 4000"),
-        ("frequency_points", "1", "between 2 and 4000"),
-        ("x_start_mm", "-1", "between 0 and 650 mm"),
-        ("x_start_mm", "inf", "between 0 and 650 mm"),
-        ("x_stop_mm", "650.01", "between 0 and 650 mm"),
-        ("x_points", "2", "more than 2"),
-        ("y_start_mm", "801", "between 0 and 800 mm"),
-        ("y_stop_mm", "nan", "between 0 and 800 mm"),
-        ("y_points", "0", "more than 2"),
-        ("polarizations_deg", "0, 91", "between -90 and 90 deg"),
-        ("polarizations_deg", "0, 0", "a rotation of its own"),
+        ("vna_address", "10.0.7", Rule.ADDRESS),
+        ("start_frequency_hz", "0", Rule.START_FREQUENCY),
+        ("start_frequency_hz", "6000", Rule.FREQUENCY_ORDER),
+        ("start_frequency_hz", "nan", Rule.START_FREQUENCY),
+        ("stop_frequency_hz", "6000.1", Rule.STOP_FREQUENCY),
+        ("frequency_points", "4001", Rule.FREQUENCY_POINTS),
+        ("frequency_points", "1", Rule.FREQUENCY_POINTS),
+        ("x_start_mm", "-1", Rule.X_START),
+        ("x_stop_mm", "650.01", Rule.X_STOP),
+        ("x_points", "2", Rule.X_POINTS),
+        ("x_points", "20000", Rule.X_SPACING),
+        ("y_start_mm", "801", Rule.Y_START),
+        ("y_stop_mm", "800.5", Rule.Y_STOP),
+        ("y_points", "0", Rule.Y_POINTS),
+        ("polarizations_deg", "0, 91", Rule.POLARIZATIONS),
+        ("polarizations_deg", "0, 0", Rule.POLARIZATIONS),
     ],
 )
-def test_field_with_a_wrong_value_is_marked_and_says_what_is_allowed(name, text, words):
+def test_field_with_a_wrong_value_is_marked_with_the_rule_it_breaks(name, text, rule):
     result = check(**{name: text})
-    assert list(result.field_problems) == [name]
-    assert words in result.field_problems[name]
+    assert result.wrong_fields == (name,)
+    assert rule in result.broken
     assert result.parameters is None
 
 
@@ -57,24 +70,28 @@ def test_field_with_a_wrong_value_is_marked_and_says_what_is_allowed(name, text,
 @pytest.mark.parametrize("text", ["", "abc", "1 2"])
 def test_field_that_cannot_be_read_is_marked_and_locks_the_start(field, text):
     result = check(**{field.name: text})
-    assert list(result.field_problems) == [field.name]
+    assert (result.wrong_fields, result.broken) == ((field.name,), ())
     assert result.parameters is None
 
 
-def test_points_are_whole_numbers():
-    assert "not a whole number" in check(x_points="3.5").field_problems["x_points"]
+@pytest.mark.parametrize("text", ["3.5", "-3", "1_0", "٣", "inf"])
+def test_points_are_whole_numbers(text):
+    assert check(x_points=text).unreadable == ("x_points",)
+
+
+@pytest.mark.parametrize("text", ["inf", "nan", "-inf"])
+def test_coordinates_are_finite(text):
+    assert check(x_start_mm=text).wrong_fields == ("x_start_mm",)
 
 
 def test_several_wrong_fields_are_all_marked_in_their_order():
     result = check(y_points="x", vna_address="", x_stop_mm="900")
-    assert list(result.field_problems) == ["vna_address", "x_stop_mm", "y_points"]
+    assert result.wrong_fields == ("vna_address", "x_stop_mm", "y_points")
 
 
 def test_fault_of_no_single_field_locks_the_start_too():
     result = check(x_points="1000", y_points="1000")
-    assert result.parameters is None
-    assert dict(result.field_problems) == {}
-    assert "number of traces" in result.other_problems[0]
+    assert (result.parameters, result.wrong_fields, result.broken) == (None, (), (Rule.SIZE,))
 
 
 def test_limits_are_those_of_the_axes_that_are_given():
@@ -85,5 +102,45 @@ def test_limits_are_those_of_the_axes_that_are_given():
 @given(st.fixed_dictionaries({field.name: st.text(max_size=8) for field in FIELDS}))
 def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
     result = check_form(texts, ROBOT)
-    assert (result.parameters is None) == bool(result.sentences)
+    assert (result.parameters is None) == bool(result.unreadable or result.broken)
     assert result.parameters is None or problems(result.parameters, ROBOT) == []
+
+
+def test_texts_of_parameters_are_read_back_as_the_same_parameters():
+    parameters = check(start_frequency_hz="700.123456", x_stop_mm="150.01").parameters
+    assert check_form(texts_of(parameters), ROBOT).parameters == parameters
+
+
+@pytest.mark.parametrize(
+    ("text", "change", "expected"),
+    [
+        ("50", 10, "60"),
+        ("50.25", -1, "49.25"),
+        ("0.1", 1, "1.1"),
+        ("600", 100, "650"),
+        ("50", -100, "0"),
+        ("700", 10, "650"),
+        ("", 1, "0"),
+        ("nan", 1, "0"),
+        ("100", 100, "200"),
+    ],
+)
+def test_arrow_changes_a_number_within_its_bounds(text, change, expected):
+    assert stepped(text, change, (0.0, 650.0)) == expected
+
+
+@given(st.text(max_size=8), st.sampled_from([-100, -10, -1, 1, 10, 100]))
+def test_arrow_makes_an_allowed_number_of_any_text(text, change):
+    assert 0.0 <= float(stepped(text, change, (0.0, 650.0))) <= 650.0
+
+
+@pytest.mark.parametrize("field", FIELDS[1:-1], ids=lambda field: field.name)
+def test_limits_that_are_shown_are_those_that_are_checked(field):
+    lower, upper = limits(field.name, ROBOT)
+    assert not field.rules & set(check(**{field.name: f"{lower:g}"}).broken) - {
+        Rule.FREQUENCY_ORDER
+    }
+    below = check(**{field.name: f"{lower - 1:g}"})
+    assert field.name in below.wrong_fields
+    if upper != MAX_GRID_POINTS:
+        assert field.name in check(**{field.name: f"{upper + 1:g}"}).wrong_fields

@@ -3,13 +3,18 @@ import math
 import pytest
 
 from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
+from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
+from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
 from gpr20_user_interface.mid.survey_state import (
     Answer,
     AxisLimits,
+    ControlParameters,
     ControlState,
     CurrentPosition,
+    HealthLevel,
     MeasuredHeight,
+    NodeHealth,
     Progress,
     Request,
     TargetPosition,
@@ -29,7 +34,7 @@ def model(clock):
 
 
 def allowed(snapshot):
-    names = ("start", "stop", "resume")
+    names = ("start", "stop", "pause", "resume")
     return [name for name in names if getattr(snapshot, f"can_{name}")]
 
 
@@ -38,7 +43,8 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert not snapshot.control_alive
     assert snapshot.control_silent_s is None
     assert (snapshot.state, snapshot.progress, snapshot.current, snapshot.height_m) == (None,) * 4
-    assert allowed(snapshot) == []
+    # What cannot be heard may be moving.
+    assert allowed(snapshot) == ["stop"]
 
 
 @pytest.mark.parametrize("code", list(SurveyState))
@@ -47,6 +53,8 @@ def test_buttons_follow_what_main_control_says(model, code):
     expected = ["stop"] if code in RUNNING else ["start"]
     if code is SurveyState.PAUSED:
         expected.append("resume")
+    if code is SurveyState.SURVEYING:
+        expected.append("pause")
     snapshot = model.snapshot()
     assert allowed(snapshot) == expected
     assert snapshot.fields_locked == (code in RUNNING)
@@ -55,10 +63,11 @@ def test_buttons_follow_what_main_control_says(model, code):
 def test_stop_that_was_asked_for_is_not_taken_for_done(model):
     model.handle(state(SurveyState.SURVEYING))
     model.request_sent(Request.STOP)
+    assert allowed(model.snapshot()) == ["stop"]
     model.handle(Answer(Request.STOP, True, "stopping"))
     snapshot = model.snapshot()
     assert snapshot.running and snapshot.fields_locked
-    assert allowed(snapshot) == ["stop"]
+    assert snapshot.can_stop and not snapshot.can_start
 
 
 def test_start_that_is_being_asked_for_locks_start_and_unlocks_stop(model):
@@ -86,14 +95,19 @@ def test_start_is_not_locked_for_ever_by_a_survey_that_never_showed(model, clock
     assert allowed(model.snapshot()) == ["start"]
 
 
-def test_survey_of_this_window_is_told_from_others(model):
-    model.handle(state(SurveyState.SURVEYING, ""))
-    assert not model.snapshot().started_here
-    model.handle(Answer(Request.START, True, "started", "mine"))
-    model.handle(state(SurveyState.SURVEYING, "mine"))
-    assert model.snapshot().started_here
-    model.handle(state(SurveyState.SURVEYING, "another"))
-    assert not model.snapshot().started_here
+def test_parameters_are_those_of_the_survey_that_runs(model):
+    parameters = default_parameters()
+    model.handle(ControlParameters(parameters))
+    model.handle(state(SurveyState.CONFIGURED))
+    assert model.snapshot().survey_parameters is None
+    model.handle(state(SurveyState.SURVEYING))
+    assert model.snapshot().survey_parameters is parameters
+
+
+def test_pause_is_asked_for_once_at_a_time(model):
+    model.handle(state(SurveyState.SURVEYING))
+    model.request_sent(Request.PAUSE)
+    assert allowed(model.snapshot()) == ["stop"]
 
 
 def test_resume_is_asked_for_once_at_a_time(model):
@@ -111,7 +125,7 @@ def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, cloc
     assert not snapshot.control_alive
     assert snapshot.control_silent_s == pytest.approx(CONTROL_SILENCE_S + 0.1)
     assert snapshot.state.code is SurveyState.FINISHED
-    assert allowed(snapshot) == []
+    assert allowed(snapshot) == ["stop"]
     model.handle(PROGRESS)
     assert allowed(model.snapshot()) == ["start"]
 
@@ -161,3 +175,23 @@ def test_limits_of_the_axes_are_known_until_they_are_not(model):
     assert model.snapshot().travel is limits.travel
     model.handle(AxisLimits(None, "no axes"))
     assert model.snapshot().travel is None
+
+
+def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
+    model.handle(state(SurveyState.IDLE))
+    limits = AxisLimits(object())
+    model.handle(limits)
+    assert model.snapshot().alarm is None
+    model.handle(AxisLimits(None, "refused", master_alive=False))
+    assert model.snapshot().travel is limits.travel
+    assert model.snapshot().alarm.kind is AlarmKind.MASTER_GONE
+    model.handle(limits)
+    assert model.snapshot().alarm is None
+
+
+def test_trouble_of_the_analyzer_is_an_alarm_until_it_is_over(model):
+    model.handle(state(SurveyState.SURVEYING))
+    model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, "no answer", {}))
+    assert model.snapshot().alarm == Alarm(AlarmKind.ANALYZER_GONE, detail="no answer")
+    model.handle(NodeHealth("vna_acquisition", HealthLevel.OK, "connected", {}))
+    assert model.snapshot().alarm is None

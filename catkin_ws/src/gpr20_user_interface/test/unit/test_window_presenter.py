@@ -8,12 +8,15 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication, QMessageBox
+from PyQt5.QtWidgets import QApplication
 
 from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_state import Answer, ControlState, Progress, Request
-from gpr20_user_interface.mid.views.main_window import MainWindow
+from gpr20_user_interface.mid.views.control.control_view import ControlView
+from gpr20_user_interface.mid.views.main_window import MainWindow, Tabs
+from gpr20_user_interface.mid.views.status.status_view import StatusView
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 
 
@@ -26,6 +29,9 @@ class ControlThatRecords:
 
     def stop_survey(self):
         self.asked.append("stop")
+
+    def pause_survey(self):
+        self.asked.append("pause")
 
     def resume_survey(self):
         self.asked.append("resume")
@@ -55,7 +61,8 @@ def application():
 
 @pytest.fixture
 def parts(application, clock):
-    window, control, model = MainWindow(), ControlThatRecords(), WatchedModel(clock)
+    window = MainWindow(Tabs(ControlView(), StatusView()), Language.ENGLISH)
+    control, model = ControlThatRecords(), WatchedModel(clock)
     presenter = WindowPresenter(model, window, control)
     window.show()
     presenter.begin()
@@ -81,19 +88,19 @@ def test_one_press_of_start_is_one_request(parts):
     presenter, window, control, _ = parts
     presenter.on_event(state(SurveyState.IDLE))
     presenter.refresh()
-    click(window.commands.start)
-    click(window.commands.start)
+    click(window.control.start)
+    click(window.control.start)
     assert len(control.asked) == 2
     assert control.asked[1].x_points == 5
-    assert window.commands.stop.isEnabled()
+    assert window.top_bar.stop.isEnabled()
 
 
 def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
     presenter, window, control, _ = parts
     presenter.on_event(state(SurveyState.SURVEYING))
     presenter.refresh()
-    click(window.commands.stop)
-    click(window.commands.stop)
+    click(window.top_bar.stop)
+    click(window.top_bar.stop)
     assert control.asked[1:] == ["stop", "stop"]
 
 
@@ -101,27 +108,34 @@ def test_resume_is_asked_for(parts):
     presenter, window, control, _ = parts
     presenter.on_event(state(SurveyState.PAUSED))
     presenter.refresh()
-    click(window.commands.resume)
+    click(window.control.pause)
     assert control.asked[1:] == ["resume"]
+
+
+def test_pause_is_asked_for(parts):
+    presenter, window, control, _ = parts
+    presenter.on_event(state(SurveyState.SURVEYING))
+    presenter.refresh()
+    click(window.control.pause)
+    assert control.asked[1:] == ["pause"]
 
 
 def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     presenter, window, _, _ = parts
     presenter.on_event(state(SurveyState.CONFIGURED))
     presenter.refresh()
-    click(window.commands.start)
-    assert not window.commands.start.isEnabled()
+    click(window.control.start)
+    assert not window.control.start.isEnabled()
     presenter.on_event(Answer(Request.START, False, "the disk is full"))
-    dialog = window.findChild(QMessageBox)
-    assert dialog.informativeText() == "the disk is full"
-    assert window.commands.start.isEnabled()
-    dialog.close()
+    assert window.notice.reason.toPlainText() == "the disk is full"
+    assert window.notice.isVisible()
+    assert window.control.start.isEnabled()
 
 
 def test_granted_request_opens_no_dialog(parts):
     presenter, window, _, _ = parts
     presenter.on_event(Answer(Request.START, True, "", "id"))
-    assert window.findChild(QMessageBox) is None
+    assert not window.notice.isVisible()
 
 
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
@@ -134,9 +148,9 @@ def test_events_of_other_threads_reach_the_window_in_its_own(parts):
         thread.start()
         thread.join()
     assert model.threads == []
-    assert_within_5_s(lambda: window.progress.thousandths == 500)
+    assert_within_5_s(lambda: window.status.progress.thousandths == 500)
     assert set(model.threads) == {threading.current_thread()}
-    assert window.status.title == "SURVEYING"
+    assert window.status.message.title == "SURVEYING"
 
 
 def assert_within_5_s(condition):

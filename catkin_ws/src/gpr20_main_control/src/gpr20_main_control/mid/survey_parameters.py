@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from dataclasses import dataclass
 from typing import Callable, Iterable, List, Tuple
@@ -80,35 +81,77 @@ def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
         raise SurveyParametersError("; ".join(found))
 
 
+class Rule(enum.Enum):
+    """What is asked of the parameters of a survey, one by one."""
+
+    ADDRESS = "address"
+    START_FREQUENCY = "start frequency"
+    STOP_FREQUENCY = "stop frequency"
+    FREQUENCY_ORDER = "frequency order"
+    FREQUENCY_POINTS = "frequency points"
+    X_START = "x start"
+    X_STOP = "x stop"
+    X_POINTS = "x points"
+    X_SPACING = "x spacing"
+    Y_START = "y start"
+    Y_STOP = "y stop"
+    Y_POINTS = "y points"
+    Y_SPACING = "y spacing"
+    POLARIZATIONS = "polarizations"
+    SIZE = "size"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A rule that the parameters break, and the sentence that says how."""
+
+    rule: Rule
+    sentence: str
+
+
 def problems(parameters: SurveyParameters, travel: RobotTravel) -> List[str]:
     """Return one sentence per parameter that is not allowed; empty if all are."""
+    return [problem.sentence for problem in find_problems(parameters, travel)]
+
+
+def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Problem]:
+    """Return every rule that the parameters break; empty if all are kept."""
     p = parameters
-    checks: List[Callable[[], object]] = [
-        lambda: ipv4_address("VNA address", p.vna_address),
-        lambda: _frequency("start frequency", p.start_frequency_hz),
-        lambda: _frequency("stop frequency", p.stop_frequency_hz),
-        lambda: _ascending_frequencies(p),
-        lambda: number_between(
-            "frequency points", p.frequency_points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS
-        ),
-        lambda: _coordinate("x start", p.x_start_mm, travel.x),
-        lambda: _coordinate("x stop", p.x_stop_mm, travel.x),
-        lambda: _grid("x", p.x_start_mm, p.x_stop_mm, p.x_points, travel.x),
-        lambda: _coordinate("y start", p.y_start_mm, travel.y),
-        lambda: _coordinate("y stop", p.y_stop_mm, travel.y),
-        lambda: _grid("y", p.y_start_mm, p.y_stop_mm, p.y_points, travel.y),
-        lambda: _polarizations(p.polarizations_deg, travel.z),
-        lambda: _size(p),
+    checks: List[Tuple[Rule, Callable[[], object]]] = [
+        (Rule.ADDRESS, lambda: ipv4_address("VNA address", p.vna_address)),
+        (Rule.START_FREQUENCY, lambda: _frequency("start frequency", p.start_frequency_hz)),
+        (Rule.STOP_FREQUENCY, lambda: _frequency("stop frequency", p.stop_frequency_hz)),
+        (Rule.FREQUENCY_ORDER, lambda: _ascending_frequencies(p)),
+        (Rule.FREQUENCY_POINTS, lambda: _frequency_points(p.frequency_points)),
+        (Rule.X_START, lambda: _coordinate("x start", p.x_start_mm, travel.x)),
+        (Rule.X_STOP, lambda: _coordinate("x stop", p.x_stop_mm, travel.x)),
+        (Rule.X_POINTS, lambda: _grid_points("x", p.x_points)),
+        (Rule.X_SPACING, lambda: _spacing("x", p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
+        (Rule.Y_START, lambda: _coordinate("y start", p.y_start_mm, travel.y)),
+        (Rule.Y_STOP, lambda: _coordinate("y stop", p.y_stop_mm, travel.y)),
+        (Rule.Y_POINTS, lambda: _grid_points("y", p.y_points)),
+        (Rule.Y_SPACING, lambda: _spacing("y", p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
+        (Rule.POLARIZATIONS, lambda: _polarizations(p.polarizations_deg, travel.z)),
+        (Rule.SIZE, lambda: _size(p)),
     ]
-    return list(_sentences(checks))
+    return list(_broken(checks))
 
 
-def _sentences(checks: Iterable[Callable[[], object]]) -> Iterable[str]:
-    for one in checks:
+def coordinate_limits_mm(travel: Travel) -> Tuple[float, float]:
+    """Return the coordinates [mm] that a survey may name on a linear axis."""
+    return max(MIN_COORDINATE_MM, travel.lower), min(MAX_COORDINATE_MM, travel.upper)
+
+
+def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Problem]:
+    for rule, one in checks:
         try:
             one()
         except InvalidValueError as error:
-            yield str(error)
+            yield Problem(rule, str(error))
+
+
+def _frequency_points(points: int) -> None:
+    number_between("frequency points", points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
 
 
 def _frequency(name: str, frequency_hz: float) -> None:
@@ -124,16 +167,20 @@ def _ascending_frequencies(p: SurveyParameters) -> None:
 
 
 def _coordinate(name: str, coordinate_mm: float, travel: Travel) -> None:
-    lower = max(MIN_COORDINATE_MM, travel.lower)
-    upper = min(MAX_COORDINATE_MM, travel.upper)
-    number_between(name, coordinate_mm, lower, upper, "mm")
+    lower_mm, upper_mm = coordinate_limits_mm(travel)
+    number_between(name, coordinate_mm, lower_mm, upper_mm, "mm")
 
 
-def _grid(name: str, start_mm: float, stop_mm: float, points: int, travel: Travel) -> None:
+def _grid_points(name: str, points: int) -> None:
     if points < MIN_GRID_POINTS:
         raise InvalidValueError(
             f"{name} points is {points}; it must be more than {MIN_GRID_POINTS - 1}"
         )
+
+
+def _spacing(name: str, start_mm: float, stop_mm: float, points: int, travel: Travel) -> None:
+    if points < MIN_GRID_POINTS:
+        return
     spacing_mm = abs(stop_mm - start_mm) / (points - 1)
     # Two stops on the same motor step would be the same place measured twice. A span that
     # is not finite is reported with its coordinate.

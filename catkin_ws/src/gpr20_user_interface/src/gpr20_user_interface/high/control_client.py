@@ -12,6 +12,7 @@ from std_srvs.srv import Trigger
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.robot_travel import read_axis_limits
@@ -36,6 +37,7 @@ class ControlClient:
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = ServiceClient("stop_survey", Trigger)
+        self._pause = ServiceClient("pause_survey", Trigger)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
         self._reading_limits = threading.Lock()
         self._subscribers: List[rospy.Subscriber] = []
@@ -49,6 +51,7 @@ class ControlClient:
         """Subscribe to where the robot is."""
         self._subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
         self._subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
+        self._subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
         self._subscribe("measured_height", Range, conversions.measured_height, 1)
 
     def close(self) -> None:
@@ -67,6 +70,12 @@ class ControlClient:
         """Ask to stop the survey; the answer is an event."""
         self._in_background(
             lambda: self._answer(Request.STOP, lambda: self._stop.call(STOP_TIMEOUT_S))
+        )
+
+    def pause_survey(self) -> None:
+        """Ask to hold the survey; the answer is an event."""
+        self._in_background(
+            lambda: self._answer(Request.PAUSE, lambda: self._pause.call(STOP_TIMEOUT_S))
         )
 
     def resume_survey(self, survey_id: str = "") -> None:

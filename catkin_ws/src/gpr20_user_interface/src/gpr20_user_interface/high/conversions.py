@@ -7,11 +7,12 @@ import math
 
 from sensor_msgs.msg import Range
 
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_main_control.mid.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_user_interface.mid.survey_state import (
+    ControlParameters,
     ControlState,
     CurrentPosition,
     MeasuredHeight,
@@ -23,6 +24,13 @@ from gpr20_user_interface.mid.survey_state import (
 def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:
     """Return the message with the same fields."""
     return SurveyParametersMessage(**dataclasses.asdict(parameters))
+
+
+def parameters(message: SurveyParametersMessage) -> ControlParameters:
+    """Convert `survey_parameters`."""
+    values = {name: getattr(message, name) for name in message.__slots__}
+    values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
+    return ControlParameters(SurveyParameters(**values))
 
 
 def control_state(message: ControlStatus) -> ControlState:

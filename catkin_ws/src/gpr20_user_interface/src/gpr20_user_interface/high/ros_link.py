@@ -39,6 +39,10 @@ class RosLink(QObject):
         """Ask to stop."""
         self._client.stop_survey()
 
+    def pause_survey(self) -> None:
+        """Ask to hold the survey."""
+        self._client.pause_survey()
+
     def resume_survey(self) -> None:
         """Ask to go on with the paused survey."""
         self._client.resume_survey()

@@ -14,8 +14,12 @@ from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.ros_link import RosLink
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
+from gpr20_user_interface.mid.language import Language, language_from_code
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.views.main_window import MainWindow
+from gpr20_user_interface.mid.views.control.control_view import ControlView
+from gpr20_user_interface.mid.views.main_window import MainWindow, Tabs
+from gpr20_user_interface.mid.views.status.status_view import StatusView
+from gpr20_user_interface.mid.views.translation import Languages
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 
 MASTER_WAIT_S = 30.0
@@ -26,8 +30,10 @@ EXIT_BY_SIGNAL = 130
 class UserInterface:
     """The window and everything that it needs, connected."""
 
-    def __init__(self, model: SurveyModel) -> None:
-        self.window = MainWindow()
+    def __init__(self, model: SurveyModel, languages: Languages) -> None:
+        self.window = MainWindow(Tabs(ControlView(), StatusView()), languages.language)
+        self.window.language_requested.connect(languages.use_next)
+        languages.changed.connect(self.window.show_language)
         self.link = RosLink()
         self.presenter = WindowPresenter(model, self.window, self.link)
         # The signals come from ROS's threads: Qt carries them into the thread of the window.
@@ -71,7 +77,9 @@ def main() -> int:
 
 
 def _show(application: QApplication) -> int:
-    interface = UserInterface(SurveyModel(Clock()))
+    code = rospy.get_param("~language", Language.ENGLISH.value)
+    languages = Languages(application, language_from_code(code))
+    interface = UserInterface(SurveyModel(Clock()), languages)
     interface.link.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
     interface.begin()
     diagnostics = Diagnostics("user_interface", interface.health)

@@ -3,117 +3,193 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from decimal import Decimal, InvalidOperation
+from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Tuple
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, problems
-from gpr20_user_interface.mid.units import hertz_from_megahertz, rotations_from_text
+from gpr20_main_control.mid.survey_parameters import (
+    MAX_FREQUENCY_HZ,
+    MAX_FREQUENCY_POINTS,
+    MIN_FREQUENCY_HZ,
+    MIN_FREQUENCY_POINTS,
+    MIN_GRID_POINTS,
+    RobotTravel,
+    Rule,
+    SurveyParameters,
+    coordinate_limits_mm,
+    find_problems,
+)
+from gpr20_user_interface.mid.units import (
+    hertz_from_megahertz,
+    megahertz_text,
+    rotations_from_text,
+    rotations_text,
+)
+
+ADDRESS = "vna_address"
+ROTATIONS = "polarizations_deg"
+# The arrows stop here; main_control's own limit is that of the whole survey.
+MAX_GRID_POINTS = 9999
+HERTZ_PER_MEGAHERTZ = 1.0e6
 
 
 def _whole_number(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise ValueError(f"'{text}' is not a whole number") from None
+    # Not int() alone: it accepts digits of other scripts, underscores and signs.
+    if not (text.strip().isascii() and text.strip().isdigit()):
+        raise ValueError(f"'{text}' is not a whole number")
+    return int(text)
 
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
         raise ValueError(f"'{text}' is not a number") from None
+    if not math.isfinite(value):
+        raise ValueError(f"'{text}' is not a number")
+    return value
+
+
+def _number_text(value: float) -> str:
+    return f"{value:.12g}"
 
 
 @dataclass(frozen=True)
 class Field:
     """One field of the form.
 
-    Args:
+    Attributes:
         name: Field of SurveyParameters.
-        sentence_start: How the sentences about it begin that come from the checks.
         default: Text that the field starts with.
         read: Makes the parameter's value from the text, or raises ValueError.
+        write: Makes the text from a value.
+        rules: Rules that are about this field.
     """
 
     name: str
-    sentence_start: str
     default: str
     read: Callable[[str], Any]
+    write: Callable[[Any], str]
+    rules: FrozenSet[Rule]
+
+
+def _field(
+    name: str, default: str, read: Callable[[str], Any], write: Callable[[Any], str], *rules: Rule
+) -> Field:
+    return Field(name, default, read, write, frozenset(rules))
 
 
 FIELDS: Tuple[Field, ...] = (
-    Field("vna_address", "VNA address", "127.0.0.1", str.strip),
-    Field("start_frequency_hz", "start frequency", "600", hertz_from_megahertz),
-    Field("stop_frequency_hz", "stop frequency", "6000", hertz_from_megahertz),
-    Field("frequency_points", "frequency points", "501", _whole_number),
-    Field("x_start_mm", "x start", "50", _number),
-    Field("x_stop_mm", "x stop", "150", _number),
-    Field("x_points", "x points", "5", _whole_number),
-    Field("y_start_mm", "y start", "50", _number),
-    Field("y_stop_mm", "y stop", "150", _number),
-    Field("y_points", "y points", "5", _whole_number),
-    Field("polarizations_deg", "polarization", "0, 90", rotations_from_text),
+    _field(ADDRESS, "127.0.0.1", str.strip, str, Rule.ADDRESS),
+    _field(
+        "start_frequency_hz",
+        "600",
+        hertz_from_megahertz,
+        megahertz_text,
+        Rule.START_FREQUENCY,
+        Rule.FREQUENCY_ORDER,
+    ),
+    _field("stop_frequency_hz", "6000", hertz_from_megahertz, megahertz_text, Rule.STOP_FREQUENCY),
+    _field("frequency_points", "501", _whole_number, str, Rule.FREQUENCY_POINTS),
+    _field("x_start_mm", "50", _number, _number_text, Rule.X_START),
+    _field("x_stop_mm", "150", _number, _number_text, Rule.X_STOP),
+    _field("x_points", "5", _whole_number, str, Rule.X_POINTS, Rule.X_SPACING),
+    _field("y_start_mm", "50", _number, _number_text, Rule.Y_START),
+    _field("y_stop_mm", "150", _number, _number_text, Rule.Y_STOP),
+    _field("y_points", "5", _whole_number, str, Rule.Y_POINTS, Rule.Y_SPACING),
+    _field(ROTATIONS, "0, 90", rotations_from_text, rotations_text, Rule.POLARIZATIONS),
 )
+FIELDS_BY_NAME: Dict[str, Field] = {field.name: field for field in FIELDS}
 
 
 @dataclass(frozen=True)
 class FormCheck:
     """What the texts of the form amount to.
 
-    Args:
+    Attributes:
         parameters: None if a text cannot be read or a value is not allowed.
-        field_problems: One sentence per field that is wrong.
-        other_problems: Sentences about more than one field.
+        unreadable: Fields whose text is not what it should be at all.
+        broken: Rules that the readable values break.
     """
 
     parameters: Optional[SurveyParameters]
-    field_problems: Mapping[str, str]
-    other_problems: Tuple[str, ...] = ()
+    unreadable: Tuple[str, ...] = ()
+    broken: Tuple[Rule, ...] = ()
 
     @property
-    def sentences(self) -> Tuple[str, ...]:
-        """Every sentence, in the order of the fields."""
-        return (*self.field_problems.values(), *self.other_problems)
+    def wrong_fields(self) -> Tuple[str, ...]:
+        """Names of the fields that are wrong, in their order."""
+        broken = set(self.broken)
+        return tuple(
+            field.name for field in FIELDS if field.name in self.unreadable or field.rules & broken
+        )
 
 
 def check_form(texts: Mapping[str, str], travel: RobotTravel) -> FormCheck:
     """Read and check the texts of all fields."""
     values: Dict[str, Any] = {}
-    unreadable: Dict[str, str] = {}
+    unreadable = []
     for field in FIELDS:
         try:
             values[field.name] = field.read(texts[field.name])
-        except ValueError as error:
-            unreadable[field.name] = f"{field.sentence_start}: {error}"
-    candidate = _completed(values)
-    # A field that cannot be read stands in with its default, which must not be judged.
-    found = [one for one in problems(candidate, travel) if not _is_about(one, unreadable)]
-    by_field, others = _assigned(found)
-    by_field.update(unreadable)
-    ordered = {field.name: by_field[field.name] for field in FIELDS if field.name in by_field}
-    good = candidate if not ordered and not others else None
-    return FormCheck(good, ordered, tuple(others))
-
-
-def _completed(values: Mapping[str, Any]) -> SurveyParameters:
-    defaults = {field.name: field.read(field.default) for field in FIELDS}
-    return dataclasses.replace(SurveyParameters(**defaults), **values)
-
-
-def _is_about(sentence: str, names: Mapping[str, str]) -> bool:
-    return any(
-        field.name in names and sentence.startswith(field.sentence_start) for field in FIELDS
+        except ValueError:
+            unreadable.append(field.name)
+    candidate = dataclasses.replace(default_parameters(), **values)
+    # A field that cannot be read stands in with its default, which must not be judged, nor
+    # what follows from it.
+    if unreadable:
+        unjudged = frozenset().union(*(FIELDS_BY_NAME[name].rules for name in unreadable))
+        unjudged |= _RELATIONS
+    else:
+        unjudged = frozenset()
+    found = [one.rule for one in find_problems(candidate, travel) if one.rule not in unjudged]
+    return FormCheck(
+        candidate if not unreadable and not found else None, tuple(unreadable), tuple(found)
     )
 
 
-def _assigned(sentences: List[str]) -> Tuple[Dict[str, str], List[str]]:
-    by_field: Dict[str, str] = {}
-    others: List[str] = []
-    for sentence in sentences:
-        for field in FIELDS:
-            if sentence.startswith(field.sentence_start):
-                by_field.setdefault(field.name, sentence)
-                break
-        else:
-            others.append(sentence)
-    return by_field, others
+_RELATIONS = frozenset([Rule.FREQUENCY_ORDER, Rule.X_SPACING, Rule.Y_SPACING, Rule.SIZE])
+
+
+def default_parameters() -> SurveyParameters:
+    """Return the parameters with which the form starts."""
+    return SurveyParameters(**{field.name: field.read(field.default) for field in FIELDS})
+
+
+def texts_of(parameters: SurveyParameters) -> Dict[str, str]:
+    """Return the texts of all fields for given parameters."""
+    return {field.name: field.write(getattr(parameters, field.name)) for field in FIELDS}
+
+
+def limits(name: str, travel: RobotTravel) -> Tuple[float, float]:
+    """Return the smallest and largest value of a field of one number, in the unit it is shown."""
+    if name in ("x_start_mm", "x_stop_mm"):
+        return coordinate_limits_mm(travel.x)
+    if name in ("y_start_mm", "y_stop_mm"):
+        return coordinate_limits_mm(travel.y)
+    if name == "frequency_points":
+        return MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS
+    if name in ("x_points", "y_points"):
+        return MIN_GRID_POINTS, MAX_GRID_POINTS
+    return MIN_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ, MAX_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ
+
+
+def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
+    """Return the text of a number after an arrow: changed, but never led out of its bounds.
+
+    A text that is no number is replaced by the lower bound.
+    """
+    lower, upper = (Decimal(repr(bound)) for bound in bounds)
+    try:
+        value = Decimal(text.strip())
+    except InvalidOperation:
+        value = Decimal("NaN")
+    if not value.is_finite():
+        return _plain(lower)
+    return _plain(min(max(value + change, lower), upper))
+
+
+def _plain(value: Decimal) -> str:
+    text = f"{value:f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import FrozenSet, Generic, Optional, Set, TypeVar
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.mid.survey_parameters import RobotTravel
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
+from gpr20_user_interface.mid.alarms import Alarm, worst_alarm
+from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
 from gpr20_user_interface.mid.survey_state import (
     Answer,
     AxisLimits,
+    ControlParameters,
     ControlState,
     CurrentPosition,
     Event,
     MeasuredHeight,
+    NodeHealth,
     Progress,
     Request,
+    RobotFigures,
     TargetPosition,
 )
 
@@ -40,8 +45,11 @@ class Snapshot:
     height_m: Optional[float]
     pending: FrozenSet[Request]
     travel: Optional[RobotTravel]
-    # The survey of `state` was started by this window, which so knows its parameters.
-    started_here: bool
+    # The parameters of the survey that runs, whoever started it.
+    survey_parameters: Optional[SurveyParameters] = None
+    figures: Optional[RobotFigures] = None
+    health: HealthReport = field(default_factory=HealthReport)
+    alarm: Optional[Alarm] = None
 
     @property
     def running(self) -> bool:
@@ -65,14 +73,27 @@ class Snapshot:
 
     @property
     def can_stop(self) -> bool:
-        """Whether there may be something to stop; a stop that is pending may be repeated."""
-        return self.fields_locked or Request.RESUME in self.pending
+        """Whether there may be something to stop; a stop that is pending may be repeated.
+
+        A main_control that is silent may be driving the robot.
+        """
+        return self.fields_locked or Request.RESUME in self.pending or not self.control_alive
+
+    @property
+    def paused(self) -> bool:
+        """Whether the survey is held."""
+        return self.state is not None and self.state.code is SurveyState.PAUSED
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether a survey is measuring and nobody here has asked to hold it."""
+        measuring = self.state is not None and self.state.code is SurveyState.SURVEYING
+        return measuring and self.control_alive and not self.pending
 
     @property
     def can_resume(self) -> bool:
         """Whether a survey is paused and nobody here has asked to go on."""
-        paused = self.state is not None and self.state.code is SurveyState.PAUSED
-        return paused and self.control_alive and not self.pending
+        return self.paused and self.control_alive and not self.pending
 
 
 Value = TypeVar("Value")
@@ -107,6 +128,8 @@ class SurveyModel:
         self._height: _Latest[MeasuredHeight] = _Latest(clock)
         self._pending: Set[Request] = set()
         self._limits = AxisLimits(None)
+        self._parameters: Optional[SurveyParameters] = None
+        self._health = HealthBook(clock)
         self._started_id = ""
         self._started_s = -math.inf
 
@@ -131,11 +154,16 @@ class SurveyModel:
         elif isinstance(event, Answer):
             self._answered(event)
         elif isinstance(event, AxisLimits):
-            self._limits = event
+            self._note_limits(event)
+        elif isinstance(event, ControlParameters):
+            self._parameters = event.parameters
+        elif isinstance(event, NodeHealth):
+            self._health.note(event)
 
     def snapshot(self) -> Snapshot:
         """Return what is known now."""
         silent_s = None if self._heard_s is None else self._clock.now_s() - self._heard_s
+        health = self._health.report()
         return Snapshot(
             control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
             control_silent_s=silent_s,
@@ -146,8 +174,21 @@ class SurveyModel:
             height_m=self._known_height_m(),
             pending=frozenset(self._pending | self._beginning()),
             travel=self._limits.travel,
-            started_here=self._is_started_here(),
+            survey_parameters=self._running_parameters(),
+            figures=self._limits.figures,
+            health=health,
+            alarm=worst_alarm(
+                self._limits.master_alive, silent_s, CONTROL_SILENCE_S, health.analyzer_trouble
+            ),
         )
+
+    def _note_limits(self, limits: AxisLimits) -> None:
+        # What was known stays true while the master is away.
+        self._limits = limits if limits.master_alive else replace(self._limits, master_alive=False)
+
+    def _running_parameters(self) -> Optional[SurveyParameters]:
+        running = self._state is not None and self._state.code in RUNNING
+        return self._parameters if running else None
 
     def _answered(self, answer: Answer) -> None:
         self._pending.discard(answer.request)
@@ -161,9 +202,6 @@ class SurveyModel:
         recent = self._clock.now_s() - self._started_s <= CONTROL_SILENCE_S
         known = self._state is not None and self._state.survey_id == self._started_id
         return {Request.START} if recent and not known else set()
-
-    def _is_started_here(self) -> bool:
-        return self._state is not None and self._state.survey_id == self._started_id != ""
 
     def _known_target(self) -> Optional[TargetPosition]:
         target = self._target.fresh()

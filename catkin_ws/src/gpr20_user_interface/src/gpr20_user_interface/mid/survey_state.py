@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Optional, Union
+from typing import Mapping, Optional, Union
 
+from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
     RobotTravel,
+    SurveyParameters,
     Travel,
 )
+from gpr20_main_control.mid.survey_settings import SurveySettings
 from gpr20_main_control.mid.survey_state import SurveyState
 
 # The limits of the documented system, for as long as the axes' own are not known:
@@ -75,11 +78,54 @@ class MeasuredHeight:
 
 
 @dataclass(frozen=True)
+class RobotFigures:
+    """What the estimate of a survey's time and size rests on."""
+
+    facts: RobotFacts
+    settings: SurveySettings
+
+
+@dataclass(frozen=True)
 class AxisLimits:
-    """What the axes say they can do; without a travel the reason says why it is not known."""
+    """What the axes say they can do; without a travel the reason says why it is not known.
+
+    Attributes:
+        travel: Ranges and steps; None if they are not known.
+        reason: Why something is not known.
+        figures: Everything else about the robot; None if it is not known.
+        master_alive: Whether the ROS master answered.
+    """
 
     travel: Optional[RobotTravel]
     reason: str = ""
+    figures: Optional[RobotFigures] = None
+    master_alive: bool = True
+
+
+@dataclass(frozen=True)
+class ControlParameters:
+    """The parameters that main_control holds: of the survey that runs, or of the next."""
+
+    parameters: SurveyParameters
+
+
+class HealthLevel(enum.IntEnum):
+    """How a part of the robot is; the values are those of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+@dataclass(frozen=True)
+class NodeHealth:
+    """What a node says of itself on /diagnostics, once a second."""
+
+    name: str
+    level: HealthLevel
+    message: str
+    values: Mapping[str, str]
 
 
 class Request(enum.Enum):
@@ -87,6 +133,7 @@ class Request(enum.Enum):
 
     START = "start"
     STOP = "stop"
+    PAUSE = "pause"
     RESUME = "resume"
 
 
@@ -123,6 +170,8 @@ Event = Union[
     TargetPosition,
     MeasuredHeight,
     AxisLimits,
+    ControlParameters,
+    NodeHealth,
     Accepted,
     Answer,
     StopWish,

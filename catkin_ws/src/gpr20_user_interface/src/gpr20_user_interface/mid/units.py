@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from decimal import Decimal
-from typing import Tuple
+from typing import Iterable, Tuple
 
 HERTZ_EXPONENT_OF_MEGAHERTZ = 6
 
@@ -32,3 +32,15 @@ def rotations_from_text(text: str) -> Tuple[float, ...]:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
         raise ValueError(f"'{text}' is not a list of rotations in degrees, such as 0,90") from None
+
+
+def megahertz_text(frequency_hz: float) -> str:
+    """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
+    number = Decimal(repr(frequency_hz)).scaleb(-HERTZ_EXPONENT_OF_MEGAHERTZ)
+    text = f"{number:f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def rotations_text(rotations_deg: Iterable[float]) -> str:
+    """Return rotations [deg] as a list with commas."""
+    return ", ".join(f"{rotation_deg:.12g}" for rotation_deg in rotations_deg)

@@ -26,6 +26,9 @@ class SurveyControl(Protocol):
     def stop_survey(self) -> None:
         """Ask to stop."""
 
+    def pause_survey(self) -> None:
+        """Ask to hold the survey."""
+
     def resume_survey(self) -> None:
         """Ask to go on."""
 
@@ -44,6 +47,7 @@ class WindowPresenter(QObject):
         self._control = control
         window.start_requested.connect(self._start)
         window.stop_requested.connect(self._stop)
+        window.pause_requested.connect(self._pause)
         window.resume_requested.connect(self._resume)
         self._refresh_timer = self._timer(REFRESH_MS, self.refresh)
         self._limits_timer = self._timer(LIMITS_MS, control.read_axis_limits)
@@ -85,6 +89,10 @@ class WindowPresenter(QObject):
     def _stop(self) -> None:
         self._sent(Request.STOP)
         self._control.stop_survey()
+
+    def _pause(self) -> None:
+        self._sent(Request.PAUSE)
+        self._control.pause_survey()
 
     def _resume(self) -> None:
         self._sent(Request.RESUME)

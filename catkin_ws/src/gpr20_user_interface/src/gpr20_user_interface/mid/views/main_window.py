@@ -1,141 +1,144 @@
-"""The window as a whole: who is told what, and who is heard."""
+"""The frame of the window: the top bar, the tabs, and what lies over them."""
 
 from __future__ import annotations
 
-from typing import Optional
+import enum
+from dataclasses import dataclass
+from typing import Dict, Optional
 
-from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QMessageBox, QPlainTextEdit, QVBoxLayout, QWidget
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QPushButton, QTabWidget, QVBoxLayout, QWidget
 
-from gpr20_user_interface.mid.parameter_form import FormCheck, check_form
+from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL, Request
-from gpr20_user_interface.mid.views.banners import Banners
-from gpr20_user_interface.mid.views.command_bar import CommandBar
-from gpr20_user_interface.mid.views.parameter_form_view import ParameterFormView
-from gpr20_user_interface.mid.views.position_panel import PositionPanel
-from gpr20_user_interface.mid.views.progress_panel import ProgressPanel
-from gpr20_user_interface.mid.views.status_panel import StatusPanel
+from gpr20_user_interface.mid.survey_state import Request
+from gpr20_user_interface.mid.views.control.control_view import ControlView, PadRequest
+from gpr20_user_interface.mid.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.mid.views.notice import Notice
+from gpr20_user_interface.mid.views.status.status_view import StatusView
 from gpr20_user_interface.mid.views.style import STYLE_SHEET
+from gpr20_user_interface.mid.views.top_bar import TopBar
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 WIDTH_PX = 800
 HEIGHT_PX = 480
 
 
-class MainWindow(QWidget):
+class TabName(enum.Enum):
+    """The tabs, in their order."""
+
+    CONTROL = "control"
+    STATUS = "status"
+    MAP = "map"
+    RADAR = "radar"
+    SURVEYS = "surveys"
+
+
+@dataclass(frozen=True)
+class Tabs:
+    """What the tabs hold; a tab without a widget is left out."""
+
+    control: ControlView
+    status: StatusView
+    map: Optional[QWidget] = None
+    radar: Optional[QWidget] = None
+    surveys: Optional[QWidget] = None
+
+
+class MainWindow(TranslatedWidget):
     """Shows snapshots of a survey and tells what the operator wants."""
 
     # Carries the SurveyParameters.
     start_requested = pyqtSignal(object)
     stop_requested = pyqtSignal()
+    pause_requested = pyqtSignal()
     resume_requested = pyqtSignal()
+    language_requested = pyqtSignal()
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
+    def __init__(self, tabs: Tabs, language: Language, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
-        self.setWindowTitle(self.tr("GPR-20"))
         self.setStyleSheet(STYLE_SHEET)
-        self.banners = Banners()
-        self.form = ParameterFormView()
-        self.problems = QPlainTextEdit()
-        self.status = StatusPanel()
-        self.progress = ProgressPanel()
-        self.positions = PositionPanel()
-        self.commands = CommandBar()
-        self._travel = DOCUMENTED_TRAVEL
-        self._snapshot: Optional[Snapshot] = None
-        self._check: FormCheck = check_form(self.form.texts(), self._travel)
+        self.top_bar = TopBar()
+        self.tabs = QTabWidget()
+        self.control = tabs.control
+        self.status = tabs.status
+        self.language_button = QPushButton()
+        self._language = language
+        self._pages: Dict[TabName, QWidget] = {}
+        for name in TabName:
+            page = getattr(tabs, name.value)
+            if page is not None:
+                self._pages[name] = page
+                self.tabs.addTab(page, "")
+        self.number_pad = KeyPad(self, DIGITS)
+        self.notice = Notice(self)
         self._lay_out()
         self._connect()
+        self.retranslate()
         self.resize(WIDTH_PX, HEIGHT_PX)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
-        if (snapshot.travel or DOCUMENTED_TRAVEL) != self._travel:
-            self._travel = snapshot.travel or DOCUMENTED_TRAVEL
-            self._check_form()
-        self._snapshot = snapshot
-        self.banners.show_simulated(snapshot.simulated)
-        self.banners.show_control(snapshot.control_alive, snapshot.control_silent_s)
-        self.form.setEnabled(not snapshot.fields_locked)
-        self._show_remarks()
-        self.status.show_state(snapshot.state)
-        self.progress.show_progress(snapshot.progress)
-        self.positions.show_current(snapshot.current)
-        self.positions.show_target(snapshot.target)
-        self.positions.show_height(snapshot.height_m)
-        self._enable_commands()
+        self.top_bar.refresh(snapshot)
+        self.control.refresh(snapshot)
+        self.status.refresh(snapshot)
 
     def show_refusal(self, request: Request, reason: str) -> None:
-        """Open a dialog with the reason; the window stays usable, STOP above all."""
+        """Open a dialog with the reason and the next step; STOP stays within reach."""
+        self.notice.show_refusal(request, reason)
+
+    def show_tab(self, name: TabName) -> None:
+        """Bring a tab to the front."""
+        self.tabs.setCurrentWidget(self._pages[name])
+
+    def show_language(self, language: Language) -> None:
+        """Take note of the language that the window speaks."""
+        self._language = language
+        self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.setWindowTitle(self.tr("GPR-20"))
         titles = {
-            Request.START: self.tr("The survey was not started"),
-            Request.STOP: self.tr("STOP was not accepted"),
-            Request.RESUME: self.tr("The survey was not resumed"),
+            TabName.CONTROL: self.tr("CONTROL"),
+            TabName.STATUS: self.tr("STATUS"),
+            TabName.MAP: self.tr("MAP"),
+            TabName.RADAR: self.tr("RADAR"),
+            TabName.SURVEYS: self.tr("SURVEYS"),
         }
-        dialog = QMessageBox(self)
-        dialog.setIcon(QMessageBox.Icon.Warning)
-        dialog.setWindowTitle(titles[request])
-        dialog.setText(f"{titles[request]}.")
-        dialog.setInformativeText(reason)
-        dialog.setTextFormat(Qt.TextFormat.PlainText)
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setWindowModality(Qt.WindowModality.NonModal)
-        dialog.show()
+        for name, page in self._pages.items():
+            self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
+        # The language that a touch leads to, in its own words.
+        self.language_button.setText(self._language.next.own_name)
 
     def _lay_out(self) -> None:
-        self.problems.setObjectName("problems")
-        self.problems.setReadOnly(True)
-        self.problems.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        left, right = QVBoxLayout(), QVBoxLayout()
-        left.addWidget(self.form)
-        left.addWidget(self.problems, 1)
-        right.addWidget(self.status, 1)
-        right.addWidget(self.progress)
-        right.addSpacing(8)
-        right.addWidget(self.positions)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(8, 8, 8, 8)
-        grid.setHorizontalSpacing(16)
-        grid.addWidget(self.banners, 0, 0, 1, 2)
-        grid.addLayout(left, 1, 0)
-        grid.addLayout(right, 1, 1)
-        grid.addWidget(self.commands, 2, 0, 1, 2)
-        for column in (0, 1):
-            grid.setColumnStretch(column, 1)
-        grid.setRowStretch(1, 1)
+        self.tabs.setCornerWidget(self.language_button)
+        self.tabs.tabBar().setExpanding(False)
+        # Not by the style sheet, whose bold letters the tabs do not measure.
+        font = self.tabs.tabBar().font()
+        font.setBold(True)
+        self.tabs.tabBar().setFont(font)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.top_bar)
+        layout.addWidget(self.tabs, 1)
 
     def _connect(self) -> None:
-        self.form.changed.connect(self._on_form_changed)
-        self.commands.start_pressed.connect(self._on_start)
-        self.commands.stop_pressed.connect(self.stop_requested)
-        self.commands.resume_pressed.connect(self.resume_requested)
+        self.top_bar.stop_pressed.connect(self.stop_requested)
+        self.control.start_pressed.connect(self.start_requested)
+        self.control.pause_pressed.connect(self.pause_requested)
+        self.control.resume_pressed.connect(self.resume_requested)
+        self.control.pad_wanted.connect(self._on_pad_wanted)
+        self.language_button.clicked.connect(self.language_requested)
 
-    def _on_form_changed(self) -> None:
-        self._check_form()
-        self._show_remarks()
-        self._enable_commands()
-
-    def _on_start(self) -> None:
-        if self._check.parameters is not None:
-            self.start_requested.emit(self._check.parameters)
-
-    def _check_form(self) -> None:
-        self._check = check_form(self.form.texts(), self._travel)
-        self.form.show_problems(self._check.field_problems)
-
-    def _show_remarks(self) -> None:
-        text = "\n".join(self._check.sentences)
-        if self._snapshot is not None and self._snapshot.running:
-            # What stands in the fields is what this window would start, not what runs.
-            foreign = self.tr("The running survey was not started here: it has its own parameters.")
-            text = "" if self._snapshot.started_here else foreign
-        if text != self.problems.toPlainText():
-            self.problems.setPlainText(text)
-
-    def _enable_commands(self) -> None:
-        known = self._snapshot
-        self.commands.enable(
-            start=known is not None and known.can_start and self._check.parameters is not None,
-            stop=known is not None and known.can_stop,
-            resume=known is not None and known.can_resume,
+    def _on_pad_wanted(self, request: PadRequest) -> None:
+        # A wrong value may stand while another field is corrected; START stays locked.
+        self.number_pad.ask(
+            request.edit.setText,
+            request.title,
+            request.hint,
+            request.edit.text(),
+            request.judge,
+            strict=False,
         )

@@ -9,16 +9,18 @@ from PyQt5.QtWidgets import QLabel, QProgressBar, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.progress_text import time_parts
 from gpr20_user_interface.mid.survey_state import Progress
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 # The bar counts in thousandths.
 FULL = 1000
 
 
-class ProgressPanel(QWidget):
+class ProgressPanel(TranslatedWidget):
     """A bar with the percentage; below it traces and remaining time."""
 
     def __init__(self, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
+        self._progress: Optional[Progress] = None
         self._bar = QProgressBar()
         self._bar.setRange(0, FULL)
         self._text = QLabel()
@@ -40,8 +42,13 @@ class ProgressPanel(QWidget):
         """The two lines below the bar."""
         return f"{self._text.text()}\n{self._remaining.text()}"
 
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.show_progress(self._progress)
+
     def show_progress(self, progress: Optional[Progress]) -> None:
         """Show the progress; None shows that there is none."""
+        self._progress = progress
         if progress is None or progress.total_points == 0:
             self._bar.setValue(0)
             self._bar.setFormat(self.tr("no survey"))
@@ -56,8 +63,10 @@ class ProgressPanel(QWidget):
             )
         )
         self._text.setText(
-            self.tr("{visited} of {total} traces").format(
-                visited=progress.visited_points, total=progress.total_points
+            self.tr("{visited} of {total} traces, {remaining} to go").format(
+                visited=progress.visited_points,
+                total=progress.total_points,
+                remaining=progress.total_points - progress.visited_points,
             )
         )
         self._remaining.setText(self._remaining_text(progress))

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional
+from typing import Optional
 
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
 
-from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.mid.survey_state import ControlState
+from gpr20_user_interface.mid.views.state_text import state_title
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
+
+UNKNOWN = "—"
 
 
-class StatusPanel(QWidget):
-    """A title for the code and the message below it, however long."""
+class MessagePanel(TranslatedWidget):
+    """A title for the state and the message below it, however long."""
 
     def __init__(self, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
         self._shown: Optional[ControlState] = None
-        self._title = QLabel("—")
+        self._title = QLabel(UNKNOWN)
         self._title.setObjectName("title")
         self._message = QPlainTextEdit()
         self._message.setObjectName("status_message")
@@ -41,23 +44,12 @@ class StatusPanel(QWidget):
 
     def show_state(self, state: Optional[ControlState]) -> None:
         """Show what main_control said last; nothing if it never spoke."""
-        if state == self._shown:
-            return
-        self._shown = state
-        self._title.setText("—" if state is None else self._titles()[state.code])
-        self._message.setPlainText("" if state is None else state.message)
+        # Written only when it changes, so that whoever reads keeps the place.
+        if state != self._shown:
+            self._shown = state
+            self._message.setPlainText("" if state is None else state.message)
+            self.retranslate()
 
-    def _titles(self) -> Dict[SurveyState, str]:
-        return {
-            SurveyState.IDLE: self.tr("IDLE"),
-            SurveyState.CONFIGURED: self.tr("CONFIGURED"),
-            SurveyState.CHECKING: self.tr("CHECKING"),
-            SurveyState.HOMING: self.tr("HOMING"),
-            SurveyState.SURVEYING: self.tr("SURVEYING"),
-            SurveyState.PAUSED: self.tr("PAUSED"),
-            SurveyState.PAUSING: self.tr("PAUSING"),
-            SurveyState.STOPPING: self.tr("STOPPING"),
-            SurveyState.FINISHED: self.tr("FINISHED"),
-            SurveyState.STOPPED: self.tr("STOPPED"),
-            SurveyState.FAILED: self.tr("FAILED"),
-        }
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self._title.setText(UNKNOWN if self._shown is None else state_title(self._shown.code))

@@ -1,0 +1,56 @@
+"""What a survey with given parameters will be, before it starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Optional
+
+from gpr20_main_control.mid.survey_cost import SurveyCost
+from gpr20_main_control.mid.survey_parameters import SurveyParameters
+
+SPEED_OF_LIGHT_M_PER_S = 299_792_458.0
+
+
+@dataclass(frozen=True)
+class SurveyPreview:
+    """What a survey will be.
+
+    Attributes:
+        stops: Number of places.
+        traces: Number of traces, one per stop and polarization.
+        x_spacing_mm: Distance of two stops of a line [mm].
+        y_spacing_mm: Distance of two lines [mm].
+        frequency_step_hz: Distance of two frequencies [Hz].
+        unambiguous_range_m: Range beyond which echoes fold back [m], in air.
+        range_resolution_m: Distance at which two echoes part [m], in air.
+        cost: Time and disk space; None while the robot's own figures are not known.
+    """
+
+    stops: int
+    traces: int
+    x_spacing_mm: float
+    y_spacing_mm: float
+    frequency_step_hz: float
+    unambiguous_range_m: float
+    range_resolution_m: float
+    cost: Optional[SurveyCost] = None
+
+
+def preview(parameters: SurveyParameters) -> SurveyPreview:
+    """Return what follows from the parameters alone; they must have passed the checks.
+
+    A stepped-frequency radar ranges unambiguously to c / (2 df) and parts echoes by c / (2 B).
+    In soil both are shorter by the square root of its relative permittivity.
+    """
+    p = parameters
+    bandwidth_hz = p.stop_frequency_hz - p.start_frequency_hz
+    step_hz = bandwidth_hz / (p.frequency_points - 1)
+    return SurveyPreview(
+        stops=p.x_points * p.y_points,
+        traces=p.total_points,
+        x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
+        y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
+        frequency_step_hz=step_hz,
+        unambiguous_range_m=SPEED_OF_LIGHT_M_PER_S / (2.0 * step_hz),
+        range_resolution_m=SPEED_OF_LIGHT_M_PER_S / (2.0 * bandwidth_hz),
+    )

@@ -1,0 +1,1 @@
+"""The CONTROL tab: parameters, what the survey will be, START and PAUSE."""

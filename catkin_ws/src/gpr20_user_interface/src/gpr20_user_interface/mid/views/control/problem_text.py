@@ -1,0 +1,84 @@
+"""What the fields are called, what they allow, and what is wrong, in the operator's language."""
+
+from __future__ import annotations
+
+from typing import Dict, List
+
+from PyQt5.QtCore import QCoreApplication
+
+from gpr20_main_control.mid.survey_parameters import MAX_TRACES, RobotTravel, Rule
+from gpr20_user_interface.mid.parameter_form import ADDRESS, ROTATIONS, FormCheck, limits
+
+
+def field_title(name: str) -> str:
+    """Return what a field is called."""
+    translate = QCoreApplication.translate
+    return {
+        ADDRESS: translate("Fields", "VNA address"),
+        "start_frequency_hz": translate("Fields", "Start frequency (MHz)"),
+        "stop_frequency_hz": translate("Fields", "Stop frequency (MHz)"),
+        "frequency_points": translate("Fields", "Frequency points"),
+        "x_start_mm": translate("Fields", "X start (mm)"),
+        "x_stop_mm": translate("Fields", "X stop (mm)"),
+        "x_points": translate("Fields", "X points"),
+        "y_start_mm": translate("Fields", "Y start (mm)"),
+        "y_stop_mm": translate("Fields", "Y stop (mm)"),
+        "y_points": translate("Fields", "Y points"),
+        ROTATIONS: translate("Fields", "Antenna rotations (°)"),
+    }[name]
+
+
+def allowed_text(name: str, travel: RobotTravel) -> str:
+    """Return what a field allows."""
+    translate = QCoreApplication.translate
+    if name == ADDRESS:
+        return translate("Fields", "four whole numbers from 0 to 255")
+    if name == ROTATIONS:
+        return translate(
+            "Fields",
+            "different rotations from {lower} to {upper}, each a multiple of {step}, with commas",
+        ).format(
+            lower=f"{travel.z.lower:g}", upper=f"{travel.z.upper:g}", step=f"{travel.z.step:g}"
+        )
+    lower, upper = limits(name, travel)
+    if name in ("x_points", "y_points"):
+        return translate("Fields", "a whole number, {lower} or more").format(lower=lower)
+    if name == "frequency_points":
+        text = translate("Fields", "a whole number from {lower} to {upper}")
+    elif name == "start_frequency_hz":
+        text = translate("Fields", "from {lower} to {upper}, below the stop frequency")
+    else:
+        text = translate("Fields", "from {lower} to {upper}")
+    return text.format(lower=f"{lower:g}", upper=f"{upper:g}")
+
+
+def field_problems(check: FormCheck, travel: RobotTravel) -> Dict[str, str]:
+    """Return a sentence for each field that is wrong."""
+    found = {}
+    for name in check.wrong_fields:
+        title, allowed = field_title(name), allowed_text(name, travel)
+        found[name] = QCoreApplication.translate("Fields", "{field}: {allowed}").format(
+            field=title, allowed=_spacing(name, check, travel) or allowed
+        )
+    return found
+
+
+def all_problems(check: FormCheck, travel: RobotTravel) -> List[str]:
+    """Return every sentence, in the order of the fields."""
+    sentences = list(field_problems(check, travel).values())
+    if Rule.SIZE in check.broken:
+        sentences.append(
+            QCoreApplication.translate("Fields", "A survey has at most {most} traces").format(
+                most=MAX_TRACES
+            )
+        )
+    return sentences
+
+
+def _spacing(name: str, check: FormCheck, travel: RobotTravel) -> str:
+    rules = {"x_points": (Rule.X_SPACING, travel.x), "y_points": (Rule.Y_SPACING, travel.y)}
+    if name not in rules or rules[name][0] not in check.broken:
+        return ""
+    return QCoreApplication.translate(
+        "Fields", "the points between start and stop must be at least {step} mm apart"
+    ).format(step=f"{rules[name][1].step:g}")

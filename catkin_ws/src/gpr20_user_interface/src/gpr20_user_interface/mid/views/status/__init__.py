@@ -1,0 +1,1 @@
+"""The STATUS tab: what the robot does and how its parts are."""

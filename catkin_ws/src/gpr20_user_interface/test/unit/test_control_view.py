@@ -1,0 +1,172 @@
+import pytest
+from window_helpers import application, click, enter, snapshot, window, wishes
+
+from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.mid.parameter_form import FIELDS, default_parameters
+from gpr20_user_interface.mid.survey_preview import preview
+from gpr20_user_interface.mid.survey_state import Request
+
+__all__ = ["application", "window"]
+
+ARROW_FIELDS = [
+    field.name for field in FIELDS if field.name not in ("vna_address", "polarizations_deg")
+]
+
+
+def text(window, name):
+    return window.control.form.edit(name).text()
+
+
+def test_start_carries_what_the_operator_entered(window):
+    heard = wishes(window)
+    window.refresh(snapshot(SurveyState.IDLE))
+    enter(window, "x_points", "7")
+    enter(window, "start_frequency_hz", "700.5")
+    for number, part in enumerate(("10", "0", "7", "23")):
+        window.control.form.octet(number).setText(part)
+    click(window.control.start)
+    assert heard[0].vna_address == "10.0.7.23"
+    assert (heard[0].x_points, heard[0].start_frequency_hz) == (7, 700.5e6)
+
+
+@pytest.mark.parametrize("name", ARROW_FIELDS)
+@pytest.mark.parametrize("step", [1, 10])
+def test_arrows_change_a_field_by_the_chosen_step(window, name, step):
+    window.refresh(snapshot(SurveyState.IDLE))
+    window.control.form.show_text(name, "40")
+    click(window.control.step_button(step))
+    field = window.control.form.field(name)
+    click(field.up)
+    click(field.up)
+    assert text(window, name) == str(40 + 2 * step)
+    click(field.down)
+    assert text(window, name) == str(40 + step)
+
+
+def test_arrows_end_where_the_axis_ends(window):
+    window.refresh(snapshot(SurveyState.IDLE))
+    click(window.control.step_button(100))
+    for _ in range(8):
+        click(window.control.form.field("x_stop_mm").up)
+    assert text(window, "x_stop_mm") == "650"
+    for _ in range(8):
+        click(window.control.form.field("x_stop_mm").down)
+    assert text(window, "x_stop_mm") == "0"
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong", "words"),
+    [
+        ("start_frequency_hz", "0", "from 0.005 to 6000"),
+        ("start_frequency_hz", "6000", "below the stop frequency"),
+        ("stop_frequency_hz", "6000.1", "from 0.005 to 6000"),
+        ("frequency_points", "0", "from 2 to 4000"),
+        ("frequency_points", "4001", "from 2 to 4000"),
+        ("x_start_mm", "-1", "from 0 to 650"),
+        ("x_stop_mm", "651", "from 0 to 650"),
+        ("y_start_mm", "nan", "from 0 to 800"),
+        ("y_stop_mm", "800.1", "from 0 to 800"),
+        ("x_points", "2", "3 or more"),
+        ("y_points", "x", "3 or more"),
+        ("x_points", "90000", "at least 0.01 mm apart"),
+        ("polarizations_deg", "0, 91", "from -90 to 90"),
+    ],
+)
+def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wrong, words):
+    heard = wishes(window)
+    window.refresh(snapshot(SurveyState.IDLE))
+    edit = window.control.form.edit(name)
+    right, before = edit.text(), edit.grab().toImage().pixelColor(10, 10)
+    enter(window, name, wrong)
+    assert edit.grab().toImage().pixelColor(10, 10) != before
+    assert words in window.control.problems.toPlainText()
+    assert words in edit.toolTip()
+    assert window.control.problems.isVisible() and not window.control.preview.isVisible()
+    click(window.control.start)
+    assert heard == []
+    enter(window, name, right)
+    assert window.control.problems.toPlainText() == ""
+    click(window.control.start)
+    assert len(heard) == 1
+
+
+@pytest.mark.parametrize("octet", range(4))
+@pytest.mark.parametrize("wrong", ["256", "", "x", "01"])
+def test_each_number_of_the_address_is_checked(window, octet, wrong):
+    window.refresh(snapshot(SurveyState.IDLE))
+    window.control.form.octet(octet).setText(wrong)
+    assert "four whole numbers" in window.control.problems.toPlainText()
+    assert not window.control.start.isEnabled()
+
+
+def test_limits_that_become_known_are_applied_to_what_stands_there(window):
+    enter(window, "x_stop_mm", "700")
+    window.refresh(snapshot(SurveyState.IDLE, travel=None))
+    assert window.control.start.isEnabled()
+    window.refresh(snapshot(SurveyState.IDLE))
+    assert not window.control.start.isEnabled()
+
+
+@pytest.mark.parametrize("code", list(SurveyState))
+def test_fields_are_locked_while_a_survey_runs_and_only_then(window, code):
+    window.refresh(snapshot(code))
+    assert window.control.form.isEnabled() is not code.running
+    assert window.control.start.isEnabled() is not code.running
+    assert window.control.pause.isEnabled() is (code in (SurveyState.SURVEYING, SurveyState.PAUSED))
+
+
+def test_parameters_of_a_survey_that_was_started_elsewhere_are_shown(window):
+    theirs = default_parameters()
+    theirs = type(theirs)(**{**theirs.__dict__, "x_points": 17, "vna_address": "10.1.2.3"})
+    window.refresh(snapshot(SurveyState.SURVEYING, survey_parameters=theirs))
+    assert text(window, "x_points") == "17"
+    assert window.control.parameters == theirs
+
+
+def test_pause_becomes_resume(window):
+    heard = wishes(window)
+    window.refresh(snapshot(SurveyState.SURVEYING))
+    assert window.control.pause.text() == "PAUSE"
+    click(window.control.pause)
+    window.refresh(snapshot(SurveyState.SURVEYING, pending=frozenset([Request.PAUSE])))
+    assert not window.control.pause.isEnabled()
+    window.refresh(snapshot(SurveyState.PAUSED))
+    assert window.control.pause.text() == "RESUME"
+    click(window.control.pause)
+    assert heard == ["pause", "resume"]
+
+
+def test_what_the_survey_will_be_is_shown(window):
+    window.control.show_preview(preview(default_parameters()))
+    assert window.control.preview.figures[:3] == ("50", "25, 25 mm", "10.8 MHz")
+    assert window.control.preview.figures[5:] == ("27.76 mm", "13.88 m", "25")
+
+
+def test_number_pad_writes_a_field_and_judges_while_it_does(window):
+    window.refresh(snapshot(SurveyState.IDLE))
+    click(window.control.form.edit("x_stop_mm"))
+    pad = window.number_pad
+    assert pad.isVisible() and pad.edit.text() == "150"
+    assert pad.hint.text() == "from 0 to 650"
+    for character in "700":
+        pad.press(character)
+    assert pad.edit.property("wrong") is True
+    click(pad.erase)
+    pad.press("5")
+    assert (pad.edit.text(), pad.edit.property("wrong")) == ("705", True)
+    click(pad.clear)
+    for character in "600.5":
+        pad.press(character)
+    assert pad.edit.property("wrong") is False
+    click(pad.accept_button)
+    assert not pad.isVisible()
+    assert text(window, "x_stop_mm") == "600.5"
+
+
+def test_number_pad_that_is_cancelled_changes_nothing(window):
+    window.refresh(snapshot(SurveyState.IDLE))
+    click(window.control.form.octet(2))
+    window.number_pad.press("9")
+    click(window.number_pad.cancel)
+    assert window.control.form.octet(2).text() == "0"
+    assert not window.number_pad.isVisible()
