@@ -6,13 +6,7 @@ from typing import Any, Dict, List
 
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.records import record_from
-from gpr20_main_control.mid.survey_parameters import (
-    RobotTravel,
-    SurveyParameters,
-    Travel,
-    check,
-)
+from gpr20_main_control.mid.recorded_plan import recorded_plan
 from gpr20_main_control.mid.survey_plan import SurveyPoint, survey_points
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
@@ -27,18 +21,12 @@ class Plan:
             AnalysisError: Parameters or axes are missing or not allowed.
         """
         try:
-            self._parameters = record_from(
-                SurveyParameters, description["parameters"], "parameters"
-            )
-            self._travel = RobotTravel(
-                **{axis: _travel(description["axes"][axis], axis) for axis in ("x", "y", "z")}
-            )
-            check(self._parameters, self._travel)
-            self.points: List[SurveyPoint] = survey_points(self._parameters, self._travel)
-        except (KeyError, TypeError, InvalidValueError, ArithmeticError) as error:
+            self._parameters, self._travel = recorded_plan(description)
+        except InvalidValueError as error:
             raise AnalysisError(
                 f"what was planned cannot be told, survey.json is not whole: {error}"
             ) from error
+        self.points: List[SurveyPoint] = survey_points(self._parameters, self._travel)
 
     def misplaced(self, trace: TraceRecord) -> List[str]:
         """Return how a trace is not what was planned for its index."""
@@ -63,9 +51,3 @@ class Plan:
             )
         return found
 
-
-def _travel(axis: Any, name: str) -> Travel:
-    numbers = [axis[key] for key in ("min_coord", "max_coord", "step_size")]
-    if not all(isinstance(one, float) for one in numbers) or not numbers[2] > 0.0:
-        raise InvalidValueError(f"axes/{name} does not hold the numbers of an axis")
-    return Travel(*numbers)

@@ -33,6 +33,7 @@ from gpr20_msgs.srv import (
     StoreDataResponse,
 )
 from gpr20_vna_processing.errors import ProcessingError
+from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.messages import (
     METADATA_TOPIC,
     TRACE_TOPIC,
@@ -48,6 +49,7 @@ from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
 from gpr20_vna_processing.mid.recordings import open_recordings, stored_recordings
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
+from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 AXIS_TOPICS = tuple(
     f"{axis}_axis/{name}"
@@ -147,6 +149,7 @@ class ProcessingNode:
             advertise("store_data", StoreData, self._store_data),
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
+        self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
 
     def _open_survey(self, request: Any) -> OpenSurveyResponse:

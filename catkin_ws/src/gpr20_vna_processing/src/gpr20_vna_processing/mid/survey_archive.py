@@ -1,0 +1,232 @@
+"""The surveys of the data folder, read while others may be written; nothing is changed."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Tuple
+
+from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
+from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_files
+from gpr20_vna_processing.mid.reopening import find_survey
+from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+MAX_SURVEYS_PER_PAGE = 50
+MAX_TRACES_PER_PAGE = 200
+# What a page may hold in memory: 200 traces of 501 points.
+MAX_POINTS_PER_PAGE = 100_200
+
+TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
+
+
+@dataclass(frozen=True)
+class SurveySummary:
+    """What a list says of a survey; the fields are those of gpr20_msgs/SurveySummary."""
+
+    folder: str
+    survey_id: str = ""
+    started: str = ""
+    outcome: str = ""
+    stored_traces: int = 0
+    planned_traces: int = 0
+    verdict: str = ""
+    complete: bool = False
+    simulated: bool = False
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class StoredSurvey:
+    """What was to be measured, and what is stored."""
+
+    survey_id: str
+    description: Dict[str, Any]
+    """survey.json without its report."""
+    stored_indices: Tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class TracePage:
+    """Some traces of a survey, in the order of the plan."""
+
+    survey_id: str
+    traces: Tuple[TraceRecord, ...]
+    unreadable: Tuple[Tuple[int, str], ...]
+    """Index and reason of the files that hold no whole trace."""
+    next_index: int
+    more: bool
+
+
+class SurveyArchive:
+    """Reads the surveys below the data folder, and nothing outside of it."""
+
+    def __init__(self, data: Path) -> None:
+        self._data = data
+
+    def list(self, before: str, max_surveys: int) -> Tuple[List[SurveySummary], bool]:
+        """Return the newest surveys, and whether older ones are left.
+
+        Args:
+            before: Name of a folder; only older surveys are listed. Empty: all.
+            max_surveys: How many at most.
+
+        Raises:
+            SurveyRefusedError: An argument is not allowed.
+            ProcessingError: The data folder cannot be read.
+        """
+        _check_count("max_surveys", max_surveys, MAX_SURVEYS_PER_PAGE)
+        if before and not survey_folder.FOLDER_NAME.fullmatch(before):
+            raise SurveyRefusedError(
+                f"before is {before[:64]!r}; it must be empty or the name of a survey's folder, "
+                "such as 20260921T141320_0f8fad5b"
+            )
+        names = sorted((one for one in self._folders() if not before or one < before), reverse=True)
+        page = [self._summary(self._data / name) for name in names[:max_surveys]]
+        return page, len(names) > max_surveys
+
+    def survey(self, survey: str) -> StoredSurvey:
+        """Return what is known of one survey.
+
+        Args:
+            survey: Its id, or the name of its folder.
+
+        Raises:
+            SurveyRefusedError: There is none, or its survey.json cannot be read.
+            ProcessingError: Its folder cannot be read.
+        """
+        folder, description = self._find(survey)
+        files = _trace_files(folder)
+        kept = {key: value for key, value in description.items() if key != "report"}
+        return StoredSurvey(description["survey_id"], kept, tuple(index for index, _ in files))
+
+    def traces(self, survey: str, first_index: int, max_traces: int) -> TracePage:
+        """Return the traces from a place in the plan on.
+
+        Args:
+            survey: Its id, or the name of its folder.
+            first_index: Place in the plan to begin at.
+            max_traces: How many at most.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, or an argument is not allowed.
+            ProcessingError: Its folder cannot be read.
+        """
+        _check_count("max_traces", max_traces, MAX_TRACES_PER_PAGE)
+        folder, description = self._find(survey)
+        survey_id = description["survey_id"]
+        due = [one for one in _trace_files(folder) if one[0] >= first_index]
+        traces: List[TraceRecord] = []
+        unreadable: List[Tuple[int, str]] = []
+        points = 0
+        used = 0
+        for index, name in itertools.islice(due, max_traces):
+            if points >= MAX_POINTS_PER_PAGE:
+                break
+            used += 1
+            path = folder / survey_folder.TRACES_FOLDER / name
+            try:
+                trace = trace_files.read_trace(path, survey_id)
+            except (TraceRefusedError, OSError) as error:
+                unreadable.append((index, str(error)))
+                continue
+            traces.append(trace)
+            points += len(trace.frequency_hz)
+        next_index = due[used - 1][0] + 1 if used else first_index
+        return TracePage(
+            survey_id, tuple(traces), tuple(unreadable), next_index, more=len(due) > used
+        )
+
+    def _folders(self) -> Iterator[str]:
+        try:
+            with os.scandir(str(self._data)) as entries:
+                for entry in entries:
+                    is_folder = entry.is_dir(follow_symlinks=False)
+                    if is_folder and survey_folder.FOLDER_NAME.fullmatch(entry.name):
+                        yield entry.name
+        except FileNotFoundError:
+            return  # made with the first survey
+        except OSError as error:
+            raise ProcessingError(
+                f"the data folder {self._data} cannot be read ({error}); check the disk"
+            ) from error
+
+    def _find(self, survey: str) -> Tuple[Path, Dict[str, Any]]:
+        for folder in survey_folder.candidate_folders(self._data, survey):
+            _check_no_links(folder)
+        return find_survey(self._data, survey)
+
+    def _summary(self, folder: Path) -> SurveySummary:
+        try:
+            _check_no_links(folder)
+            values = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
+            survey_folder.check_survey_id(values["survey_id"])
+            stored = len(_trace_files(folder))
+        except ProcessingError as error:
+            return SurveySummary(folder.name, problem=str(error))
+        planned = _planned_traces(values.get("parameters"))
+        outcome = _text(values.get("outcome"))
+        report = values.get("report")
+        return SurveySummary(
+            folder=folder.name,
+            survey_id=values["survey_id"],
+            started=_text(values.get("started")),
+            outcome=outcome,
+            stored_traces=stored,
+            planned_traces=planned,
+            verdict=_text(report.get("verdict")) if isinstance(report, dict) else "",
+            complete=outcome == "finished" and 0 < planned == stored,
+            # Data of unknown origin are never shown as those of real ground.
+            simulated=values.get("simulated") is not False,
+        )
+
+
+def _check_count(name: str, count: int, limit: int) -> None:
+    if not 1 <= count <= limit:
+        raise SurveyRefusedError(f"{name} is {count}; it must lie between 1 and {limit}")
+
+
+def _check_no_links(folder: Path) -> None:
+    # A link could lead out of the data folder.
+    for name in (survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER):
+        if (folder / name).is_symlink():
+            raise SurveyRefusedError(
+                f"{folder / name} is a symbolic link, which is not followed; put the files there"
+            )
+
+
+def _trace_files(folder: Path) -> List[Tuple[int, str]]:
+    """Return index and name of the trace files, ascending; one name per index."""
+    found: Dict[int, str] = {}
+    try:
+        with os.scandir(str(folder / survey_folder.TRACES_FOLDER)) as entries:
+            for entry in entries:
+                match = TRACE_FILE.fullmatch(entry.name)
+                if match and entry.is_file(follow_symlinks=False):
+                    found[int(match.group(1))] = entry.name
+    except OSError as error:
+        raise ProcessingError(f"the traces in {folder} cannot be read: {error}") from error
+    return sorted(found.items())
+
+
+def _planned_traces(parameters: Any) -> int:
+    if not isinstance(parameters, dict):
+        return 0
+    rotations = parameters.get("polarizations_deg")
+    counts = [
+        parameters.get("x_points"),
+        parameters.get("y_points"),
+        len(rotations) if isinstance(rotations, list) else None,
+    ]
+    planned = 1
+    for count in counts:
+        if type(count) is not int or not 0 < count <= survey_metadata.MAX_BYTES:
+            return 0
+        planned *= count
+    return min(planned, (1 << 32) - 1)
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""

@@ -1,0 +1,183 @@
+"""Reading surveys back: pages, surveys that still run, and nothing outside the data folder."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from storage_kit import OTHER_SURVEY, STARTED_US, SURVEY, Kit, assert_same_numbers, make_trace
+
+from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError
+from gpr20_vna_processing.mid.survey_archive import (
+    MAX_POINTS_PER_PAGE,
+    SurveyArchive,
+)
+
+METADATA = json.dumps(
+    {
+        "simulated": True,
+        "parameters": {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]},
+    }
+)
+
+
+@pytest.fixture
+def kit(tmp_path):
+    kit = Kit(tmp_path)
+    yield kit
+    kit.processing.shut_down()
+
+
+@pytest.fixture
+def archive(tmp_path):
+    return SurveyArchive(tmp_path)
+
+
+def fill(kit, indices=range(5), **changes):
+    folder = kit.open(metadata_json=METADATA, **changes)
+    for index in indices:
+        kit.processing.store(make_trace(index))
+    return folder
+
+
+def test_a_survey_that_still_runs_is_read_page_by_page(kit, archive):
+    fill(kit, [0, 1, 2, 4, 7])
+    first = archive.traces(SURVEY, 0, 3)
+    assert [trace.index for trace in first.traces] == [0, 1, 2]
+    assert (first.next_index, first.more) == (3, True)
+    second = archive.traces(SURVEY, first.next_index, 3)
+    assert [trace.index for trace in second.traces] == [4, 7]
+    assert (second.next_index, second.more) == (8, False)
+    assert archive.traces(SURVEY, 8, 3).traces == ()
+    for trace in (*first.traces, *second.traces):
+        assert_same_numbers(make_trace(trace.index), vars(trace))
+
+
+def test_what_was_planned_and_stored_is_told_without_the_report(kit, archive):
+    folder = fill(kit, [0, 3])
+    kit.processing.report(SURVEY, '{"verdict": "so far"}')
+    survey = archive.survey(folder.name)
+    assert survey.survey_id == SURVEY
+    assert survey.stored_indices == (0, 3)
+    assert survey.description["parameters"]["x_points"] == 3
+    assert "report" not in survey.description
+
+
+def test_the_list_tells_the_verdict_and_what_is_missing(kit, archive):
+    fill(kit)
+    (running,), more = archive.list("", 10)
+    assert (running.outcome, running.stored_traces, running.planned_traces) == ("", 5, 18)
+    kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE: 5 of 18"}')
+    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    (ended,), more = archive.list("", 10)
+    assert (ended.outcome, ended.verdict) == ("stopped", "INCOMPLETE: 5 of 18")
+    assert not ended.complete
+    assert not more
+    assert ended.simulated
+
+
+def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
+    folder = fill(kit, range(18))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    assert archive.list("", 1)[0][0].complete
+    os.remove(next(iter((folder / "traces").glob("000007_*"))))
+    assert not archive.list("", 1)[0][0].complete
+
+
+def test_the_list_has_pages_the_newest_first(kit, archive):
+    for survey_id, started_us in ((SURVEY, STARTED_US), (OTHER_SURVEY, STARTED_US + 60_000_000)):
+        kit.open(survey_id, started_us=started_us)
+        kit.processing.close_survey(survey_id, "stopped", "")
+    (newest,), more = archive.list("", 1)
+    assert (newest.survey_id, more) == (OTHER_SURVEY, True)
+    (oldest,), more = archive.list(newest.folder, 1)
+    assert (oldest.survey_id, more) == (SURVEY, False)
+
+
+def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archive):
+    (tmp_path / "20260921T141320_0f8fad5b").mkdir()
+    (tmp_path / "20260921T141320_0f8fad5b" / "survey.json").write_text("{")
+    (tmp_path / "notes").mkdir()
+    (one,), _more = archive.list("", 10)
+    assert one.folder == "20260921T141320_0f8fad5b"
+    assert "survey.json" in one.problem
+
+
+def test_a_data_folder_that_was_not_made_yet_holds_no_surveys(tmp_path):
+    assert SurveyArchive(tmp_path / "later").list("", 10) == ([], False)
+
+
+def test_a_torn_file_is_told_and_the_others_are_read(kit, archive):
+    folder = fill(kit)
+    torn = next(iter((folder / "traces").glob("000002_*")))
+    torn.write_bytes(torn.read_bytes()[:-20])
+    page = archive.traces(SURVEY, 0, 10)
+    assert [trace.index for trace in page.traces] == [0, 1, 3, 4]
+    ((index, reason),) = page.unreadable
+    assert index == 2
+    assert "JSON" in reason
+
+
+def test_a_page_of_many_frequencies_is_shorter(kit, archive):
+    kit.open(metadata_json=METADATA)
+    points = 4001
+    for index in range(30):
+        sweep = np.linspace(6e8, 6e9, points)
+        values = np.zeros(points)
+        kit.processing.store(
+            make_trace(index, frequency_hz=sweep, s21_real=values, s21_imag=values)
+        )
+    page = archive.traces(SURVEY, 0, 200)
+    assert len(page.traces) * points < MAX_POINTS_PER_PAGE + points
+    assert page.more
+    assert page.next_index == len(page.traces)
+
+
+@pytest.mark.parametrize("name", ["survey.json", "traces"])
+def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, name):
+    folder = fill(kit)
+    outside = tmp_path / "outside"
+    (folder / name).rename(outside)
+    (folder / name).symlink_to(outside)
+    with pytest.raises(SurveyRefusedError, match="symbolic link"):
+        archive.traces(SURVEY, 0, 1)
+    assert "symbolic link" in archive.list("", 1)[0][0].problem
+
+
+def test_a_linked_trace_is_no_trace(kit, archive, tmp_path):
+    folder = fill(kit)
+    stored = next(iter((folder / "traces").glob("000002_*")))
+    stored.rename(tmp_path / "elsewhere.json")
+    stored.symlink_to(tmp_path / "elsewhere.json")
+    assert archive.survey(SURVEY).stored_indices == (0, 1, 3, 4)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.text(max_size=80))
+def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
+    archive = SurveyArchive(tmp_path_factory.getbasetemp())
+    with pytest.raises(ProcessingError):
+        archive.traces(text, 0, 1)
+    with pytest.raises(ProcessingError):
+        archive.survey(text)
+    if text:
+        with pytest.raises(ProcessingError):
+            archive.list(text, 1)
+
+
+@pytest.mark.parametrize("name", ["../x", "/etc", "20260921T141320_0f8fad5b/..", SURVEY])
+def test_what_is_not_there_is_refused(archive, name):
+    with pytest.raises(SurveyRefusedError):
+        archive.survey(name)
+
+
+@pytest.mark.parametrize("count", [0, 201, 1 << 31])
+def test_pages_are_bounded(kit, archive, count):
+    fill(kit, [0])
+    with pytest.raises(SurveyRefusedError, match="between 1 and 200"):
+        archive.traces(SURVEY, 0, count)
+    if count:
+        with pytest.raises(SurveyRefusedError, match="between 1 and 50"):
+            archive.list("", count)
