@@ -17,3 +17,7 @@ class ParametersRefusedError(UserInterfaceError, ValueError):
 
 class LanguageError(UserInterfaceError, ValueError):
     """The window cannot speak this language."""
+
+
+class SurveyNotReadableError(UserInterfaceError, ValueError):
+    """What is told of a survey cannot be shown; the message says why."""

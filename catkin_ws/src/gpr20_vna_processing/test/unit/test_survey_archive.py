@@ -35,7 +35,7 @@ def archive(tmp_path):
     return SurveyArchive(tmp_path)
 
 
-def fill(kit, indices=range(5), **changes):
+def fill(kit, indices=(0, 1, 2, 3, 4), **changes):
     folder = kit.open(metadata_json=METADATA, **changes)
     for index in indices:
         kit.processing.store(make_trace(index))

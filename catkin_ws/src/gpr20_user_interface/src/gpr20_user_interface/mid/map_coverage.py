@@ -1,0 +1,108 @@
+"""The states of the planned traces, from the run-length coded `survey_coverage`."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, Iterable, Tuple
+
+import numpy as np
+
+from gpr20_main_control.mid.coverage import SampleState
+from gpr20_main_control.mid.survey_parameters import MAX_TRACES
+from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.map_grid import SurveyGrid
+
+
+class StopState(enum.IntEnum):
+    """State of a stop: that of all its polarizations together."""
+
+    MISSING = 0
+    PARTLY = 1
+    DONE = 2
+    FAILED = 3
+
+
+@dataclass(frozen=True)
+class CoverageRuns:
+    """One message of `survey_coverage`.
+
+    Args:
+        survey_id: UUID.
+        planned: Number of planned traces.
+        starts: Place in the plan at which each run begins, ascending from 0.
+        states: State of the traces of each run.
+        failures: "index: reason".
+        verdict: One sentence.
+    """
+
+    survey_id: str
+    planned: int
+    starts: Tuple[int, ...]
+    states: Tuple[int, ...]
+    failures: Tuple[str, ...] = ()
+    verdict: str = ""
+
+    def trace_states(self) -> np.ndarray:
+        """Return the state of every planned trace (uint8, shape `planned`).
+
+        Raises:
+            SurveyNotReadableError: The runs contradict each other.
+        """
+        if not 0 <= self.planned <= MAX_TRACES:
+            raise SurveyNotReadableError(
+                f"the coverage has {self.planned} traces; a survey has at most {MAX_TRACES}"
+            )
+        bounds = np.array([*self.starts, self.planned], np.int64)
+        known = {int(state) for state in SampleState}
+        if (
+            len(self.starts) != len(self.states)
+            or bounds[0] != 0
+            or (np.diff(bounds) <= 0).any()
+            or not known.issuperset(self.states)
+        ):
+            raise SurveyNotReadableError(
+                f"the coverage of survey {self.survey_id[:40]} is not a sequence of runs from 0 "
+                f"to {self.planned}"
+            )
+        return np.repeat(np.array(self.states, np.uint8), np.diff(bounds))
+
+    def reasons(self) -> Dict[int, str]:
+        """Return why traces failed, by their place in the plan."""
+        found = {}
+        for text in self.failures:
+            index, separator, reason = text.partition(": ")
+            if separator and index.isdigit():
+                found[int(index)] = reason
+        return found
+
+
+def coverage_of_stored(survey_id: str, planned: int, stored: Iterable[int]) -> CoverageRuns:
+    """Return the coverage of a past survey, of which only the stored traces are known."""
+    states = np.zeros(planned, np.uint8)
+    indices = np.fromiter(stored, np.int64)
+    states[indices[indices < planned]] = SampleState.MEASURED
+    starts = np.flatnonzero(np.diff(states, prepend=255))
+    return CoverageRuns(survey_id, planned, tuple(starts.tolist()), tuple(states[starts].tolist()))
+
+
+def is_stored(trace_states: np.ndarray) -> np.ndarray:
+    """Return which traces are durably stored (bool, the same shape)."""
+    return (trace_states == SampleState.MEASURED) | (trace_states == SampleState.REMEASURED)
+
+
+def stop_states(grid: SurveyGrid, trace_states: np.ndarray) -> np.ndarray:
+    """Return the StopState of every stop (uint8, shape rows x columns).
+
+    A stop is done only when each of its polarizations is stored.
+    """
+    row, column, polarization = grid.cells(np.arange(grid.planned))
+    stored = np.zeros((*grid.shape, len(grid.rotations_deg)), bool)
+    failed = np.zeros_like(stored)
+    stored[row, column, polarization] = is_stored(trace_states)
+    failed[row, column, polarization] = trace_states == SampleState.FAILED
+    states = np.full(grid.shape, StopState.MISSING, np.uint8)
+    states[stored.any(axis=2)] = StopState.PARTLY
+    states[stored.all(axis=2)] = StopState.DONE
+    states[failed.any(axis=2)] = StopState.FAILED
+    return states

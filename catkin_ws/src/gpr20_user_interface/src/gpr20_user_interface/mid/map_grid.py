@@ -1,0 +1,149 @@
+"""Where the planned traces of a survey lie: places in the plan, rows, columns and polarizations."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any, Mapping, Optional, Tuple
+
+import numpy as np
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_main_control.mid.recorded_plan import recorded_plan
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_main_control.mid.survey_plan import grid, on_step
+from gpr20_user_interface.errors import SurveyNotReadableError
+
+# What survey.json without its report may be long; the storage allows metadata of 1 MiB.
+MAX_DESCRIPTION_CHARACTERS = 2 << 20
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One stop of the antennas: its row along Y and its column along X, from 0."""
+
+    row: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One planned trace: a stop and the number of its polarization, from 0."""
+
+    stop: Stop
+    polarization: int
+
+
+class SurveyGrid:
+    """The planned places of one survey.
+
+    Args:
+        survey_id: UUID.
+        parameters: What the survey measures.
+        travel: What the axes can do; coordinates lie on motor steps.
+        simulated: The data show no real ground.
+    """
+
+    def __init__(
+        self, survey_id: str, parameters: SurveyParameters, travel: RobotTravel, simulated: bool
+    ) -> None:
+        p = parameters
+        self.survey_id = survey_id
+        self.simulated = simulated
+        self.parameters = p
+        self.travel = travel
+        self.xs_mm = np.array(grid(p.x_start_mm, p.x_stop_mm, p.x_points, travel.x))
+        self.ys_mm = np.array(grid(p.y_start_mm, p.y_stop_mm, p.y_points, travel.y))
+        self.rotations_deg: Tuple[float, ...] = tuple(
+            on_step(one, travel.z) for one in p.polarizations_deg
+        )
+
+    @property
+    def shape(self) -> Tuple[int, int]:
+        """Rows and columns."""
+        return len(self.ys_mm), len(self.xs_mm)
+
+    @property
+    def planned(self) -> int:
+        """Number of planned traces."""
+        return len(self.ys_mm) * len(self.xs_mm) * len(self.rotations_deg)
+
+    def cells(self, indices: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return row, column and polarization of places in the plan (whole numbers, shape n).
+
+        The order is that of `survey_plan.survey_points`: columns turn with every row,
+        polarizations with every stop.
+        """
+        columns, polarizations = len(self.xs_mm), len(self.rotations_deg)
+        stop, polarization = np.divmod(indices, polarizations)
+        row, column = np.divmod(stop, columns)
+        polarization = np.where(stop % 2 == 0, polarization, polarizations - 1 - polarization)
+        column = np.where(row % 2 == 0, column, columns - 1 - column)
+        return row, column, polarization
+
+    def cell(self, index: int) -> Cell:
+        """Return where a place in the plan is.
+
+        Raises:
+            SurveyNotReadableError: The plan has no such place.
+        """
+        if not 0 <= index < self.planned:
+            raise SurveyNotReadableError(
+                f"trace {index} was not planned; the plan has {self.planned} traces"
+            )
+        row, column, polarization = self.cells(np.array([index]))
+        return Cell(Stop(int(row[0]), int(column[0])), int(polarization[0]))
+
+    def index(self, cell: Cell) -> int:
+        """Return the place in the plan of a cell."""
+        columns, polarizations = len(self.xs_mm), len(self.rotations_deg)
+        row, column = cell.stop.row, cell.stop.column
+        stop = row * columns + (column if row % 2 == 0 else columns - 1 - column)
+        polarization = cell.polarization if stop % 2 == 0 else polarizations - 1 - cell.polarization
+        return stop * polarizations + polarization
+
+    def nearest_stop(self, x_mm: float, y_mm: float) -> Optional[Stop]:
+        """Return the stop nearest to a place, or None if it lies off the grid."""
+        column = _nearest(self.xs_mm, x_mm)
+        row = _nearest(self.ys_mm, y_mm)
+        return None if row is None or column is None else Stop(row, column)
+
+    def holds(self, cell: Cell, x_mm: float, y_mm: float, z_deg: float) -> bool:
+        """Say whether a place is that of a cell, to half a motor step."""
+        planned = (
+            (self.xs_mm[cell.stop.column], x_mm, self.travel.x.step),
+            (self.ys_mm[cell.stop.row], y_mm, self.travel.y.step),
+            (self.rotations_deg[cell.polarization], z_deg, self.travel.z.step),
+        )
+        return all(abs(own - place) <= step / 2 for own, place, step in planned)
+
+
+def grid_from_description(text: str) -> SurveyGrid:
+    """Return the grid of a survey from its survey.json.
+
+    Raises:
+        SurveyNotReadableError: The text does not describe a survey.
+    """
+    if len(text) > MAX_DESCRIPTION_CHARACTERS:
+        raise SurveyNotReadableError(
+            f"the description of the survey has {len(text)} characters; at most "
+            f"{MAX_DESCRIPTION_CHARACTERS} are read"
+        )
+    try:
+        values: Any = json.loads(text)
+        if not isinstance(values, Mapping) or not isinstance(values.get("survey_id"), str):
+            raise InvalidValueError("it does not name a survey")
+        parameters, travel = recorded_plan(values)
+    except (ValueError, RecursionError, InvalidValueError) as error:
+        raise SurveyNotReadableError(f"the survey's plan cannot be read: {error}") from error
+    # Data of unknown origin are never shown as those of real ground.
+    simulated = values.get("simulated") is not False
+    return SurveyGrid(values["survey_id"], parameters, travel, simulated)
+
+
+def _nearest(places_mm: np.ndarray, place_mm: float) -> Optional[int]:
+    distances_mm = np.abs(places_mm - place_mm)
+    number = int(np.argmin(distances_mm))
+    spacing_mm = abs(places_mm[1] - places_mm[0])
+    # Written so that NaN, which fails every comparison, is off the grid too.
+    return number if distances_mm[number] <= spacing_mm / 2 + 1e-9 else None

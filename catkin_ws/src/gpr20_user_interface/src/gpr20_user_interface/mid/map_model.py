@@ -1,0 +1,131 @@
+"""What the map shows: the planned stops, what became of each, where the antennas are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, Optional, Tuple
+
+import numpy as np
+
+from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState, stop_states
+from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
+
+
+@dataclass(frozen=True)
+class StopCounts:
+    """How many stops are in which state."""
+
+    done: int
+    partly: int
+    missing: int
+    failed: int
+
+    @property
+    def total(self) -> int:
+        """All planned stops."""
+        return self.done + self.partly + self.missing + self.failed
+
+
+class MapModel:
+    """Joins the plan of a survey and its coverage, in whichever order they come."""
+
+    def __init__(self) -> None:
+        self._grid: Optional[SurveyGrid] = None
+        self._coverage: Optional[CoverageRuns] = None
+        self._traces = np.zeros(0, np.uint8)
+        self._stops = np.zeros((0, 0), np.uint8)
+        self._reasons: Dict[int, str] = {}
+        self._current: Optional[Stop] = None
+
+    @property
+    def grid(self) -> Optional[SurveyGrid]:
+        """The plan; None before it is known."""
+        return self._grid
+
+    @property
+    def trace_states(self) -> Optional[np.ndarray]:
+        """State of every planned trace; None while it is not known."""
+        return self._traces if self._covers() else None
+
+    @property
+    def stop_states(self) -> Optional[np.ndarray]:
+        """StopState of every stop (rows x columns); None while it is not known."""
+        return self._stops if self._covers() else None
+
+    @property
+    def current(self) -> Optional[Stop]:
+        """The stop that is being visited."""
+        return self._current
+
+    @property
+    def verdict(self) -> str:
+        """The coverage in one sentence of main_control; empty if it said none."""
+        return self._coverage.verdict if self._coverage and self._covers() else ""
+
+    def set_grid(self, grid: Optional[SurveyGrid]) -> None:
+        """Take another plan."""
+        self._grid = grid
+        self._current = None
+        self._combine()
+
+    def set_coverage(self, coverage: CoverageRuns) -> None:
+        """Take what has been measured.
+
+        Raises:
+            SurveyNotReadableError: It contradicts itself or the plan.
+        """
+        traces = coverage.trace_states()
+        self._coverage, self._traces = coverage, traces
+        self._reasons = coverage.reasons()
+        self._combine()
+
+    def set_target(self, x_mm: float, y_mm: float) -> None:
+        """Note where the antennas are sent."""
+        self._current = None if self._grid is None else self._grid.nearest_stop(x_mm, y_mm)
+
+    def clear_target(self) -> None:
+        """Note that the antennas are sent nowhere."""
+        self._current = None
+
+    def counts(self) -> Optional[StopCounts]:
+        """Return how many stops are in which state; None while that is not known."""
+        if not self._covers():
+            return None
+        numbers = np.bincount(self._stops.ravel(), minlength=len(StopState))
+        return StopCounts(
+            done=int(numbers[StopState.DONE]),
+            partly=int(numbers[StopState.PARTLY]),
+            missing=int(numbers[StopState.MISSING]),
+            failed=int(numbers[StopState.FAILED]),
+        )
+
+    def state_at(self, stop: Stop) -> Optional[StopState]:
+        """Return the state of a stop; None while it is not known."""
+        return StopState(int(self._stops[stop.row, stop.column])) if self._covers() else None
+
+    def reasons_at(self, stop: Stop) -> Tuple[str, ...]:
+        """Return why traces of a stop failed."""
+        if self._grid is None:
+            return ()
+        count = len(self._grid.rotations_deg)
+        indices = [self._grid.index(Cell(stop, number)) for number in range(count)]
+        return tuple(self._reasons[index] for index in indices if index in self._reasons)
+
+    def _covers(self) -> bool:
+        return (
+            self._grid is not None
+            and self._coverage is not None
+            and self._coverage.survey_id == self._grid.survey_id
+        )
+
+    def _combine(self) -> None:
+        if self._grid is None or not self._covers():
+            return
+        if len(self._traces) != self._grid.planned:
+            planned = len(self._traces)
+            self._coverage = None
+            raise SurveyNotReadableError(
+                f"the coverage has {planned} traces, the plan of the survey {self._grid.planned}"
+            )
+        self._stops = stop_states(self._grid, self._traces)

@@ -1,0 +1,194 @@
+"""The echoes of a survey so far, and pictures of them; bounded in memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, Optional
+
+import numpy as np
+
+from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.map_coverage import is_stored
+from gpr20_user_interface.mid.map_grid import Cell, SurveyGrid
+from gpr20_user_interface.mid.radar_processing import FrequencyToDelay
+
+MAX_VOLUME_BYTES = 256 << 20
+BYTES_PER_SAMPLE = 8  # complex64
+MAX_SAMPLES = 1024
+# Fewer traces have too much of a target in their mean to take it out of them.
+MIN_BACKGROUND_TRACES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class RadarTrace:
+    """What the views need of a trace; frequencies in Hz, S21 complex and linear."""
+
+    survey_id: str
+    index: int
+    x_mm: float
+    y_mm: float
+    z_deg: float
+    height_m: float
+    frequency_hz: np.ndarray
+    s21: np.ndarray
+
+
+class RadarModel:
+    """Takes traces in any order, each as often as it comes, and keeps their echoes.
+
+    The echoes of all planned traces have their place from the start, but memory is used only
+    for those that are there. If the plan is so large that they would need more than `max_bytes`,
+    fewer delays are kept of each.
+    """
+
+    def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
+        self._max_bytes = max_bytes
+        self.begin(None)
+
+    def begin(self, grid: Optional[SurveyGrid]) -> None:
+        """Forget everything and wait for the traces of another survey."""
+        self._grid = grid
+        self._transform: Optional[FrequencyToDelay] = None
+        shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
+        self._present = np.zeros(shape, bool)
+        self._heights_m = np.full(shape, np.nan, np.float32)
+        self._echoes = np.zeros((*shape, 0), np.complex64)
+        self._sums = np.zeros((shape[0], 0), np.complex128)
+        self._latest: Optional[Cell] = None
+        self._given_up: Dict[int, str] = {}
+        self.revision = 0
+
+    @property
+    def grid(self) -> Optional[SurveyGrid]:
+        """The plan of the survey that is shown."""
+        return self._grid
+
+    @property
+    def latest(self) -> Optional[Cell]:
+        """Where the trace that came last belongs."""
+        return self._latest
+
+    @property
+    def count(self) -> int:
+        """How many traces are here."""
+        return int(np.count_nonzero(self._present))
+
+    @property
+    def given_up(self) -> Dict[int, str]:
+        """Traces that cannot be shown, and why, by their place in the plan."""
+        return dict(self._given_up)
+
+    @property
+    def transform(self) -> Optional[FrequencyToDelay]:
+        """How sweeps became echoes; None before the first trace."""
+        return self._transform
+
+    def add(self, trace: RadarTrace) -> None:
+        """Take a trace.
+
+        Raises:
+            SurveyNotReadableError: It does not belong where it says; it is not shown.
+        """
+        if self._grid is None or trace.survey_id != self._grid.survey_id:
+            raise SurveyNotReadableError(
+                f"trace {trace.index} belongs to survey {trace.survey_id[:40]}, another is shown"
+            )
+        try:
+            cell = self._checked_cell(self._grid, trace)
+        except SurveyNotReadableError as error:
+            self.give_up(trace.index, str(error))
+            raise
+        transform = self._transform or self._begin_volume(trace)
+        echoes = transform.transform(trace.s21)
+        place = (cell.polarization, cell.stop.row, cell.stop.column)
+        if self._present[place]:
+            self._sums[cell.polarization] -= self._echoes[place]
+        self._echoes[place] = echoes
+        self._sums[cell.polarization] += echoes
+        self._heights_m[place] = trace.height_m
+        self._present[place] = True
+        self._given_up.pop(trace.index, None)
+        self._latest = cell
+        self.revision += 1
+
+    def give_up(self, index: int, reason: str) -> None:
+        """Note that a stored trace cannot be shown; it is not asked for again."""
+        self._given_up[index] = reason
+        self.revision += 1
+
+    def absent(self, trace_states: np.ndarray) -> np.ndarray:
+        """Return the places in the plan that are stored but not here, ascending.
+
+        Args:
+            trace_states: State of every planned trace, from the coverage.
+        """
+        if self._grid is None:
+            return np.zeros(0, np.intp)
+        stored = np.flatnonzero(is_stored(trace_states))
+        row, column, polarization = self._grid.cells(stored)
+        absent = stored[~self._present[polarization, row, column]]
+        given_up = np.fromiter(self._given_up, np.intp, len(self._given_up))
+        return absent[~np.isin(absent, given_up)]
+
+    def has(self, cell: Cell) -> bool:
+        """Say whether the trace of a cell is here."""
+        place = (cell.polarization, cell.stop.row, cell.stop.column)
+        return bool(self._present[place])
+
+    def present(self, polarization: int) -> np.ndarray:
+        """Return which stops have a trace of a polarization (bool, rows x columns)."""
+        return self._present[polarization]
+
+    def echoes(self, polarization: int) -> np.ndarray:
+        """Return the echoes of a polarization (complex64, rows x columns x samples)."""
+        return self._echoes[polarization]
+
+    def heights_m(self, polarization: int) -> np.ndarray:
+        """Return the height of every stop [m]; one that is not known is the median of the rest.
+
+        All are NaN if none is known.
+        """
+        own = self._heights_m[polarization]
+        known = self._heights_m[np.isfinite(self._heights_m)]
+        return np.where(np.isfinite(own), own, np.median(known) if known.size else np.nan)
+
+    def typical_height_m(self) -> float:
+        """Return the median of the known heights [m]; NaN if none is known."""
+        known = self._heights_m[np.isfinite(self._heights_m)]
+        return float(np.median(known)) if known.size else float("nan")
+
+    def background(self, polarization: int) -> Optional[np.ndarray]:
+        """Return what the traces of a polarization have in common; None while they are too few."""
+        count = int(np.count_nonzero(self._present[polarization]))
+        if count < MIN_BACKGROUND_TRACES:
+            return None
+        return (self._sums[polarization] / count).astype(np.complex64)
+
+    def _checked_cell(self, grid: SurveyGrid, trace: RadarTrace) -> Cell:
+        cell = grid.cell(trace.index)
+        if not grid.holds(cell, trace.x_mm, trace.y_mm, trace.z_deg):
+            raise SurveyNotReadableError(
+                f"trace {trace.index} was taken at X {trace.x_mm:g} mm, Y {trace.y_mm:g} mm, "
+                f"{trace.z_deg:g} deg, which is not its place in the plan"
+            )
+        if len(trace.frequency_hz) < 2 or len(trace.s21) != len(trace.frequency_hz):
+            raise SurveyNotReadableError(
+                f"trace {trace.index} has {len(trace.s21)} values for "
+                f"{len(trace.frequency_hz)} frequencies"
+            )
+        if not np.isfinite(trace.s21).all():
+            raise SurveyNotReadableError(f"trace {trace.index} holds NaN or infinities")
+        if self._transform is not None and not self._transform.fits(trace.frequency_hz):
+            raise SurveyNotReadableError(
+                f"trace {trace.index} has other frequencies than the survey's first trace"
+            )
+        return cell
+
+    def _begin_volume(self, trace: RadarTrace) -> FrequencyToDelay:
+        room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
+        self._transform = FrequencyToDelay(trace.frequency_hz, min(MAX_SAMPLES, room))
+        samples = self._transform.samples
+        # Zeros are given by the system page by page when they are written.
+        self._echoes = np.zeros((*self._present.shape, samples), np.complex64)
+        self._sums = np.zeros((len(self._present), samples), np.complex128)
+        return self._transform

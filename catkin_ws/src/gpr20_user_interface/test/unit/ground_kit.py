@@ -1,0 +1,78 @@
+"""Plans of surveys and sweeps over a ground that is known, for the tests of map and radar."""
+
+import json
+
+import numpy as np
+
+from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
+from gpr20_user_interface.mid.radar_model import RadarTrace
+from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
+
+SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
+TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
+
+
+def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVEY, **changes):
+    values = {
+        "vna_address": "127.0.0.1",
+        "start_frequency_hz": 0.6e9,
+        "stop_frequency_hz": 6.0e9,
+        "frequency_points": 501,
+        "x_start_mm": 100.0,
+        "x_stop_mm": 200.0,
+        "x_points": x_points,
+        "y_start_mm": 50.0,
+        "y_stop_mm": 110.0,
+        "y_points": y_points,
+        "polarizations_deg": tuple(rotations_deg),
+    }
+    return SurveyGrid(survey_id, SurveyParameters(**{**values, **changes}), TRAVEL, True)
+
+
+def description(**changes):
+    """Return a survey.json as the storage writes it."""
+    axis = {"min_coord": 0.0, "max_coord": 650.0, "step_size": 0.01}
+    turning = {"min_coord": -90.0, "max_coord": 90.0, "step_size": 1.8}
+    values = {
+        "survey_id": SURVEY,
+        "simulated": True,
+        "axes": {"x": axis, "y": {**axis, "max_coord": 800.0}, "z": turning},
+        "parameters": {
+            **make_grid().parameters.__dict__,
+            "polarizations_deg": [0.0, 90.0],
+        },
+    }
+    return json.dumps({**values, **changes})
+
+
+def echo(delay_s, level=1.0, frequency_hz=FREQUENCY_HZ):
+    """Return the S21 of one echo."""
+    return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
+
+
+def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
+    """Return the S21 of a target straight below the antennas."""
+    path_m = height_m + depth_m * np.sqrt(permittivity)
+    return echo(2.0 * path_m / SPEED_OF_LIGHT_M_S, level)
+
+
+def trace_at(grid, index, s21=None, height_m=0.2, **changes):
+    """Return the trace of a place in the plan."""
+    cell = grid.cell(index)
+    values = {
+        "survey_id": grid.survey_id,
+        "index": index,
+        "x_mm": grid.xs_mm[cell.stop.column],
+        "y_mm": grid.ys_mm[cell.stop.row],
+        "z_deg": grid.rotations_deg[cell.polarization],
+        "height_m": height_m,
+        "frequency_hz": FREQUENCY_HZ,
+        "s21": depth_echo(0.1) if s21 is None else s21,
+    }
+    return RadarTrace(**{**values, **changes})
+
+
+def cell(row, column, polarization=0):
+    return Cell(Stop(row, column), polarization)

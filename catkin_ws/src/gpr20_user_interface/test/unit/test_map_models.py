@@ -1,0 +1,190 @@
+import numpy as np
+import pytest
+from ground_kit import SURVEY, TRAVEL, cell, description, make_grid
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gpr20_main_control.mid.coverage import Coverage, SampleState
+from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.map_coverage import (
+    CoverageRuns,
+    StopState,
+    coverage_of_stored,
+)
+from gpr20_user_interface.mid.map_grid import Stop, grid_from_description
+from gpr20_user_interface.mid.map_model import MapModel
+
+STATES = st.sampled_from(list(SampleState))
+
+
+def runs_of(coverage, survey_id=SURVEY):
+    starts = tuple(start for start, _state in coverage.runs())
+    states = tuple(int(state) for _start, state in coverage.runs())
+    failures = tuple(f"{index}: {reason}" for index, reason in coverage.reasons.items())
+    planned = len(coverage.states)
+    return CoverageRuns(survey_id, planned, starts, states, failures, coverage.verdict().text)
+
+
+@settings(deadline=None)
+@given(
+    st.integers(3, 9),
+    st.integers(3, 9),
+    st.sampled_from([(0.0,), (0.0, 90.0), (-90.0, 0.0, 90.0)]),
+    st.booleans(),
+)
+def test_every_place_of_the_plan_is_where_main_control_goes(columns, rows, rotations, reverse):
+    ends = {"x_start_mm": 200.0, "x_stop_mm": 100.0} if reverse else {}
+    grid = make_grid(columns, rows, rotations, **ends)
+    points = survey_points(grid.parameters, TRAVEL)
+    assert grid.planned == len(points)
+    for point in points:
+        found = grid.cell(point.index)
+        assert grid.holds(found, point.x_mm, point.y_mm, point.z_deg)
+        assert grid.index(found) == point.index
+
+
+@settings(deadline=None)
+@given(st.lists(STATES, min_size=1, max_size=60))
+def test_coverage_comes_through_as_it_was(states):
+    coverage = Coverage(len(states))
+    for index, state in enumerate(states):
+        if state is SampleState.FAILED:
+            coverage.note_failed(index, "the VNA: no answer")
+        elif state is SampleState.MEASURED:
+            coverage.note_stored(index)
+        elif state is SampleState.REMEASURED:
+            coverage.note_remeasured(index)
+    runs = runs_of(coverage)
+    assert runs.trace_states().tolist() == states
+    assert runs.reasons() == coverage.reasons
+
+
+@settings(deadline=None)
+@given(st.integers(1, 50), st.sets(st.integers(0, 60)))
+def test_coverage_of_a_past_survey_has_exactly_the_stored_traces(planned, stored):
+    states = coverage_of_stored(SURVEY, planned, stored).trace_states()
+    assert set(np.flatnonzero(states)) == {index for index in stored if index < planned}
+
+
+@pytest.mark.parametrize(
+    ("planned", "starts", "states"),
+    [
+        (5, (), ()),
+        (5, (1,), (0,)),
+        (5, (0, 0), (0, 1)),
+        (5, (0, 5), (0, 1)),
+        (5, (0, 3, 2), (0, 1, 0)),
+        (5, (0, 3), (0,)),
+        (5, (0,), (4,)),
+        (2**32 - 1, (0,), (0,)),
+    ],
+)
+def test_contradicting_coverage_is_refused(planned, starts, states):
+    with pytest.raises(SurveyNotReadableError):
+        CoverageRuns(SURVEY, planned, starts, states).trace_states()
+
+
+def filled_map(stored=(), failed=()):
+    grid = make_grid()
+    coverage = Coverage(grid.planned, stored)
+    for index in failed:
+        coverage.note_failed(index, f"reason {index}")
+    model = MapModel()
+    model.set_grid(grid)
+    model.set_coverage(runs_of(coverage))
+    return model
+
+
+def test_a_stop_is_done_only_with_all_its_polarizations():
+    model = filled_map(stored=[0, 1, 2])
+    assert model.state_at(Stop(0, 0)) is StopState.DONE
+    assert model.state_at(Stop(0, 1)) is StopState.PARTLY
+    assert model.state_at(Stop(0, 2)) is StopState.MISSING
+    counts = model.counts()
+    assert (counts.done, counts.partly, counts.missing, counts.failed) == (1, 1, 18, 0)
+    assert counts.total == 20
+    assert "INCOMPLETE" in model.verdict
+
+
+def test_the_second_row_runs_back():
+    # 5 columns with 2 polarizations: trace 10 is the first of row 1, at the last column.
+    model = filled_map(stored=[10, 11])
+    assert model.state_at(Stop(1, 4)) is StopState.DONE
+    assert model.state_at(Stop(1, 0)) is StopState.MISSING
+
+
+def test_one_failed_polarization_makes_the_stop_failed_and_says_why():
+    model = filled_map(stored=[0], failed=[1])
+    assert model.state_at(Stop(0, 0)) is StopState.FAILED
+    assert model.reasons_at(Stop(0, 0)) == ("reason 1",)
+
+
+@pytest.mark.parametrize(
+    ("place", "stop"),
+    [
+        ((100.0, 50.0), Stop(0, 0)),
+        ((126.0, 71.0), Stop(1, 1)),
+        ((213.0, 50.0), None),
+        ((float("nan"), 50.0), None),
+        ((-1.0, -1.0), None),
+    ],
+)
+def test_the_target_is_the_current_stop(place, stop):
+    model = filled_map()
+    model.set_target(*place)
+    assert model.current == stop
+    model.clear_target()
+    assert model.current is None
+
+
+def test_coverage_of_another_survey_is_not_shown_on_this_plan():
+    model = filled_map(stored=[0, 1])
+    model.set_grid(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
+    assert model.stop_states is None
+    assert model.counts() is None
+    assert model.verdict == ""
+
+
+def test_coverage_may_come_before_the_plan():
+    model = MapModel()
+    model.set_coverage(runs_of(Coverage(40, [0, 1])))
+    assert model.stop_states is None
+    model.set_grid(make_grid())
+    assert model.counts().done == 1
+
+
+def test_a_plan_of_another_size_is_refused():
+    model = MapModel()
+    model.set_grid(make_grid())
+    with pytest.raises(SurveyNotReadableError, match="41 traces"):
+        model.set_coverage(runs_of(Coverage(41)))
+    assert model.stop_states is None
+
+
+def test_the_plan_is_read_from_survey_json():
+    grid = grid_from_description(description())
+    assert (grid.shape, grid.planned, grid.simulated) == ((4, 5), 40, True)
+    assert grid.holds(cell(0, 0), 100.0, 50.0, 0.0)
+
+
+def test_data_of_unknown_origin_count_as_simulated():
+    assert grid_from_description(description(simulated="no")).simulated
+    assert not grid_from_description(description(simulated=False)).simulated
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        "[" * 100_000,
+        description(parameters={}),
+        description(axes=None),
+        "x" * 3_000_000,
+    ],
+)
+def test_what_describes_no_survey_is_refused(text):
+    with pytest.raises(SurveyNotReadableError):
+        grid_from_description(text)

@@ -1,0 +1,215 @@
+import numpy as np
+import pytest
+from ground_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, trace_at
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gpr20_main_control.mid.coverage import SampleState
+from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
+from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan
+from gpr20_user_interface.mid.radar_processing import FrequencyToDelay, delay_of_depth
+from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
+
+LINEAR = RadarSettings(in_db=False)
+
+
+def filled(indices=None, s21_of=None, **changes):
+    grid = make_grid()
+    model = RadarModel()
+    model.begin(grid)
+    for index in range(grid.planned) if indices is None else indices:
+        s21 = None if s21_of is None else s21_of(grid.cell(index))
+        model.add(trace_at(grid, index, s21, **changes))
+    return model
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.floats(0.5e-9, 14e-9), st.floats(0.01, 2.0), st.integers(11, 4000))
+def test_an_echo_stands_at_its_delay_with_its_level(delay_s, level, points):
+    frequency_hz = np.linspace(0.6e9, 6.0e9, points)
+    transform = FrequencyToDelay(frequency_hz, 1000)
+    delay_s = min(delay_s, 0.8 * transform.delays_s[-1])
+    found = np.abs(transform.transform(echo(delay_s, level, frequency_hz)))
+    assert abs(transform.delays_s[np.argmax(found)] - delay_s) <= transform.step_s / 2 + 1e-15
+    assert 0.93 * level < found.max() <= 1.001 * level
+
+
+def test_uneven_frequencies_keep_the_echo_in_its_place():
+    uneven_hz = np.sort(np.random.default_rng(1).uniform(0.6e9, 6.0e9, 801))
+    transform = FrequencyToDelay(uneven_hz, 1000)
+    found = np.abs(transform.transform(echo(4e-9, 1.0, uneven_hz)))
+    assert abs(transform.delays_s[np.argmax(found)] - 4e-9) < transform.step_s
+
+
+def test_depth_counts_from_the_surface_in_ground_of_the_permittivity():
+    assert delay_of_depth(0.0, 0.15, 9.0) == pytest.approx(1.0007e-9, rel=1e-3)
+    assert delay_of_depth(0.1, 0.0, 9.0) == pytest.approx(3 * delay_of_depth(0.1, 0.0, 1.0))
+    # Above the surface there is air.
+    assert delay_of_depth(-0.05, 0.15, 9.0) == pytest.approx(delay_of_depth(0.0, 0.10, 9.0))
+
+
+@pytest.mark.parametrize("depth_m", [0.03, 0.1, 0.21])
+def test_an_a_scan_peaks_at_the_depth_of_its_target(depth_m):
+    model = filled([0], s21_of=lambda _cell: depth_echo(depth_m))
+    curve = a_scan(model, cell(0, 0), LINEAR)
+    assert curve.axis is Axis.DEPTH_MM
+    assert curve.places[np.argmax(curve.levels)] == pytest.approx(depth_m * 1000, abs=7)
+
+
+def test_another_permittivity_moves_the_picture_and_not_the_data():
+    model = filled([0], s21_of=lambda _cell: depth_echo(0.1))
+    before = model.echoes(0).copy()
+    dense = a_scan(model, cell(0, 0), RadarSettings(in_db=False, permittivity=16.0))
+    assert dense.places[np.argmax(dense.levels)] == pytest.approx(50.0, abs=5)
+    assert (model.echoes(0) == before).all()
+
+
+def test_each_trace_counts_from_its_own_height():
+    model = RadarModel()
+    grid = make_grid()
+    model.begin(grid)
+    for index in range(10):
+        height_m = 0.15 + 0.01 * index
+        model.add(trace_at(grid, index, depth_echo(0.1, height_m), height_m))
+    line = b_scan(model, 0, LINEAR)
+    peaks = np.linspace(*line.range, len(line.levels) + 1)[np.argmax(line.levels, axis=0)]
+    assert peaks == pytest.approx(100.0, abs=8)
+
+
+def test_the_slice_shows_the_target_where_it_is():
+    def ground(place):
+        near = place.stop.row == 2 and place.stop.column == 3
+        return depth_echo(0.1, level=1.0 if near else 0.01)
+
+    picture = c_scan(filled(s21_of=ground), RadarSettings(in_db=False, depth_m=0.1))
+    assert picture.axis is Axis.Y_MM
+    assert np.unravel_index(np.argmax(picture.levels), picture.levels.shape) == (2, 3)
+    assert picture.x_range_mm == pytest.approx((87.5, 212.5))
+    assert picture.range == pytest.approx((40.0, 120.0))
+    elsewhere = c_scan(filled(s21_of=ground), RadarSettings(in_db=False, depth_m=0.02))
+    assert elsewhere.levels.max() < 0.05
+
+
+def test_a_reverse_survey_lies_where_it_was_measured():
+    grid = make_grid(x_start_mm=200.0, x_stop_mm=100.0)
+    model = RadarModel()
+    model.begin(grid)
+    model.add(trace_at(grid, 0))  # at X 200
+    picture = c_scan(model, LINEAR)
+    assert picture.x_range_mm == pytest.approx((87.5, 212.5))
+    assert np.isfinite(picture.levels[0, 4])
+    assert np.isnan(picture.levels[0, 0])
+
+
+def test_what_was_not_measured_is_never_a_level():
+    model = filled(range(0, 40, 2))
+    for in_db in (False, True):
+        view = RadarSettings(in_db=in_db)
+        picture = c_scan(model, view)
+        assert (np.isfinite(picture.levels) == model.present(0)).all()
+        line = b_scan(model, 1, view)
+        assert (np.isfinite(line.levels).any(axis=0) == model.present(0)[1]).all()
+    assert b_scan(RadarModel(), 0, LINEAR) is None
+    assert c_scan(RadarModel(), LINEAR) is None
+    assert a_scan(model, cell(0, 0, 1), LINEAR) is None
+
+
+def test_background_removal_takes_the_surface_and_leaves_the_target():
+    def ground(place):
+        target = depth_echo(0.1, level=0.1) if place.stop.column == 2 else 0.0
+        return depth_echo(0.0) + target
+
+    model = filled(s21_of=ground)
+    removed = RadarSettings(in_db=False, remove_background=True)
+    raw, clean = b_scan(model, 1, LINEAR), b_scan(model, 1, removed)
+    assert np.unravel_index(np.nanargmax(clean.levels), clean.levels.shape)[1] == 2
+    assert np.nanmax(raw.levels) > 0.9
+    assert np.nanmax(clean.levels) < 0.15
+
+
+def test_few_traces_have_no_background():
+    # The mean of one trace is the trace: the picture would be empty, and look like clear ground.
+    indices = range(0, 2 * (MIN_BACKGROUND_TRACES - 1), 2)
+    model = filled(indices)
+    assert model.background(0) is None
+    removed = RadarSettings(in_db=False, remove_background=True)
+    assert a_scan(model, model.latest, removed).levels.max() > 0.9
+
+
+def test_gain_shows_later_echoes_stronger():
+    model = filled([0])
+    plain = a_scan(model, cell(0, 0), RadarSettings(in_depth=False))
+    strong = a_scan(model, cell(0, 0), RadarSettings(in_depth=False, gain_db_per_ns=3.0))
+    assert strong.axis is Axis.DELAY_NS
+    assert strong.levels - plain.levels == pytest.approx(3.0 * plain.places, abs=1e-2)
+
+
+def test_without_any_height_there_is_delay_but_no_depth():
+    model = filled([0, 1], height_m=float("nan"))
+    assert a_scan(model, cell(0, 0), LINEAR).axis is Axis.DELAY_NS
+    assert b_scan(model, 0, LINEAR).axis is Axis.DELAY_NS
+    assert c_scan(model, LINEAR) is None
+
+
+def test_a_trace_may_come_twice():
+    model = filled(range(20))
+    once = model.background(0)
+    model.add(trace_at(make_grid(), 4))
+    assert model.count == 20
+    assert model.background(0) == pytest.approx(once, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"x_mm": 101.0},
+        {"z_deg": 90.0},
+        {"s21": np.full(501, np.nan)},
+        {"frequency_hz": FREQUENCY_HZ + 1e6},
+        {"frequency_hz": FREQUENCY_HZ[:300], "s21": np.zeros(300)},
+        {"s21": np.zeros(300)},
+    ],
+)
+def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again(changes):
+    model = filled([0])
+    with pytest.raises(SurveyNotReadableError):
+        model.add(trace_at(make_grid(), 3, **changes))
+    assert not model.has(make_grid().cell(3))
+    stored = np.full(40, SampleState.MEASURED, np.uint8)
+    assert 3 not in model.absent(stored)
+    assert 3 in model.given_up
+
+
+def test_a_trace_of_another_survey_is_refused():
+    model = filled([0])
+    with pytest.raises(SurveyNotReadableError, match="another is shown"):
+        model.add(trace_at(make_grid(), 3, survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
+
+
+def test_it_knows_which_stored_traces_it_lacks():
+    model = filled([0, 1, 5])
+    states = np.zeros(40, np.uint8)
+    states[:8] = SampleState.MEASURED
+    states[2] = SampleState.REMEASURED
+    states[3] = SampleState.FAILED
+    assert model.absent(states).tolist() == [2, 4, 6, 7]
+    model.give_up(4, "torn")
+    assert model.absent(states).tolist() == [2, 6, 7]
+
+
+def test_memory_is_bounded_whatever_the_plan():
+    grid = make_grid(200, 200)
+    model = RadarModel(max_bytes=8_000_000)
+    model.begin(grid)
+    model.add(trace_at(grid, 0))
+    used = sum(model.echoes(number).nbytes for number in range(2))
+    assert used <= 8_000_000
+    assert model.transform.samples == 12
+
+
+def test_another_survey_begins_empty():
+    model = filled()
+    model.begin(make_grid(3, 3))
+    assert (model.count, model.latest, model.transform) == (0, None, None)
+    assert model.grid.survey_id == SURVEY
