@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -13,9 +12,8 @@ from gpr20_main_control.mid.recorded_plan import recorded_plan
 from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_main_control.mid.survey_plan import grid, on_step
 from gpr20_user_interface.errors import SurveyNotReadableError
-
-# What survey.json without its report may be long; the storage allows metadata of 1 MiB.
-MAX_DESCRIPTION_CHARACTERS = 2 << 20
+from gpr20_vna_processing.errors import SurveyRefusedError
+from gpr20_vna_processing.mid.survey_metadata import MAX_FILE_BYTES, parse_object
 
 
 @dataclass(frozen=True)
@@ -124,17 +122,12 @@ def grid_from_description(text: str) -> SurveyGrid:
     Raises:
         SurveyNotReadableError: The text does not describe a survey.
     """
-    if len(text) > MAX_DESCRIPTION_CHARACTERS:
-        raise SurveyNotReadableError(
-            f"the description of the survey has {len(text)} characters; at most "
-            f"{MAX_DESCRIPTION_CHARACTERS} are read"
-        )
     try:
-        values: Any = json.loads(text)
-        if not isinstance(values, Mapping) or not isinstance(values.get("survey_id"), str):
+        values = parse_object(text, "survey.json", MAX_FILE_BYTES)
+        if not isinstance(values.get("survey_id"), str):
             raise InvalidValueError("it does not name a survey")
         parameters, travel = recorded_plan(values)
-    except (ValueError, RecursionError, InvalidValueError) as error:
+    except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(f"the survey's plan cannot be read: {error}") from error
     # Data of unknown origin are never shown as those of real ground.
     simulated = values.get("simulated") is not False

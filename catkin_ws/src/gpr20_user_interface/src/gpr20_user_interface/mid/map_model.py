@@ -37,6 +37,7 @@ class MapModel:
         self._stops = np.zeros((0, 0), np.uint8)
         self._reasons: Dict[int, str] = {}
         self._current: Optional[Stop] = None
+        self.revision = 0
 
     @property
     def grid(self) -> Optional[SurveyGrid]:
@@ -112,6 +113,19 @@ class MapModel:
         indices = [self._grid.index(Cell(stop, number)) for number in range(count)]
         return tuple(self._reasons[index] for index in indices if index in self._reasons)
 
+    def next_problem(self, after: Optional[Stop]) -> Optional[Stop]:
+        """Return the next stop, row by row, that is not done; None if all are."""
+        if not self._covers():
+            return None
+        problems = np.flatnonzero(self._stops.ravel() != StopState.DONE)
+        if not problems.size:
+            return None
+        columns = self._stops.shape[1]
+        place = -1 if after is None else after.row * columns + after.column
+        later = problems[problems > place]
+        row, column = divmod(int(later[0] if later.size else problems[0]), columns)
+        return Stop(row, column)
+
     def _covers(self) -> bool:
         return (
             self._grid is not None
@@ -120,6 +134,7 @@ class MapModel:
         )
 
     def _combine(self) -> None:
+        self.revision += 1
         if self._grid is None or not self._covers():
             return
         if len(self._traces) != self._grid.planned:

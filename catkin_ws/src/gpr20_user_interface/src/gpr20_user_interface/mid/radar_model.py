@@ -43,6 +43,7 @@ class RadarModel:
 
     def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
         self._max_bytes = max_bytes
+        self.revision = 0
         self.begin(None)
 
     def begin(self, grid: Optional[SurveyGrid]) -> None:
@@ -56,7 +57,7 @@ class RadarModel:
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self._latest: Optional[Cell] = None
         self._given_up: Dict[int, str] = {}
-        self.revision = 0
+        self.revision += 1
 
     @property
     def grid(self) -> Optional[SurveyGrid]:

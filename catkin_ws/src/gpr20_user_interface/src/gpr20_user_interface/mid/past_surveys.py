@@ -1,0 +1,97 @@
+"""The list of past surveys: what became of each and what can be done with it."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import List, Optional, Tuple
+
+
+class Verdict(enum.Enum):
+    """What became of a survey, in one word."""
+
+    COMPLETE = "complete"
+    INCOMPLETE = "incomplete"
+    RUNNING = "running"
+    UNREADABLE = "unreadable"
+
+
+@dataclass(frozen=True)
+class PastSurvey:
+    """One survey of the data folder; see gpr20_msgs/SurveySummary."""
+
+    folder: str
+    survey_id: str
+    started: str
+    outcome: str
+    stored_traces: int
+    planned_traces: int
+    verdict: str
+    complete: bool
+    simulated: bool
+    problem: str
+
+    @property
+    def day_and_time(self) -> str:
+        """When it started [UTC], as "2026-11-21 05:10"; by its folder if nothing else tells."""
+        name = self.folder
+        if len(self.started) >= 16:
+            return self.started[:16].replace("T", " ")
+        return f"{name[0:4]}-{name[4:6]}-{name[6:8]} {name[9:11]}:{name[11:13]}"
+
+
+class PastSurveys:
+    """Collects the pages of the list; knows which survey is on its way."""
+
+    def __init__(self) -> None:
+        self._surveys: List[PastSurvey] = []
+        self._more = False
+        self._running_id = ""
+
+    @property
+    def surveys(self) -> Tuple[PastSurvey, ...]:
+        """The surveys heard of so far, the newest first."""
+        return tuple(self._surveys)
+
+    @property
+    def more(self) -> bool:
+        """Whether older ones are left."""
+        return self._more
+
+    @property
+    def next_before(self) -> str:
+        """Folder before which the next page begins; empty: the first page."""
+        return self._surveys[-1].folder if self._surveys else ""
+
+    def take(self, before: str, surveys: Tuple[PastSurvey, ...], more: bool) -> None:
+        """Take a page; the first one begins the list anew."""
+        if not before:
+            self._surveys = []
+        elif before != self.next_before:
+            return  # the list was begun anew meanwhile
+        self._surveys.extend(surveys)
+        self._more = more
+
+    def set_running(self, survey_id: str) -> None:
+        """Note which survey is on its way; empty: none."""
+        self._running_id = survey_id
+
+    def by_folder(self, folder: str) -> Optional[PastSurvey]:
+        """Return a survey of the list."""
+        return next((one for one in self._surveys if one.folder == folder), None)
+
+    def verdict(self, survey: PastSurvey) -> Verdict:
+        """Return what became of a survey; only one with every trace stored is complete."""
+        if survey.problem:
+            return Verdict.UNREADABLE
+        if self._running_id and survey.survey_id == self._running_id:
+            return Verdict.RUNNING
+        return Verdict.COMPLETE if survey.complete else Verdict.INCOMPLETE
+
+    def can_resume(self, survey: PastSurvey) -> bool:
+        """Whether a survey lacks traces that could be measured now."""
+        return not self._running_id and self.verdict(survey) is Verdict.INCOMPLETE
+
+    def can_open(self, survey: PastSurvey) -> bool:
+        """Whether there is something to show."""
+        return not survey.problem and survey.stored_traces > 0

@@ -1,0 +1,102 @@
+"""One survey on map and radar, and which of its stored traces are still to be read."""
+
+from __future__ import annotations
+
+from typing import Optional, Tuple
+
+import numpy as np
+
+from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.map_coverage import CoverageRuns
+from gpr20_user_interface.mid.map_grid import SurveyGrid
+from gpr20_user_interface.mid.map_model import MapModel
+from gpr20_user_interface.mid.radar_model import RadarModel, RadarTrace
+from gpr20_user_interface.mid.trace_events import TracesRead
+
+
+class ShownSurvey:
+    """A MapModel and a RadarModel of the same survey.
+
+    What the coverage calls stored and the radar lacks is read from the storage: the traces from
+    before this window was started, and those that the topic lost.
+    """
+
+    def __init__(self) -> None:
+        self.map = MapModel()
+        self.radar = RadarModel()
+        self._lacking: Optional[int] = None
+
+    @property
+    def survey_id(self) -> str:
+        """UUID; empty while no plan is known."""
+        grid = self.map.grid
+        return "" if grid is None else grid.survey_id
+
+    def begin(self, grid: SurveyGrid) -> None:
+        """Show the survey of a plan; nothing is forgotten if it is shown already.
+
+        Raises:
+            SurveyNotReadableError: What is known of its coverage contradicts the plan.
+        """
+        if grid.survey_id == self.survey_id and grid.parameters == self._parameters():
+            return
+        self._lacking = None
+        self.radar.begin(grid)
+        self.map.set_grid(grid)
+
+    def take_coverage(self, coverage: CoverageRuns) -> None:
+        """Take what has been measured.
+
+        Raises:
+            SurveyNotReadableError: It contradicts itself or the plan.
+        """
+        self.map.set_coverage(coverage)
+
+    def take_trace(self, trace: RadarTrace) -> None:
+        """Take a trace, if it is one of this survey.
+
+        Raises:
+            SurveyNotReadableError: It does not belong where it says.
+        """
+        if trace.survey_id == self.survey_id:
+            self.radar.add(trace)
+
+    def take_page(self, page: TracesRead) -> Tuple[str, ...]:
+        """Take traces that were read; return what was wrong with some of them."""
+        if page.survey != self.survey_id:
+            return ()
+        problems = []
+        for text in page.unreadable:
+            index, _separator, reason = text.partition(": ")
+            if index.isdigit():
+                self.radar.give_up(int(index), reason)
+                problems.append(text)
+        for trace in page.traces:
+            try:
+                self.radar.add(trace)
+            except SurveyNotReadableError as error:
+                problems.append(str(error))
+        # Whatever the answer was, the same place is not asked for for ever.
+        if page.first_index in self._absent():
+            reason = "the storage has no file of it"
+            self.radar.give_up(page.first_index, reason)
+            problems.append(f"{page.first_index}: {reason}")
+        self._lacking = None
+        return tuple(problems)
+
+    def next_page(self) -> Optional[int]:
+        """Return the place in the plan from which traces should be read; None: all are here.
+
+        A trace that was stored just now is on its way on the topic: it is asked for only if it
+        lacks at two calls in a row.
+        """
+        absent = self._absent()
+        before, self._lacking = self._lacking, int(absent[0]) if absent.size else None
+        return self._lacking if self._lacking is not None and self._lacking == before else None
+
+    def _absent(self) -> np.ndarray:
+        states = self.map.trace_states
+        return np.zeros(0, np.intp) if states is None else self.radar.absent(states)
+
+    def _parameters(self) -> object:
+        return None if self.map.grid is None else self.map.grid.parameters

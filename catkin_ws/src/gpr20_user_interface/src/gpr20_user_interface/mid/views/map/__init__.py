@@ -1,0 +1,1 @@
+"""The MAP tab: planned stops and what became of each."""

@@ -1,0 +1,1 @@
+"""The RADAR tab: A-, B- and C-scan."""
