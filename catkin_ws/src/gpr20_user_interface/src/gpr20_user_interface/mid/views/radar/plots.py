@@ -18,8 +18,9 @@ from gpr20_user_interface.mid.views.survey_colours import (
     level_colours,
 )
 
-# How far below the strongest level of a picture its darkest colour lies.
-SHOWN_RANGE_DB = 60.0
+# How far below the strongest level a curve, and the darkest colour of a picture, ends.
+CURVE_RANGE_DB = 60.0
+PICTURE_RANGE_DB = 40.0
 INK = "#111111"
 AXIS_WIDTH_PX = 48
 TICK_FONT_PX = 11
@@ -30,6 +31,8 @@ class FixedPlot(pyqtgraph.PlotWidget):
 
     def __init__(self, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent, background="w")
+        self._title = ""
+        self._labels = ("", "")
         self.setMouseEnabled(False, False)
         self.setMenuEnabled(False)
         self.hideButtons()
@@ -46,12 +49,23 @@ class FixedPlot(pyqtgraph.PlotWidget):
         self._surface = pyqtgraph.InfiniteLine(0.0, angle=0, pen=SURFACE_LINE)
         self.addItem(self._surface, ignoreBounds=True)
 
+    @property
+    def title_text(self) -> str:
+        """What is written above the plot."""
+        return self._title
+
     def set_title(self, text: str) -> None:
         """Write above the plot."""
-        self.setTitle(text, color=INK, size="10pt")
+        # Laying out a plot costs more than drawing it.
+        if text != self._title:
+            self._title = text
+            self.setTitle(text, color=INK, size="10pt")
 
     def set_labels(self, bottom: str, left: str) -> None:
         """Write beside the axes."""
+        if (bottom, left) == self._labels:
+            return
+        self._labels = (bottom, left)
         for name, text in (("bottom", bottom), ("left", left)):
             self.setLabel(name, text, **{"font-size": f"{TICK_FONT_PX}px", "color": INK})
 
@@ -85,7 +99,7 @@ class CurvePlot(FixedPlot):
         self.show_axis(curve.axis)
         known = np.isfinite(curve.levels)
         self._curve.setData(curve.levels[known], curve.places[known])
-        lowest, highest = level_range(curve.levels, in_db)
+        lowest, highest = level_range(curve.levels, CURVE_RANGE_DB if in_db else None)
         self.setXRange(lowest, highest, padding=0.02)
         self.setYRange(float(curve.places[0]), float(curve.places[-1]), padding=0.0)
 
@@ -118,7 +132,7 @@ class PicturePlot(FixedPlot):
             self._image.clear()
             return
         self.show_axis(picture.axis)
-        self._range = level_range(picture.levels, in_db)
+        self._range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
         numbers = colour_numbers(picture.levels, self._range)
         self._image.setImage(numbers, levels=(0, LEVELS), autoLevels=False)
         left, right = picture.x_range_mm
@@ -127,10 +141,10 @@ class PicturePlot(FixedPlot):
         self.setRange(xRange=(left, right), yRange=(low, high), padding=0.0)
 
 
-def level_range(levels: np.ndarray, in_db: bool) -> Tuple[float, float]:
-    """Return the lowest and the highest level to show."""
+def level_range(levels: np.ndarray, range_db: Optional[float]) -> Tuple[float, float]:
+    """Return the lowest and the highest level to show; without a range the scale is linear."""
     highest = float(np.nanmax(levels))
-    lowest = highest - SHOWN_RANGE_DB if in_db else 0.0
+    lowest = 0.0 if range_db is None else highest - range_db
     return lowest, max(highest, lowest + 1e-12)
 
 
