@@ -1,0 +1,221 @@
+#!/usr/bin/env python3
+"""MAP, RADAR and the past surveys with a real screen, the real storage and the real survey."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+import unittest
+from typing import Callable, Dict
+
+import rospy
+import rostest
+import waiting
+from PyQt5 import sip
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
+from std_srvs.srv import Trigger
+from virtual_screen import VirtualScreen
+
+from gpr20_msgs.msg import ControlStatus, Trace
+from gpr20_msgs.srv import ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_user_interface.high.conversions import parameters_message
+from gpr20_user_interface.high.trace_link import TraceLink
+from gpr20_user_interface.mid.map_coverage import StopState
+from gpr20_user_interface.mid.survey_arguments import parse_arguments
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+from gpr20_user_interface.mid.views.survey_colours import LEVELS
+
+SERVICES = {
+    "set_survey_parameters": SetSurveyParameters,
+    "start_survey": StartSurvey,
+    "pause_survey": Trigger,
+    "resume_survey": ResumeSurvey,
+    "stop_survey": Trigger,
+    "read_traces": ReadTraces,
+}
+SHOWN_WITHIN_S = 1.0
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    waiting.wait_until(condition, what, pause=lambda: QTest.qWait(10))
+
+
+class Window:
+    """The three tabs without their frame."""
+
+    def __init__(self) -> None:
+        self.link = TraceLink()
+        self.presenter = TracePresenter(self.link)
+        self.problems: list = []
+        self.presenter.problem.connect(self.problems.append)
+        self.link.event.connect(self.presenter.on_event, Qt.ConnectionType.QueuedConnection)
+        self.views = self.presenter.views
+        for view in (self.views.map, self.views.radar):
+            view.resize(800, 370)
+            view.show()
+        self.link.listen()
+        self.presenter.begin()
+
+    def drawn(self) -> int:
+        """Return how many stops of the shown polarization are drawn in the slice."""
+        numbers = self.views.radar.slice_plot.colour_numbers
+        return 0 if numbers is None else int((numbers != LEVELS).sum())
+
+    def close(self) -> None:
+        self.presenter.end()
+        self.link.close()
+        for view in (self.views.map, self.views.radar, self.views.past):
+            sip.delete(view)
+
+
+class Traces(unittest.TestCase):
+    """The tests run in the order of their names; the surveys stay between them."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.services: Dict[str, rospy.ServiceProxy] = {}
+        for name, kind in SERVICES.items():
+            rospy.wait_for_service(name, waiting.LIMIT_S)
+            cls.services[name] = rospy.ServiceProxy(name, kind)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        shutil.rmtree(rospy.get_param("vna_processing/data"))
+
+    def setUp(self) -> None:
+        self.code = -1
+        self.heard_s: Dict[int, float] = {}
+        self.subscribers = [
+            rospy.Subscriber("control_status", ControlStatus, self.note_status),
+            rospy.Subscriber("trace", Trace, self.note_trace),
+        ]
+        self.windows: list = []
+
+    def tearDown(self) -> None:
+        for subscriber in self.subscribers:
+            subscriber.unregister()
+        for window in self.windows:
+            window.close()
+
+    def note_status(self, message: ControlStatus) -> None:
+        self.code = message.code
+
+    def note_trace(self, message: Trace) -> None:
+        self.heard_s[message.index] = time.monotonic()
+
+    def window(self) -> Window:
+        self.windows.append(Window())
+        return self.windows[-1]
+
+    def call(self, name: str, *arguments: object) -> object:
+        answer = self.services[name](*arguments)
+        self.assertTrue(answer.success, answer.message)
+        return answer
+
+    def start(self, points: int) -> None:
+        stop_mm = str(100 + 10 * (points - 1))
+        texts = ["--x-start", "100", "--x-stop", stop_mm, "--x-points", str(points)]
+        texts += ["--y-start", "100", "--y-stop", "120", "--y-points", "3"]
+        arguments = parse_arguments([*texts, "--frequency-points", "201"])
+        self.call("set_survey_parameters", parameters_message(arguments.parameters))
+        self.call("start_survey")
+
+    def test_1_each_trace_is_seen_within_a_second(self) -> None:
+        window = self.window()
+        self.start(4)
+        radar = window.presenter.live.radar
+        seen_s: Dict[int, float] = {}
+        drawn = 0
+
+        def all_drawn() -> bool:
+            nonlocal drawn
+            if window.drawn() > drawn:
+                drawn = window.drawn()
+                seen_s[drawn] = time.monotonic()
+            return drawn == 12
+
+        wait_until(all_drawn, "the slice is full")
+        # Of polarization 0, in the order of the plan: 0, 3, 4, 7, ...
+        order = [4 * (number // 2) + (3 if number % 2 else 0) for number in range(12)]
+        delays_s = [seen_s[number] - self.heard_s[order[number - 1]] for number in sorted(seen_s)]
+        print(f"from the topic to the screen: at most {max(delays_s):.3f} s")
+        self.assertLess(max(delays_s), SHOWN_WITHIN_S)
+        wait_until(lambda: radar.count == 24, "both polarizations are there")
+        wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
+        done = window.views.map.legend[StopState.DONE]
+        wait_until(lambda: done.text() == "Done: 12", "the map is full")
+        self.assertIn("SIMULATED", window.views.radar.note.text())
+        self.assertEqual(window.problems, [])
+
+    def test_2_a_window_that_is_started_in_the_middle_shows_what_was_measured_before(self) -> None:
+        self.start(9)
+        wait_until(lambda: len(self.heard_s) >= 20, "a good part is measured")
+        window = self.window()
+        self.call("pause_survey")
+        wait_until(lambda: self.code == ControlStatus.PAUSED, "the survey pauses")
+        before = len(self.heard_s)
+        radar = window.presenter.live.radar
+        wait_until(lambda: radar.count == before, "the traces from before are there")
+        self.assertLess(before, 54)
+        counts = window.presenter.live.map.counts()
+        self.assertEqual(2 * counts.done + counts.partly, before)
+        self.call("resume_survey", "")
+        wait_until(lambda: radar.count == 54, "the rest comes, too")
+        wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
+        self.assertEqual(window.problems, [])
+
+    def test_3_an_unfinished_survey_is_listed_resumed_and_then_complete(self) -> None:
+        self.start(6)
+        wait_until(lambda: len(self.heard_s) >= 6, "some of it is measured")
+        self.call("stop_survey")
+        wait_until(lambda: self.code == ControlStatus.STOPPED, "the survey has stopped")
+        window = self.window()
+        window.presenter.resume_requested.connect(
+            lambda folder: self.call("resume_survey", folder)
+        )
+        past = window.views.past
+        past.show()
+        wait_until(lambda: past.table.rowCount() == 3, "the surveys are listed")
+        self.assertIn("INCOMPLETE", past.table.item(0, 1).text())
+        self.assertTrue(past.table.item(1, 1).text().startswith("complete"))
+        past.table.selectRow(0)
+        QTest.mouseClick(past.resume, Qt.LeftButton)
+        wait_until(lambda: self.code == ControlStatus.FINISHED, "it was resumed to its end")
+        QTest.mouseClick(past.anew, Qt.LeftButton)
+        wait_until(lambda: past.table.item(0, 1).text().startswith("complete"), "it is complete")
+
+    def test_4_a_past_survey_is_opened(self) -> None:
+        window = self.window()
+        past = window.views.past
+        past.show()
+        wait_until(lambda: past.table.rowCount() == 3, "the surveys are listed")
+        past.table.selectRow(2)
+        QTest.mouseClick(past.open, Qt.LeftButton)
+        wait_until(lambda: window.presenter.shown.radar.count == 24, "its traces are read")
+        wait_until(lambda: window.drawn() == 12, "they are drawn")
+        self.assertIn("PAST SURVEY", window.views.radar.note.text())
+        self.assertEqual(window.problems, [])
+
+    def test_5_what_names_no_survey_is_refused(self) -> None:
+        for name in ("", "../..", "/etc/passwd", "20260921T141320_0f8fad5b"):
+            answer = self.services["read_traces"](name, 0, 1)
+            self.assertFalse(answer.success)
+            self.assertTrue(answer.message)
+
+
+if __name__ == "__main__":
+    screen = VirtualScreen()
+    os.environ["DISPLAY"] = screen.name
+    os.environ["QT_QPA_PLATFORM"] = "xcb"
+    application = QApplication([])
+    rospy.init_node("test_traces", disable_signals=True)
+    try:
+        rostest.rosrun("gpr20_user_interface", "traces", Traces)
+    finally:
+        rospy.signal_shutdown("the tests are over")
+        # Qt lets go of the screen before the screen goes away.
+        sip.delete(application)
+        screen.close()
