@@ -10,9 +10,11 @@ setup(
             "gpr20_user_interface.mid",
             "gpr20_user_interface.mid.views",
             "gpr20_user_interface.mid.views.control",
+            "gpr20_user_interface.mid.views.map",
+            "gpr20_user_interface.mid.views.radar",
             "gpr20_user_interface.mid.views.status",
+            "gpr20_user_interface.mid.views.surveys",
         ],
-        package_data={"gpr20_user_interface": ["translations/*.ts"]},
         package_dir={"": "src"},
     )
 )

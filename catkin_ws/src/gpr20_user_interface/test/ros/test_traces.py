@@ -173,9 +173,7 @@ class Traces(unittest.TestCase):
         self.call("stop_survey")
         wait_until(lambda: self.code == ControlStatus.STOPPED, "the survey has stopped")
         window = self.window()
-        window.presenter.resume_requested.connect(
-            lambda folder: self.call("resume_survey", folder)
-        )
+        window.presenter.resume_requested.connect(lambda folder: self.call("resume_survey", folder))
         past = window.views.past
         past.show()
         wait_until(lambda: past.table.rowCount() == 3, "the surveys are listed")

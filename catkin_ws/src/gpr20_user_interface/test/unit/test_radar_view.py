@@ -112,7 +112,7 @@ def test_it_says_what_is_missing_in_the_picture(view, model):
     assert "background is kept until there are 8 traces" in view.note.text()
     model.give_up(5, "torn")
     view.refresh()
-    assert "1 traces cannot be shown" in view.note.text()
+    assert "cannot be shown: 1" in view.note.text()
     assert "1 of 40 traces" in view.note.text()
 
 

@@ -50,4 +50,3 @@ class Plan:
                 f"{self._parameters.frequency_points}"
             )
         return found
-

@@ -120,7 +120,7 @@ class RadarView(QWidget):
             counted = self.tr("{count} of {planned} traces")
             parts.append(counted.format(count=model.count, planned=model.grid.planned))
         if model.given_up:
-            text = self.tr("{count} traces cannot be shown")
+            text = self.tr("cannot be shown: {count}")
             parts.append(text.format(count=len(model.given_up)))
         if model.count and depths_m(model, settings.permittivity) is None:
             parts.append(self.tr("no height was measured: depth is not known"))
