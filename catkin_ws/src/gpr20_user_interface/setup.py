@@ -15,6 +15,7 @@ setup(
             "gpr20_user_interface.mid.views.status",
             "gpr20_user_interface.mid.views.surveys",
         ],
+        package_data={"gpr20_user_interface": ["translations/*.ts"]},
         package_dir={"": "src"},
     )
 )

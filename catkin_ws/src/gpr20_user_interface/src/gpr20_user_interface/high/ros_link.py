@@ -43,9 +43,9 @@ class RosLink(QObject):
         """Ask to hold the survey."""
         self._client.pause_survey()
 
-    def resume_survey(self) -> None:
-        """Ask to go on with the paused survey."""
-        self._client.resume_survey()
+    def resume_survey(self, survey: str = "") -> None:
+        """Ask to go on with the paused survey, or with one by its id or its folder's name."""
+        self._client.resume_survey(survey)
 
     def read_axis_limits(self) -> None:
         """Read what the axes can do."""

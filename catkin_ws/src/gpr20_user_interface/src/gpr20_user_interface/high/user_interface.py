@@ -13,11 +13,13 @@ from gpr20_common.low.clock import Clock
 from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.ros_link import RosLink
+from gpr20_user_interface.high.trace_link import TraceLink
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.language import Language, language_from_code
 from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, Tabs
+from gpr20_user_interface.mid.views.main_window import MainWindow, TabName, Tabs
 from gpr20_user_interface.mid.views.status.status_view import StatusView
 from gpr20_user_interface.mid.views.translation import Languages
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
@@ -31,23 +33,36 @@ class UserInterface:
     """The window and everything that it needs, connected."""
 
     def __init__(self, model: SurveyModel, languages: Languages) -> None:
-        self.window = MainWindow(Tabs(ControlView(), StatusView()), languages.language)
+        self.trace_link = TraceLink()
+        self.traces = TracePresenter(self.trace_link)
+        views = self.traces.views
+        tabs = Tabs(ControlView(), StatusView(), views.map, views.radar, views.past)
+        self.window = MainWindow(tabs, languages.language)
         self.window.language_requested.connect(languages.use_next)
         languages.changed.connect(self.window.show_language)
         self.link = RosLink()
         self.presenter = WindowPresenter(model, self.window, self.link)
         # The signals come from ROS's threads: Qt carries them into the thread of the window.
         self.link.event.connect(self.presenter.on_event, Qt.ConnectionType.QueuedConnection)
+        self.trace_link.event.connect(self.traces.on_event, Qt.ConnectionType.QueuedConnection)
+        self.presenter.refreshed.connect(self.traces.show_state)
+        self.traces.resume_requested.connect(self.presenter.resume_past_survey)
+        self.traces.radar_wanted.connect(lambda: self.window.show_tab(TabName.RADAR))
+        self.traces.problem.connect(lambda text: rospy.logwarn("not shown: %s", text))
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""
         self.link.listen()
+        self.trace_link.listen()
         self.presenter.begin()
+        self.traces.begin()
         self.window.show()
 
     def end(self) -> None:
         """Let go of the graph; a survey that runs is not touched."""
+        self.traces.end()
         self.presenter.end()
+        self.trace_link.close()
         self.link.close()
 
     def health(self) -> Health:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Protocol
 
-from PyQt5.QtCore import QObject, QTimer
+from PyQt5.QtCore import QObject, QTimer, pyqtSignal
 
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
@@ -29,8 +29,8 @@ class SurveyControl(Protocol):
     def pause_survey(self) -> None:
         """Ask to hold the survey."""
 
-    def resume_survey(self) -> None:
-        """Ask to go on."""
+    def resume_survey(self, survey: str = "") -> None:
+        """Ask to go on with the paused survey, or with one by its id or its folder's name."""
 
     def read_axis_limits(self) -> None:
         """Read what the axes can do."""
@@ -38,6 +38,9 @@ class SurveyControl(Protocol):
 
 class WindowPresenter(QObject):
     """Carries events to the model, snapshots to the window and wishes to main_control."""
+
+    # Carries the Snapshot that the window shows now.
+    refreshed = pyqtSignal(object)
 
     def __init__(self, model: SurveyModel, window: MainWindow, control: SurveyControl) -> None:
         super().__init__()
@@ -81,6 +84,12 @@ class WindowPresenter(QObject):
         """Show what is known now."""
         self._snapshot = self._model.snapshot()
         self._window.refresh(self._snapshot)
+        self.refreshed.emit(self._snapshot)
+
+    def resume_past_survey(self, folder: str) -> None:
+        """Ask to go on with a survey that has ended early."""
+        self._sent(Request.RESUME)
+        self._control.resume_survey(folder)
 
     def _start(self, parameters: SurveyParameters) -> None:
         self._sent(Request.START)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 import numpy as np
-from PyQt5.QtCore import QEvent, QPointF, QRectF, Qt, pyqtSignal
+from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontMetrics, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
 from PyQt5.QtWidgets import QSizePolicy, QWidget
 
@@ -19,6 +19,7 @@ from gpr20_user_interface.mid.views.survey_colours import (
     SELECTED,
     STOP_COLOURS,
 )
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 MARGIN_LEFT_PX, MARGIN_BOTTOM_PX, MARGIN_PX = 44, 22, 10
 # Smaller stops are drawn without lines between them.
@@ -29,7 +30,7 @@ MAX_RINGS = 60
 RING_PX = 9.0
 
 
-class MapCanvas(QWidget):
+class MapCanvas(TranslatedWidget):
     """Draws a MapModel to scale; a touch chooses the nearest stop."""
 
     # Carries the Stop.
@@ -71,6 +72,10 @@ class MapCanvas(QWidget):
         self._selected = stop
         self.update()
 
+    def retranslate(self) -> None:
+        """Draw the texts in the language of the application."""
+        self.update()
+
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Choose the stop below the finger."""
         geometry, grid = self.geometry_now, self._model.grid
@@ -101,12 +106,6 @@ class MapCanvas(QWidget):
         self._outline(painter, geometry, self._model.current, CURRENT, "#111111")
         self._outline(painter, geometry, self._selected, SELECTED, "#ffffff")
         self._draw_carriage(painter, geometry)
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802 (Qt's name)
-        """Follow a change of language."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self.update()
-        super().changeEvent(event)
 
     def _draw_stops(self, painter: QPainter, geometry: MapGeometry) -> None:
         area = self._area(geometry)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Dict, Optional, Tuple
 
-from PyQt5.QtCore import QEvent, Qt
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QShowEvent
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
@@ -17,12 +17,13 @@ from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
 from gpr20_user_interface.mid.views.map.map_canvas import MapCanvas
 from gpr20_user_interface.mid.views.radar.plots import CurvePlot
 from gpr20_user_interface.mid.views.survey_colours import STOP_COLOURS
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 PANEL_WIDTH_PX = 290
 SWATCH_PX = 16
 
 
-class MapView(QWidget):
+class MapView(TranslatedWidget):
     """Follows a MapModel and the traces in a RadarModel; `refresh` draws them."""
 
     def __init__(
@@ -42,7 +43,7 @@ class MapView(QWidget):
         self.polarization = self._button(self._on_polarization)
         self._lay_out()
         self.canvas.stop_touched.connect(self.select)
-        self._retranslate()
+        self.retranslate()
 
     @property
     def selected(self) -> Optional[Cell]:
@@ -90,12 +91,6 @@ class MapView(QWidget):
         """Draw what came while nobody could see it."""
         super().showEvent(event)
         self.refresh()
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802 (Qt's name)
-        """Follow a change of language."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self._retranslate()
-        super().changeEvent(event)
 
     def _is_planned(self, cell: Cell) -> bool:
         grid = self._model.grid
@@ -174,7 +169,8 @@ class MapView(QWidget):
             StopState.FAILED: self.tr("Failed"),
         }[state]
 
-    def _retranslate(self) -> None:
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
         self.next_problem.setText(self.tr("Next not done"))
         self._label_plot(Axis.DEPTH_MM)
         self._drawn = ()

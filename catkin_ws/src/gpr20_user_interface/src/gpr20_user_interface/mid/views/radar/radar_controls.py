@@ -5,17 +5,18 @@ from __future__ import annotations
 import dataclasses
 from typing import Callable, Optional, Tuple
 
-from PyQt5.QtCore import QEvent, pyqtSignal
+from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QWidget
 
 from gpr20_user_interface.mid.radar_settings import RadarSettings
 from gpr20_user_interface.mid.views.radar.stepper import Stepper
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 PERMITTIVITIES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
 GAINS_DB_PER_NS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)
 
 
-class RadarControls(QWidget):
+class RadarControls(TranslatedWidget):
     """A row of buttons, each of which says what is shown now."""
 
     # Carries the RadarSettings.
@@ -42,7 +43,7 @@ class RadarControls(QWidget):
             layout.addWidget(button, 3)
         layout.addWidget(self.permittivity, 4)
         layout.addWidget(self.gain, 4)
-        self._retranslate()
+        self.retranslate()
 
     @property
     def settings(self) -> RadarSettings:
@@ -61,12 +62,6 @@ class RadarControls(QWidget):
         if depth_m != self._settings.depth_m:
             self._change(depth_m=depth_m)
 
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802 (Qt's name)
-        """Follow a change of language."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self._retranslate()
-        super().changeEvent(event)
-
     def _next_polarization(self) -> None:
         self._change(polarization=(self._settings.polarization + 1) % len(self._rotations_deg))
 
@@ -75,7 +70,8 @@ class RadarControls(QWidget):
         self._show()
         self.changed.emit(self._settings)
 
-    def _retranslate(self) -> None:
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
         self.permittivity.set_texts(self.tr("Permittivity"), "{value:g}")
         self.gain.set_texts(self.tr("Gain"), self.tr("{value:g} dB/ns"))
         self._show()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Optional, Tuple
 
-from PyQt5.QtCore import QEvent, Qt, pyqtSignal
+from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QShowEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QVBoxLayout, QWidget
 
@@ -15,11 +15,12 @@ from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
 from gpr20_user_interface.mid.views.radar.plots import CurvePlot, PicturePlot
 from gpr20_user_interface.mid.views.radar.radar_controls import RadarControls
 from gpr20_user_interface.mid.views.style import TOUCH_PX
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 SHALLOWEST_STEPS = 0
 
 
-class RadarView(QWidget):
+class RadarView(TranslatedWidget):
     """Draws the echoes of a RadarModel; `refresh` follows it."""
 
     # The operator has seen enough of a past survey.
@@ -43,7 +44,7 @@ class RadarView(QWidget):
             lambda steps: self.controls.set_depth(round(steps * DEPTH_STEP_M, 4))
         )
         self.back.clicked.connect(self.back_to_live_requested)
-        self._retranslate()
+        self.retranslate()
 
     def show_model(self, model: RadarModel, past_survey: str = "") -> None:
         """Follow another survey.
@@ -73,12 +74,6 @@ class RadarView(QWidget):
         """Draw what came while nobody could see it."""
         super().showEvent(event)
         self.refresh()
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802 (Qt's name)
-        """Follow a change of language."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self._retranslate()
-        super().changeEvent(event)
 
     def _draw(self) -> None:
         settings, model = self.controls.settings, self._model
@@ -138,7 +133,8 @@ class RadarView(QWidget):
                 SHALLOWEST_STEPS, max(1, round(float(depths[-1]) / DEPTH_STEP_M))
             )
 
-    def _retranslate(self) -> None:
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
         self.back.setText(self.tr("Back to the running survey"))
         self._label_plots(self._model.latest, Axis.DEPTH_MM)
         self._show_note()

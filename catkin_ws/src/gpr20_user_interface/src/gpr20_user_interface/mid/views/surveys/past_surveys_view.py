@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Optional
 
-from PyQt5.QtCore import QEvent, Qt, pyqtSignal
+from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QShowEvent
 from PyQt5.QtWidgets import (
     QAbstractItemView,
@@ -20,11 +20,12 @@ from PyQt5.QtWidgets import (
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
 from gpr20_user_interface.mid.views.style import TOUCH_PX
+from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 WHEN, VERDICT, TRACES = range(3)
 
 
-class PastSurveysView(QWidget):
+class PastSurveysView(TranslatedWidget):
     """Shows PastSurveys and tells what the operator wants."""
 
     # Empty: the list anew. Else the folder before which the next page begins.
@@ -45,7 +46,7 @@ class PastSurveysView(QWidget):
         self.anew = self._button(lambda: self.page_requested.emit(""))
         self._lay_out()
         self.table.itemSelectionChanged.connect(self._show_choice)
-        self._retranslate()
+        self.retranslate()
 
     @property
     def chosen(self) -> Optional[PastSurvey]:
@@ -76,12 +77,6 @@ class PastSurveysView(QWidget):
         """Ask for the list anew whenever somebody wants to see it."""
         super().showEvent(event)
         self.page_requested.emit("")
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802 (Qt's name)
-        """Follow a change of language."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self._retranslate()
-        super().changeEvent(event)
 
     def _show_row(self, row: int, survey: PastSurvey) -> None:
         counted = f"{survey.stored_traces} / {survey.planned_traces}"
@@ -124,7 +119,8 @@ class PastSurveysView(QWidget):
         if self.chosen is not None:
             self.resume_requested.emit(self.chosen.folder)
 
-    def _retranslate(self) -> None:
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
         titles = [self.tr("Started (UTC)"), self.tr("Coverage"), self.tr("Traces")]
         self.table.setHorizontalHeaderLabels(titles)
         self.open.setText(self.tr("Show in RADAR"))
