@@ -102,6 +102,10 @@ QProgressBar {{ {css(TextColours.PROGRESS_EMPTY)} min-height: 32px;
     border: {BORDER_PX}px solid {BORDER}; border-radius: 4px; text-align: center;
     font-weight: bold; }}
 QProgressBar::chunk {{ background: {TextColours.PROGRESS_FULL.value.ground}; }}
+QSlider::groove:vertical {{ background: {BORDER}; width: 8px; border-radius: 4px; }}
+QSlider::handle:vertical {{ background: {TextColours.BUTTON.value.ground}; height: {TOUCH_PX}px;
+    margin: 0 -16px; border: {BORDER_PX}px solid {BORDER}; border-radius: 6px; }}
+QTableWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
 QFrame#sheet {{ border: {BORDER_PX}px solid {BORDER}; }}
 """
 

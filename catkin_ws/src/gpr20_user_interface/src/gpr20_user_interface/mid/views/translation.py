@@ -83,9 +83,10 @@ class _Translator(QTranslator):
 
     def translate(
         self, context: str, source: str, disambiguation: Optional[str] = None, n: int = -1
-    ) -> str:
-        # An empty text lets Qt ask other translators and at last take the source.
-        return self._messages.get((context, source), "")
+    ) -> Optional[str]:  # type: ignore[override]
+        # None, which Qt's own declaration does not know, makes it take the source; an empty
+        # text would be shown as such, and STOP be a button without a word.
+        return self._messages.get((context, source))
 
 
 def _translator(language: Language) -> Optional[_Translator]:

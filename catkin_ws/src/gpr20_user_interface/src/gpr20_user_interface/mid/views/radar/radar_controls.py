@@ -40,9 +40,9 @@ class RadarControls(TranslatedWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(4)
         for button in (self.polarization, self.axis, self.scale, self.background):
-            layout.addWidget(button, 3)
-        layout.addWidget(self.permittivity, 4)
-        layout.addWidget(self.gain, 4)
+            layout.addWidget(button)
+        layout.addWidget(self.permittivity, 1)
+        layout.addWidget(self.gain, 1)
         self.retranslate()
 
     @property

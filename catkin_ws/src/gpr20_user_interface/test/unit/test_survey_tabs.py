@@ -1,0 +1,135 @@
+"""MAP, RADAR and the list of past surveys in their frame: nothing cut off, nothing untranslated."""
+
+import pytest
+from ground_kit import SURVEY, make_grid, trace_at
+from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
+from window_helpers import application, click
+
+from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.map_coverage import CoverageRuns
+from gpr20_user_interface.mid.map_grid import Stop
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.trace_events import SurveysListed
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+from gpr20_user_interface.mid.views.control.control_view import ControlView
+from gpr20_user_interface.mid.views.main_window import MainWindow, TabName, Tabs
+from gpr20_user_interface.mid.views.status.status_view import StatusView
+from gpr20_user_interface.mid.views.style import BORDER_PX, TOUCH_PX
+from gpr20_user_interface.mid.views.translation import Languages
+
+__all__ = ["application"]
+
+SURVEY_TABS = (TabName.MAP, TabName.RADAR, TabName.SURVEYS)
+PADDING_PX = 6
+
+
+class NoStorage:
+    """Answers nothing."""
+
+    def list_surveys(self, before):
+        pass
+
+    def read_survey(self, folder):
+        pass
+
+    def read_traces(self, survey, first_index):
+        pass
+
+
+class Shown:
+    def __init__(self, language, application):
+        self.languages = Languages(application, language)
+        self.presenter = TracePresenter(NoStorage())
+        views = self.presenter.views
+        tabs = Tabs(ControlView(), StatusView(), views.map, views.radar, views.past)
+        self.window = MainWindow(tabs, language)
+        self.window.show()
+        grid = make_grid()
+        self.presenter.live.begin(grid)
+        failures = ("10: the VNA did not answer within 90 s; check its cable and its address",)
+        verdict = "INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 not visited"
+        coverage = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
+        self.presenter.live.take_coverage(coverage)
+        self.presenter.live.take_trace(trace_at(grid, 0, height_m=float("nan")))
+        past = PastSurvey(
+            *("20261121T051000_7c9e6679", "7c9e6679", "2026-11-21T05:10:00", "stopped"),
+            *(7, 40, verdict, False, True, ""),
+        )
+        self.presenter.on_event(SurveysListed("", (past,), True))
+        views.past.table.selectRow(0)
+        views.map.select(Stop(1, 4))
+        views.radar.show_model(self.presenter.live.radar, past.folder)
+        views.radar.controls.background.click()
+
+    def close(self):
+        self.window.close()
+        self.languages.close()
+
+
+@pytest.fixture(params=list(Language))
+def shown(request, application):
+    shown = Shown(request.param, application)
+    yield shown
+    shown.close()
+
+
+def show(shown, tab):
+    shown.window.show_tab(tab)
+    # Layouts settle, texts are written in another language, when events are handled.
+    QApplication.processEvents()
+
+
+def visible(page, kind):
+    return [one for one in page.findChildren(kind) if one.isVisible() and one.text()]
+
+
+@pytest.mark.parametrize("tab", SURVEY_TABS)
+def test_no_button_is_cut_off_or_too_small_for_a_glove(shown, tab):
+    show(shown, tab)
+    buttons = visible(shown.window, QPushButton)
+    assert len(buttons) > 2
+    for button in buttons:
+        metrics = button.fontMetrics()
+        lines = button.text().split("\n")
+        widest = max(metrics.horizontalAdvance(line) for line in lines)
+        assert widest <= button.width() - 2 * (BORDER_PX + PADDING_PX), button.text()
+        assert metrics.lineSpacing() * len(lines) <= button.height() - 2 * BORDER_PX, button.text()
+        assert min(button.width(), button.height()) >= TOUCH_PX, button.text()
+
+
+@pytest.mark.parametrize("tab", SURVEY_TABS)
+def test_no_label_is_cut_off(shown, tab):
+    show(shown, tab)
+    for label in visible(shown.window.tabs.currentWidget(), QLabel):
+        if label.wordWrap():
+            assert label.heightForWidth(label.width()) <= label.height(), label.text()
+        else:
+            assert label.sizeHint().width() <= label.width(), label.text()
+
+
+@pytest.mark.parametrize("tab", SURVEY_TABS)
+def test_the_window_keeps_its_size(shown, tab):
+    show(shown, tab)
+    assert (shown.window.width(), shown.window.height()) == (800, 480)
+    hint = shown.window.minimumSizeHint()
+    assert hint.width() <= 800
+    assert hint.height() <= 480
+
+
+def test_the_language_changes_at_once(application):
+    shown = Shown(Language.ENGLISH, application)
+    shown.languages.use(Language.SPANISH)
+    show(shown, TabName.RADAR)
+    views = shown.presenter.views
+    assert "Gris: no medido" in views.radar.note.text()
+    assert views.map.next_problem.text() == "Siguiente sin hacer"
+    assert "INCOMPLETA" in views.past.table.item(0, 1).text()
+    click(views.radar.controls.background)
+    assert views.radar.controls.background.text() == "Fondo\nincluido"
+    shown.close()
+
+
+def test_a_text_without_translation_is_shown_in_english_and_never_empty(application):
+    languages = Languages(application, Language.SPANISH)
+    assert QApplication.translate("NoSuchView", "STOP") == "STOP"
+    languages.close()

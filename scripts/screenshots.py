@@ -1,0 +1,76 @@
+"""Pictures of every tab of the window during a survey; started by screenshots.sh."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import rospy
+from PyQt5.QtWidgets import QApplication
+from window_kit import Operator, run_events, run_until, simulated_robot, virtual_screen
+
+from gpr20_common.low.clock import Clock
+from gpr20_msgs.msg import ControlStatus
+from gpr20_user_interface.high.user_interface import UserInterface
+from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.map_grid import Stop
+from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.views.main_window import TabName
+from gpr20_user_interface.mid.views.translation import Languages
+
+# A finished survey for the list, then the one that the pictures show.
+SMALL_SURVEY = {"x_points": 3, "y_points": 3}
+PART_SHOWN = 0.7
+LIMIT_S = 300.0
+TARGET_STOP = Stop(6, 7)  # above the metallic sphere
+SLICE_STEPS = 12  # 60 mm, between the depths of the two targets
+
+
+def take_pictures(folder: Path, application: QApplication) -> None:
+    """Run two surveys and take a picture of each tab in each language during the second."""
+    languages = Languages(application, Language.ENGLISH)
+    interface = UserInterface(SurveyModel(Clock()), languages)
+    interface.begin()
+    operator = Operator()
+    operator.start(**SMALL_SURVEY)
+    run_until(lambda: operator.code == ControlStatus.FINISHED, "a small survey ends", LIMIT_S)
+    operator.start()
+    live = interface.traces.live
+    wanted = round(PART_SHOWN * 21 * 21 * 2)
+    run_until(lambda: live.radar.count >= wanted, "the survey shows both targets", LIMIT_S)
+    views = interface.traces.views
+    views.map.select(TARGET_STOP)
+    views.radar.depth_slider.setValue(SLICE_STEPS)
+    views.radar.controls.background.click()
+    for language in Language:
+        languages.use(language)
+        for tab in TabName:
+            interface.window.show_tab(tab)
+            run_events(1.0)
+            if tab is TabName.SURVEYS:
+                run_until(lambda: views.past.table.rowCount() == 2, "the list is there", LIMIT_S)
+                views.past.table.selectRow(1)
+                run_events(0.5)
+            path = folder / f"{tab.value}_{language.value}.png"
+            if not interface.window.grab().save(str(path)):
+                raise SystemExit(f"{path} cannot be written")
+            print(path)
+    operator.stop()
+    run_until(lambda: operator.code == ControlStatus.STOPPED, "the survey stops", LIMIT_S)
+    interface.end()
+    languages.close()
+
+
+def main() -> None:
+    """Take the pictures into the folder that is named."""
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    with virtual_screen(), simulated_robot("time_scale:=50"):
+        application = QApplication([])
+        rospy.init_node("screenshots", disable_signals=True)
+        take_pictures(folder, application)
+        rospy.signal_shutdown("the pictures are taken")
+
+
+if __name__ == "__main__":
+    main()
