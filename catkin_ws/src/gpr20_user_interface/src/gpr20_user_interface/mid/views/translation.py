@@ -81,9 +81,9 @@ class _Translator(QTranslator):
     def isEmpty(self) -> bool:  # noqa: N802
         return not self._messages
 
-    def translate(
+    def translate(  # type: ignore[override]
         self, context: str, source: str, disambiguation: Optional[str] = None, n: int = -1
-    ) -> Optional[str]:  # type: ignore[override]
+    ) -> Optional[str]:
         # None, which Qt's own declaration does not know, makes it take the source; an empty
         # text would be shown as such, and STOP be a button without a word.
         return self._messages.get((context, source))
