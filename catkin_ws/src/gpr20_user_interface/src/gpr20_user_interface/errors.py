@@ -21,3 +21,7 @@ class LanguageError(UserInterfaceError, ValueError):
 
 class SurveyNotReadableError(UserInterfaceError, ValueError):
     """What is told of a survey cannot be shown; the message says why."""
+
+
+class ProfileError(UserInterfaceError, ValueError):
+    """A profile of parameters cannot be read, written or named so."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import uuid
-from typing import Optional
+from typing import List, Optional
 
 import rospy
 from sensor_msgs.msg import Range
@@ -14,6 +14,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.services import advertise
 from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel, check
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import (
     ResumeSurvey,
     ResumeSurveyResponse,
@@ -30,6 +31,7 @@ ACTIVE = (
     ControlStatus.CHECKING,
     ControlStatus.HOMING,
     ControlStatus.SURVEYING,
+    ControlStatus.PAUSING,
     ControlStatus.PAUSED,
     ControlStatus.STOPPING,
 )
@@ -47,11 +49,14 @@ class FakeMainControl:
         self._parameters: Optional[SurveyParameters] = None
         self._visited = 0
         self.code = ControlStatus.IDLE
+        self._kept = self.code
         self.survey_id = ""
         self.starts = 0
         self.stops = 0
         self.may_stop = threading.Event()
         self.may_stop.set()
+        self.may_pause = threading.Event()
+        self.may_pause.set()
         # An answer to START that a test holds back, or makes a refusal.
         self.asked = 0
         self.may_answer = threading.Event()
@@ -88,12 +93,24 @@ class FakeMainControl:
     def fail(self, message: str) -> None:
         self._say(ControlStatus.FAILED, message)
 
+    def end_silently(self) -> None:
+        """End the survey without a word, as if the word were still on its way."""
+        self._kept = self.code
+        self.code = ControlStatus.FINISHED
+
+    def go_on_silently(self) -> None:
+        self.code = self._kept
+
     def close(self) -> None:
         self._closed.set()
         for service in self._services:
             service.shutdown()
-        for publisher in (self._status, self._data, self._current, self._target, self._height):
+        for publisher in self._publishers():
             publisher.unregister()
+
+    def _publishers(self) -> List[rospy.Publisher]:
+        positions = [self._current, self._target, self._height]
+        return [self._status, self._data, self._parameters_topic, *positions]
 
     def _advertise(self) -> None:
         def name(relative: str) -> str:
@@ -108,10 +125,14 @@ class FakeMainControl:
         )
         self._target = rospy.Publisher(name("control_target_coordinate"), Coordinates, queue_size=1)
         self._height = rospy.Publisher(name("measured_height"), Range, queue_size=1)
+        self._parameters_topic = rospy.Publisher(
+            name("survey_parameters"), SurveyParametersMessage, latch=True, queue_size=10
+        )
         self._services = [
             advertise(name("set_survey_parameters"), SetSurveyParameters, self._set),
             advertise(name("start_survey"), StartSurvey, self._start),
             advertise(name("stop_survey"), Trigger, self._stop),
+            advertise(name("pause_survey"), Trigger, self._pause),
             advertise(name("resume_survey"), ResumeSurvey, self._resume),
         ]
 
@@ -123,6 +144,7 @@ class FakeMainControl:
         with self._lock:
             self._refuse_while_active()
             self._parameters = parameters
+            self._parameters_topic.publish(message)
             self._say(ControlStatus.CONFIGURED, "ready to start")
         estimate = rospy.Duration(parameters.total_points * self._point_s)
         return SetSurveyParametersResponse(True, "accepted", parameters.total_points, estimate)
@@ -152,6 +174,13 @@ class FakeMainControl:
                 raise Gpr20Error("no survey runs")
             self._say(ControlStatus.STOPPING, "axes ramp down")
         return TriggerResponse(True, "stopping")
+
+    def _pause(self, _request: object) -> TriggerResponse:
+        with self._lock:
+            if self.code != ControlStatus.SURVEYING:
+                raise Gpr20Error("no survey is measuring; there is nothing to pause")
+            self._say(ControlStatus.PAUSING, "pausing after this sample")
+        return TriggerResponse(True, "pausing")
 
     def _resume(self, _request: object) -> ResumeSurveyResponse:
         with self._lock:
@@ -187,6 +216,8 @@ class FakeMainControl:
             self._publish_data()
             if self._visited == self._parameters.total_points:
                 self._say(ControlStatus.FINISHED, "every trace is stored in /data/survey")
+        elif self.code == ControlStatus.PAUSING and self.may_pause.is_set():
+            self._say(ControlStatus.PAUSED, "paused on request")
         elif self.code == ControlStatus.STOPPING and self.may_stop.is_set():
             self._say(ControlStatus.STOPPED, "stopped by request")
 

@@ -43,6 +43,7 @@ class Program(unittest.TestCase):
             for trouble in ("Traceback", "Error", "QObject"):
                 self.assertNotIn(trouble, output)
             wait_until(lambda: fake.listeners() == 0, "the window has left")
+            wait_until(lambda: not is_on_graph(), "the node has left the graph")
         self.assertEqual((fake.stops, fake.code), (0, ControlStatus.IDLE))
 
     def test_signal_while_it_starts_is_not_lost(self) -> None:

@@ -51,7 +51,7 @@ def test_positions_are_shown_or_said_to_be_unknown(window):
 
 def test_health_of_every_node_is_shown_in_its_own_words(window):
     nodes = (
-        NodeHealth("vna_acquisition", HealthLevel.ERROR, "no answer", {"calibration": "high"}),
+        NodeHealth("vna_acquisition", HealthLevel.ERROR, "no answer", {"calibration": "HIGH"}),
         NodeHealth("vna_processing", HealthLevel.OK, "storing", {"free disk [MB]": "12345.6"}),
         NodeHealth("y_axis/axis_driver", HealthLevel.WARN, "not homed", {}),
         NodeHealth("main_control", HealthLevel.STALE, "was fine", {}),
@@ -62,7 +62,7 @@ def test_health_of_every_node_is_shown_in_its_own_words(window):
     assert health.texts("vna_processing") == "OK: storing"
     assert health.texts("y_axis/axis_driver") == "LOOK: not homed"
     assert health.texts("main_control") == "GONE: not heard"
-    assert (health.disk, health.calibration) == ("12.3 GB", "high")
+    assert (health.disk, health.calibration) == ("12.3 GB", "high accuracy")
 
 
 def test_unknown_disk_and_calibration_are_said_to_be_unknown(window):

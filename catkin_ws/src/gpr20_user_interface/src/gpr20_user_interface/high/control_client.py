@@ -6,6 +6,7 @@ import threading
 from typing import Any, Callable, List
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 from std_srvs.srv import Trigger
 
@@ -19,7 +20,11 @@ from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.mid.survey_state import Accepted, Answer, Event, Request
 
 SET_TIMEOUT_S = 10.0
-STOP_TIMEOUT_S = 10.0
+PAUSE_TIMEOUT_S = 10.0
+# Who presses STOP must not wait for a main_control that hangs: then the axes are asked
+# themselves.
+STOP_TIMEOUT_S = 2.0
+AXES = ("x", "y", "z")
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. Who waits can stop the survey meanwhile.
 START_TIMEOUT_S = 1200.0
@@ -39,6 +44,7 @@ class ControlClient:
         self._stop = ServiceClient("stop_survey", Trigger)
         self._pause = ServiceClient("pause_survey", Trigger)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
+        self._axis_stops = {axis: ServiceClient(f"{axis}_axis/stop", Trigger) for axis in AXES}
         self._reading_limits = threading.Lock()
         self._subscribers: List[rospy.Subscriber] = []
 
@@ -54,6 +60,10 @@ class ControlClient:
         self._subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
         self._subscribe("measured_height", Range, conversions.measured_height, 1)
 
+        self._subscribers.append(
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20)
+        )
+
     def close(self) -> None:
         """Tell the listener nothing more from topics."""
         for subscriber in self._subscribers:
@@ -68,14 +78,12 @@ class ControlClient:
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
-        self._in_background(
-            lambda: self._answer(Request.STOP, lambda: self._stop.call(STOP_TIMEOUT_S))
-        )
+        self._in_background(lambda: self._answer(Request.STOP, self._ask_stop))
 
     def pause_survey(self) -> None:
         """Ask to hold the survey; the answer is an event."""
         self._in_background(
-            lambda: self._answer(Request.PAUSE, lambda: self._pause.call(STOP_TIMEOUT_S))
+            lambda: self._answer(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
         )
 
     def resume_survey(self, survey_id: str = "") -> None:
@@ -104,6 +112,31 @@ class ControlClient:
         self._listener(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
+    def _ask_stop(self) -> Any:
+        try:
+            return self._stop.call(STOP_TIMEOUT_S)
+        except ServiceUnavailableError as error:
+            raise ServiceUnavailableError(f"{error}. {self._stop_axes()}") from error
+
+    def _stop_axes(self) -> str:
+        answers: List[str] = []
+        threads = [
+            threading.Thread(target=lambda axis=axis: answers.append(self._stop_axis(axis)))
+            for axis in AXES
+        ]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        return "The axes were told to stop instead: " + "; ".join(sorted(answers))
+
+    def _stop_axis(self, axis: str) -> str:
+        try:
+            answer = self._axis_stops[axis].call(STOP_TIMEOUT_S)
+        except ServiceUnavailableError as error:
+            return f"{axis} does NOT answer ({error})"
+        return f"{axis} {answer.message}"
+
     def _ask_resume(self, survey_id: str) -> Any:
         # The long limit is for the answer, not for a service that is not there.
         rospy.wait_for_service(self._resume.name, timeout=SET_TIMEOUT_S)
@@ -117,6 +150,10 @@ class ControlClient:
         else:
             survey_id = getattr(response, "survey_id", "")
             self._listener(Answer(request, response.success, response.message, survey_id))
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for health in conversions.node_healths(message, rospy.get_namespace()):
+            self._listener(health)
 
     def _subscribe(
         self, name: str, message_class: Any, convert: Callable[[Any], Event], queue_size: Any

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any, List
 
+from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
 from gpr20_main_control.mid.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
@@ -15,7 +17,9 @@ from gpr20_user_interface.mid.survey_state import (
     ControlParameters,
     ControlState,
     CurrentPosition,
+    HealthLevel,
     MeasuredHeight,
+    NodeHealth,
     Progress,
     TargetPosition,
 )
@@ -37,6 +41,32 @@ def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
     code = SurveyState(message.code)
     return ControlState(code, message.message, message.survey_id, message.simulated)
+
+
+def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
+    """Convert `/diagnostics`: what the nodes of one namespace say of themselves.
+
+    Args:
+        message: Of any node; robots that share a master share the topic.
+        namespace: The robot's, with slashes at both ends or alone.
+    """
+    prefix = namespace.strip("/")
+    found = []
+    for status in message.status:
+        # diagnostic_updater writes "node: task", with the node's full name.
+        name = status.name.split(":")[0].strip("/")
+        if prefix and not name.startswith(f"{prefix}/"):
+            continue
+        values = {pair.key: pair.value for pair in status.values}
+        level = HealthLevel(_level_number(status.level))
+        own_name = name[len(prefix) :].strip("/")
+        found.append(NodeHealth(own_name, level, status.message, values))
+    return found
+
+
+def _level_number(level: Any) -> int:
+    # The type byte is an int in ROS 1's Python messages, and bytes in some builds of them.
+    return level[0] if isinstance(level, bytes) else int(level)
 
 
 def progress(message: SurveyData) -> Progress:

@@ -1,37 +1,65 @@
-"""What the axes can do, from their own parameters."""
+"""What the robot can do, from the parameters of its nodes."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from typing import Any, List
+from typing import Any, Dict, List
 from xmlrpc.client import Error as XmlRpcError
 
 import rospy
 
+from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.mid.checks import positive_number
+from gpr20_common.mid.records import record_from
+from gpr20_main_control.mid.robot import AxisId
+from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.survey_parameters import RobotTravel, Travel
-from gpr20_user_interface.mid.survey_state import AxisLimits
+from gpr20_main_control.mid.survey_settings import SurveySettings
+from gpr20_user_interface.mid.survey_state import AxisLimits, RobotFigures
 
-AXES = ("x", "y", "z")
 FIELDS = ("min_coord", "max_coord", "step_size")
 
 
 def read_axis_limits() -> AxisLimits:
-    """Read the limits of the three axes, or why they are not known."""
+    """Read the limits of the three axes and what else is fixed, or why it is not known."""
+    try:
+        groups = {axis_id: _group(f"{axis_id.value}_axis/axis_driver") for axis_id in AxisId}
+        control = _group("main_control")
+        time_scale = rospy.get_param("time_scale", 1.0)
+        simulated = rospy.get_param("simulated", False)
+    except (rospy.ROSException, XmlRpcError, OSError) as error:
+        return AxisLimits(None, f"the ROS master does not answer: {error}", master_alive=False)
     travels: List[Travel] = []
-    for axis in AXES:
-        name = rospy.resolve_name(f"{axis}_axis/axis_driver")
-        try:
-            group = rospy.get_param(name, {})
-        except (rospy.ROSException, XmlRpcError, OSError) as error:
-            return AxisLimits(None, f"the ROS master does not answer: {error}")
+    for axis_id, group in groups.items():
         values = [_number(group, field) for field in FIELDS]
         if not all(math.isfinite(value) for value in values):
+            name = rospy.resolve_name(f"{axis_id.value}_axis/axis_driver")
             return AxisLimits(None, f"{name} has no parameters {', '.join(FIELDS)}")
         travels.append(Travel(*values))
-    return AxisLimits(RobotTravel(*travels))
+    try:
+        axes = {axis_id: _record(AxisParameters, group) for axis_id, group in groups.items()}
+        facts = RobotFacts(axes, bool(simulated), positive_number("time_scale", time_scale))
+        figures = RobotFigures(facts, _record(SurveySettings, control))
+    except (Gpr20Error, TypeError) as error:
+        return AxisLimits(RobotTravel(*travels), str(error))
+    return AxisLimits(RobotTravel(*travels), figures=figures)
 
 
-def _number(group: Any, field: str) -> float:
-    value = group.get(field) if isinstance(group, dict) else None
+def _group(name: str) -> Dict[str, Any]:
+    group = rospy.get_param(rospy.resolve_name(name), {})
+    return group if isinstance(group, dict) else {}
+
+
+def _record(record_class: Any, group: Dict[str, Any]) -> Any:
+    # The groups belong to other nodes, which refuse what they do not know.
+    names = {field.name for field in dataclasses.fields(record_class)}
+    known = {name: value for name, value in group.items() if name in names}
+    return record_from(record_class, known, record_class.__name__)
+
+
+def _number(group: Dict[str, Any], field: str) -> float:
+    value = group.get(field)
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return float(value) if is_number else math.nan

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import rospy
 from PyQt5.QtCore import Qt, QTimer
@@ -14,8 +15,11 @@ from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.ros_link import RosLink
 from gpr20_user_interface.high.trace_link import TraceLink
+from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.language import Language, language_from_code
+from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.profiles_presenter import ProfilesPresenter
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.views.control.control_view import ControlView
@@ -25,6 +29,7 @@ from gpr20_user_interface.mid.views.translation import Languages
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 
 MASTER_WAIT_S = 30.0
+DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 EXIT_NO_MASTER = 1
 EXIT_BY_SIGNAL = 130
 
@@ -32,7 +37,7 @@ EXIT_BY_SIGNAL = 130
 class UserInterface:
     """The window and everything that it needs, connected."""
 
-    def __init__(self, model: SurveyModel, languages: Languages) -> None:
+    def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
         self.trace_link = TraceLink()
         self.traces = TracePresenter(self.trace_link)
         views = self.traces.views
@@ -42,6 +47,7 @@ class UserInterface:
         languages.changed.connect(self.window.show_language)
         self.link = RosLink()
         self.presenter = WindowPresenter(model, self.window, self.link)
+        self._profiles = ProfilesPresenter(self.window, profiles)
         # The signals come from ROS's threads: Qt carries them into the thread of the window.
         self.link.event.connect(self.presenter.on_event, Qt.ConnectionType.QueuedConnection)
         self.trace_link.event.connect(self.traces.on_event, Qt.ConnectionType.QueuedConnection)
@@ -94,7 +100,9 @@ def main() -> int:
 def _show(application: QApplication) -> int:
     code = rospy.get_param("~language", Language.ENGLISH.value)
     languages = Languages(application, language_from_code(code))
-    interface = UserInterface(SurveyModel(Clock()), languages)
+    folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
+    profiles = Profiles(ProfileFolder(folder))
+    interface = UserInterface(SurveyModel(Clock()), languages, profiles)
     interface.link.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
     interface.begin()
     diagnostics = Diagnostics("user_interface", interface.health)

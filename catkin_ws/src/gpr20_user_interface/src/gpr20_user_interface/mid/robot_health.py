@@ -10,7 +10,7 @@ from gpr20_user_interface.mid.survey_state import HealthLevel, NodeHealth
 
 # Nodes report once a second; a report that is this old [s] tells of a node that hangs or is gone.
 STALE_S = 4.0
-# In the order in which the window lists them. Others are listed after them.
+# In the order in which the window lists them.
 EXPECTED_NODES = (
     "main_control",
     "vna_acquisition",
@@ -20,6 +20,8 @@ EXPECTED_NODES = (
     "z_axis/axis_driver",
     "height_sensor",
 )
+# Listed while it is heard.
+SIMULATOR = "simulator"
 ANALYZER = "vna_acquisition"
 STORAGE = "vna_processing"
 # Names of values in the nodes' reports.
@@ -77,13 +79,14 @@ class HealthBook:
         self._heard: Dict[str, Tuple[NodeHealth, float]] = {}
 
     def note(self, health: NodeHealth) -> None:
-        """Take note of a report."""
-        self._heard[health.name] = health, self._clock.now_s()
+        """Take note of a report; clients of the robot are no parts of it."""
+        if health.name in EXPECTED_NODES or health.name == SIMULATOR:
+            self._heard[health.name] = health, self._clock.now_s()
 
     def report(self) -> HealthReport:
         """Return how every node is now."""
-        others = sorted(name for name in self._heard if name not in EXPECTED_NODES)
-        return HealthReport(tuple(self._node(name) for name in (*EXPECTED_NODES, *others)))
+        simulator = [SIMULATOR] if SIMULATOR in self._heard else []
+        return HealthReport(tuple(self._node(name) for name in (*EXPECTED_NODES, *simulator)))
 
     def _node(self, name: str) -> NodeHealth:
         if name not in self._heard:

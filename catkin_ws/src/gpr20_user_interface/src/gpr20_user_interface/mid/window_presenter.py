@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Callable, Protocol
+from dataclasses import replace
+from typing import Callable, Optional, Protocol
 
 from PyQt5.QtCore import QObject, QTimer, pyqtSignal
 
+from gpr20_main_control.mid.survey_cost import SurveyCost
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.cost_estimator import CostEstimator
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
+from gpr20_user_interface.mid.survey_preview import SurveyPreview, preview
 from gpr20_user_interface.mid.survey_state import Answer, Request
 from gpr20_user_interface.mid.views.main_window import MainWindow
 
 # Topics come at up to 50 Hz; nobody reads figures that change more often than this.
 REFRESH_MS = 100
-# A robot may be started, or started anew with other limits, after the window.
-LIMITS_MS = 5000
+# A robot may be started, or started anew with other limits, after the window; and whether
+# the master answers is seen by it.
+LIMITS_MS = 2000
 
 
 class SurveyControl(Protocol):
@@ -44,11 +49,15 @@ class WindowPresenter(QObject):
 
     def __init__(self, model: SurveyModel, window: MainWindow, control: SurveyControl) -> None:
         super().__init__()
+        self._preview: Optional[SurveyPreview] = None
+        self._estimator = CostEstimator()
+        self._estimator.estimated.connect(self._on_estimated)
         self._model = model
         self._window = window
         self._snapshot = model.snapshot()
         self._control = control
         window.start_requested.connect(self._start)
+        window.control.parameters_changed.connect(self._on_parameters)
         window.stop_requested.connect(self._stop)
         window.pause_requested.connect(self._pause)
         window.resume_requested.connect(self._resume)
@@ -64,6 +73,7 @@ class WindowPresenter(QObject):
         """Keep the window up to date from now on."""
         self._control.read_axis_limits()
         self.refresh()
+        self._on_parameters(self._window.control.parameters)
         self._refresh_timer.start()
         self._limits_timer.start()
 
@@ -82,14 +92,26 @@ class WindowPresenter(QObject):
 
     def refresh(self) -> None:
         """Show what is known now."""
-        self._snapshot = self._model.snapshot()
+        figures, self._snapshot = self._snapshot.figures, self._model.snapshot()
         self._window.refresh(self._snapshot)
         self.refreshed.emit(self._snapshot)
+        if self._snapshot.figures != figures:
+            self._on_parameters(self._window.control.parameters)
 
     def resume_past_survey(self, folder: str) -> None:
         """Ask to go on with a survey that has ended early."""
         self._sent(Request.RESUME)
         self._control.resume_survey(folder)
+
+    def _on_parameters(self, parameters: Optional[SurveyParameters]) -> None:
+        self._preview = None if parameters is None else preview(parameters)
+        self._window.control.show_preview(self._preview)
+        if parameters is not None and self._snapshot.figures is not None:
+            self._estimator.ask(parameters, self._snapshot.figures)
+
+    def _on_estimated(self, parameters: SurveyParameters, cost: SurveyCost) -> None:
+        if self._preview is not None and parameters == self._window.control.parameters:
+            self._window.control.show_preview(replace(self._preview, cost=cost))
 
     def _start(self, parameters: SurveyParameters) -> None:
         self._sent(Request.START)

@@ -106,6 +106,7 @@ class VNANode:
             "identity": state.identity,
             "linked": state.linked,
             "sweep": state.sweep or "not configured",
+            "calibration": "" if state.calibration is None else state.calibration.name,
             "sweeps": state.sweeps,
             "repeated attempts": state.repeats,
             "last sweep [s]": f"{state.last_sweep_s:.6f}",

@@ -46,6 +46,7 @@ class VnaState:
         last_sweep_s: How long the last sweep took [s].
         last_quality: Remarks on the last sweep.
         last_error: Why the last attempt failed; empty if it did not.
+        calibration: State of the calibration when it was last read; None before.
     """
 
     address: str = ""
@@ -57,6 +58,7 @@ class VnaState:
     last_sweep_s: float = 0.0
     last_quality: Tuple[str, ...] = ()
     last_error: str = ""
+    calibration: Optional[CalibrationStatus] = None
 
 
 class VNADriver:
@@ -165,6 +167,7 @@ class VNADriver:
             status, _failures = self._repeated(
                 "reading the VNA's calibration", Ms2026c.calibration_status
             )
+            self._state = replace(self._state, calibration=status)
             return status
 
     def sweep(self) -> Sweep:
@@ -184,6 +187,7 @@ class VNADriver:
                 sweeps=self._state.sweeps + 1,
                 last_sweep_s=sweep.duration_s,
                 last_quality=quality,
+                calibration=calibration,
             )
             settings = self._configured_sweep()
             return replace(sweep, quality=quality, settings=settings, calibration=calibration)

@@ -11,7 +11,7 @@ from gpr20_user_interface.mid.views.overlay import Overlay
 from gpr20_user_interface.mid.views.style import set_look, set_wrong
 
 DIGITS = ("789", "456", "123", "-0.", ", ")
-LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_")
+LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
 MAX_LENGTH = 40
 
 # Tells what is wrong with a text; empty if nothing.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, Optional
+from typing import Callable, Dict, Optional
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QPushButton, QTabWidget, QVBoxLayout, QWidget
@@ -13,8 +13,9 @@ from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_state import Request
 from gpr20_user_interface.mid.views.control.control_view import ControlView, PadRequest
-from gpr20_user_interface.mid.views.key_pad import DIGITS, KeyPad
-from gpr20_user_interface.mid.views.notice import Notice
+from gpr20_user_interface.mid.views.control.profiles_view import ProfilesView
+from gpr20_user_interface.mid.views.key_pad import DIGITS, LETTERS, Judge, KeyPad
+from gpr20_user_interface.mid.views.notice import Notice, NoticeKind
 from gpr20_user_interface.mid.views.status.status_view import StatusView
 from gpr20_user_interface.mid.views.style import STYLE_SHEET
 from gpr20_user_interface.mid.views.top_bar import TopBar
@@ -71,6 +72,8 @@ class MainWindow(TranslatedWidget):
                 self._pages[name] = page
                 self.tabs.addTab(page, "")
         self.number_pad = KeyPad(self, DIGITS)
+        self.profiles = ProfilesView(self)
+        self.name_pad = KeyPad(self, LETTERS)
         self.notice = Notice(self)
         self._lay_out()
         self._connect()
@@ -86,6 +89,20 @@ class MainWindow(TranslatedWidget):
     def show_refusal(self, request: Request, reason: str) -> None:
         """Open a dialog with the reason and the next step; STOP stays within reach."""
         self.notice.show_refusal(request, reason)
+
+    def show_profile_trouble(self, reason: str) -> None:
+        """Open a dialog about a profile that cannot be used."""
+        self.notice.show_notice(NoticeKind.PROFILE, reason)
+
+    def ask_profile_name(self, deliver: Callable[[str], None], judge: Judge) -> None:
+        """Open keys for the name of a profile.
+
+        Args:
+            deliver: Told the name.
+            judge: Tells what is wrong with a name.
+        """
+        hint = self.tr("a new name: letters, digits, blanks, - and _")
+        self.name_pad.ask(deliver, self.tr("Save profile as"), hint, "", judge, strict=True)
 
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""

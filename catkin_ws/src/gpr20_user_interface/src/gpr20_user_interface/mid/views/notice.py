@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from typing import Dict, Optional, Tuple
 
 from PyQt5.QtCore import QEvent, Qt
@@ -11,12 +12,22 @@ from gpr20_user_interface.mid.survey_state import Request
 from gpr20_user_interface.mid.views.overlay import Overlay
 
 
+class NoticeKind(enum.Enum):
+    """What did not succeed."""
+
+    START = "start"
+    STOP = "stop"
+    PAUSE = "pause"
+    RESUME = "resume"
+    PROFILE = "profile"
+
+
 class Notice(Overlay):
     """A dialog over the tabs, closed by a touch."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
-        self._shown: Optional[Tuple[Request, str]] = None
+        self._shown: Optional[Tuple[NoticeKind, str]] = None
         self.title = QLabel()
         self.title.setObjectName("title")
         self.title.setWordWrap(True)
@@ -36,8 +47,12 @@ class Notice(Overlay):
         layout.addWidget(self.close_button)
 
     def show_refusal(self, request: Request, reason: str) -> None:
-        """Say why a request came to nothing."""
-        self._shown = request, reason
+        """Say why a request to main_control came to nothing."""
+        self.show_notice(NoticeKind[request.name], reason)
+
+    def show_notice(self, kind: NoticeKind, reason: str) -> None:
+        """Say why something did not succeed."""
+        self._shown = kind, reason
         self._write()
         self.open()
 
@@ -51,33 +66,37 @@ class Notice(Overlay):
         self.close_button.setText(self.tr("CLOSE"))
         if self._shown is None:
             return
-        request, reason = self._shown
-        title, next_step = self._texts()[request]
+        kind, reason = self._shown
+        title, next_step = self._texts()[kind]
         self.title.setText(title)
         self.reason.setPlainText(reason)
         self.next_step.setText(next_step)
 
-    def _texts(self) -> Dict[Request, Tuple[str, str]]:
+    def _texts(self) -> Dict[NoticeKind, Tuple[str, str]]:
         return {
-            Request.START: (
+            NoticeKind.START: (
                 self.tr("The survey was not started."),
                 self.tr("Next: remove the cause named above, look at STATUS, then START again."),
             ),
-            Request.STOP: (
+            NoticeKind.STOP: (
                 self.tr("STOP was not accepted."),
                 self.tr(
                     "Next: look at STATUS. If the robot moves, press STOP again or switch "
                     "its power off."
                 ),
             ),
-            Request.PAUSE: (
+            NoticeKind.PAUSE: (
                 self.tr("The survey was not paused."),
                 self.tr(
                     "Next: look at STATUS. STOP ends the survey at once, and it can be resumed."
                 ),
             ),
-            Request.RESUME: (
+            NoticeKind.RESUME: (
                 self.tr("The survey was not resumed."),
                 self.tr("Next: remove the cause named above, look at STATUS, then RESUME again."),
+            ),
+            NoticeKind.PROFILE: (
+                self.tr("The profile cannot be used."),
+                self.tr("Next: remove the cause named above, or use another profile."),
             ),
         }

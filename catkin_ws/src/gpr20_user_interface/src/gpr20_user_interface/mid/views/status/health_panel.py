@@ -79,7 +79,17 @@ class HealthPanel(TranslatedWidget):
         self._disk.setText(
             UNKNOWN if free_mb is None else f"{free_mb / MEGABYTES_PER_GIGABYTE:.1f} GB"
         )
-        self._calibration.show_text(report.calibration or UNKNOWN)
+        self._calibration.show_text(self._calibration_text(report.calibration))
+
+    def _calibration_text(self, status: str) -> str:
+        texts = {
+            "NONE": self.tr("none"),
+            "HIGH": self.tr("high accuracy"),
+            "MODERATE_POWER": self.tr("moderate: other power level"),
+            "MODERATE_TEMPERATURE": self.tr("moderate: temperature"),
+            "LOW": self.tr("low: temperature"),
+        }
+        return texts.get(status, status or UNKNOWN)
 
     def _words(self, node: NodeHealth) -> str:
         if node.level is HealthLevel.STALE:

@@ -1,0 +1,120 @@
+"""What tests with a real window on a real screen have in common."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+from typing import Any, Callable, Dict, Type
+
+import rospy
+import rostest
+import waiting
+from PyQt5 import sip
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QWidget
+from virtual_screen import VirtualScreen
+
+from gpr20_common.low.clock import Clock
+from gpr20_user_interface.high.user_interface import UserInterface
+from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.survey_state import Event
+from gpr20_user_interface.mid.views.translation import Languages
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    """Return when the condition holds, the window's events being handled meanwhile."""
+    waiting.wait_until(condition, what, pause=lambda: QTest.qWait(20))
+
+
+def new_interface(model: SurveyModel, languages: Languages) -> UserInterface:
+    """Return a window that is connected to the graph, as the program makes it."""
+    folder = Path(tempfile.gettempdir()) / "gpr20_no_profiles"
+    return UserInterface(model, languages, Profiles(ProfileFolder(folder)))
+
+
+class WatchedModel(SurveyModel):
+    """Remembers which threads told it something."""
+
+    def __init__(self, clock: Clock) -> None:
+        super().__init__(clock)
+        self.threads: set = set()
+
+    def handle(self, event: Event) -> None:
+        self.threads.add(threading.current_thread())
+        super().handle(event)
+
+
+class WindowCase(unittest.TestCase):
+    """Opens a window and does with it what a finger does."""
+
+    def open_window(self) -> None:
+        self.model = WatchedModel(Clock())
+        self.languages = Languages(QApplication.instance(), Language.ENGLISH)
+        self.addCleanup(self.languages.close)
+        self.interface = new_interface(self.model, self.languages)
+        self.window = self.interface.window
+        self.interface.begin()
+        self.addCleanup(self.end_interface)
+
+    def end_interface(self) -> None:
+        # Widgets that other threads touch crash after tens of minutes.
+        self.assertLessEqual(self.model.threads, {threading.main_thread()})
+        self.interface.end()
+        sip.delete(self.window)
+
+    def title(self) -> str:
+        return self.window.status.message.title
+
+    def enter(self, name: str, text: str) -> None:
+        edit = self.window.control.form.edit(name)
+        edit.selectAll()
+        QTest.keyClicks(edit, text)
+
+    def touch(self, widget: QWidget) -> None:
+        QTest.mouseClick(widget, Qt.LeftButton)
+
+    def click(self, name: str) -> None:
+        self.touch(self.buttons()[name])
+
+    def buttons(self) -> Dict[str, Any]:
+        control = self.window.control
+        held = "resume" if control.pause.text() == "RESUME" else "pause"
+        return {"start": control.start, "stop": self.window.top_bar.stop, held: control.pause}
+
+    def enabled(self) -> str:
+        return " ".join(name for name, button in self.buttons().items() if button.isEnabled())
+
+    def keep_picture(self, name: str) -> None:
+        """Write what is on the screen where an engineer can look at it."""
+        folder = os.environ.get("GPR20_PICTURES", "")
+        if not folder:
+            folder = tempfile.mkdtemp()
+            self.addCleanup(lambda: os.rmdir(folder))
+            self.addCleanup(lambda: os.remove(path))
+        path = os.path.join(folder, f"{name}.png")
+        picture = self.window.grab()
+        self.assertTrue(picture.save(path))
+        self.assertEqual((picture.width(), picture.height()), (800, 480))
+
+
+def run_on_a_screen(name: str, case: Type[unittest.TestCase]) -> None:
+    """Run the tests of a class on a screen of their own."""
+    screen = VirtualScreen()
+    os.environ["DISPLAY"] = screen.name
+    os.environ["QT_QPA_PLATFORM"] = "xcb"
+    application = QApplication([])
+    rospy.init_node(f"test_{name}", disable_signals=True)
+    try:
+        rostest.rosrun("gpr20_user_interface", name, case)
+    finally:
+        rospy.signal_shutdown("the tests are over")
+        # Qt lets go of the screen before the screen goes away.
+        sip.delete(application)
+        screen.close()
