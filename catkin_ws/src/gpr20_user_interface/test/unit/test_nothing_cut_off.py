@@ -1,0 +1,156 @@
+"""Every text of the frame, CONTROL, STATUS and the dialogs fits at 800x480 in each language."""
+
+import pytest
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
+from window_helpers import application, snapshot, window
+
+from gpr20_main_control.mid.survey_cost import SurveyCost
+from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
+from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.robot_health import CALIBRATION, EXPECTED_NODES, HealthReport
+from gpr20_user_interface.mid.survey_preview import SurveyPreview
+from gpr20_user_interface.mid.survey_state import (
+    ControlState,
+    CurrentPosition,
+    HealthLevel,
+    NodeHealth,
+    Progress,
+    TargetPosition,
+)
+from gpr20_user_interface.mid.views.control.problem_text import allowed_text, field_title
+from gpr20_user_interface.mid.views.main_window import TabName
+from gpr20_user_interface.mid.views.notice import NoticeKind
+from gpr20_user_interface.mid.views.style import BORDER_PX
+from gpr20_user_interface.mid.views.top_bar import ElidedLabel
+from gpr20_user_interface.mid.views.translation import Languages
+
+__all__ = ["application", "window"]
+
+LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
+LARGEST = SurveyPreview(
+    stops=500000,
+    traces=1000000,
+    x_spacing_mm=0.1234,
+    y_spacing_mm=0.1234,
+    frequency_step_hz=1.350675e6,
+    unambiguous_range_m=110.98,
+    range_resolution_m=0.02776,
+    cost=SurveyCost(99 * 86400.0 + 86399.0, 123456 * 10**6),
+)
+
+
+@pytest.fixture(params=list(Language))
+def spoken(request, application, window):
+    languages = Languages(application, request.param)
+    window.refresh(busiest())
+    window.control.show_preview(LARGEST)
+    # The change of language is an event.
+    QTest.qWait(1)
+    yield window
+    languages.close()
+
+
+def busiest(**other):
+    level = HealthLevel.STALE
+    values = {CALIBRATION: "MODERATE_POWER"}
+    nodes = tuple(NodeHealth(name, level, LONG, values) for name in (*EXPECTED_NODES, "simulator"))
+    values = {
+        "state": ControlState(SurveyState.SURVEYING, LONG, "id", True),
+        "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
+        "current": CurrentPosition(650.0, 800.0, -90.0),
+        "target": TargetPosition(650.0, 800.0, -90.0),
+        "height_m": 0.123,
+        "health": HealthReport(nodes),
+        **other,
+    }
+    return snapshot(SurveyState.SURVEYING, **values)
+
+
+def assert_fits(window):
+    QTest.qWait(1)
+    assert (window.width(), window.height()) == (800, 480)
+    for kind in (QLabel, QAbstractButton, QLineEdit):
+        for widget in window.findChildren(kind):
+            if widget.isVisible() and not isinstance(widget, ElidedLabel):
+                assert_inside(window, widget)
+                assert_text_fits(widget)
+
+
+def assert_inside(window, widget):
+    corner = widget.mapTo(window, widget.rect().bottomRight())
+    assert corner.x() < 800 and corner.y() < 480, widget.text()
+
+
+def assert_text_fits(widget):
+    if isinstance(widget, QLabel) and widget.wordWrap():
+        assert widget.heightForWidth(widget.width()) <= widget.height(), widget.text()
+    else:
+        text = widget.text().replace("&", "")
+        frame_px = 0 if isinstance(widget, QLabel) else 2 * BORDER_PX
+        needed_px = widget.fontMetrics().horizontalAdvance(text) + frame_px
+        assert needed_px <= widget.contentsRect().width(), text
+        assert widget.fontMetrics().height() <= widget.height(), text
+
+
+@pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])
+@pytest.mark.parametrize("code", list(SurveyState))
+def test_nothing_of_a_tab_is_cut_off(spoken, tab, code):
+    spoken.show_tab(tab)
+    spoken.refresh(busiest(state=ControlState(code, LONG, "id", True)))
+    assert_fits(spoken)
+
+
+@pytest.mark.parametrize("kind", list(AlarmKind))
+def test_no_alarm_is_cut_off(spoken, kind):
+    detail = "service get_data did not answer within 90 s; check that its node runs"
+    spoken.refresh(busiest(alarm=Alarm(kind, 86399.0, detail)))
+    assert spoken.top_bar.alarm.isVisible()
+    assert_fits(spoken)
+
+
+@pytest.mark.parametrize("kind", list(NoticeKind))
+def test_no_dialog_is_cut_off(spoken, kind):
+    spoken.notice.show_notice(kind, LONG)
+    assert_fits(spoken)
+    reason = spoken.notice.reason
+    assert reason.height() >= 4 * reason.fontMetrics().height()
+
+
+def test_no_problem_is_cut_off(spoken):
+    for name in spoken.control.form.texts():
+        spoken.control.form.show_text(name, "-7,5")
+    assert_fits(spoken)
+    problems = spoken.control.problems
+    assert problems.isVisible()
+    # What does not fit can be scrolled to.
+    assert problems.height() >= 4 * problems.fontMetrics().height()
+
+
+def test_no_number_pad_is_cut_off(spoken):
+    travel = busiest().travel
+    for name in spoken.control.form.texts():
+        spoken.number_pad.ask(
+            *(lambda _text: None, field_title(name), allowed_text(name, travel), "0, 90"),
+            judge=lambda _text: "",
+            strict=False,
+        )
+        assert_fits(spoken)
+
+
+def test_neither_profiles_nor_their_keys_are_cut_off(spoken):
+    spoken.profiles.show_names(["a" * 32] * 20, can_save=True)
+    spoken.profiles.names.setCurrentRow(0)
+    assert_fits(spoken)
+    spoken.profiles.delete.click()
+    assert_fits(spoken)
+    spoken.ask_profile_name(lambda _name: None, lambda _name: "")
+    assert_fits(spoken)
+
+
+def test_tabs_are_all_seen(spoken):
+    bar = spoken.tabs.tabBar()
+    for index in range(bar.count()):
+        text = bar.tabText(index)
+        assert bar.fontMetrics().horizontalAdvance(text) + 28 <= bar.tabRect(index).width(), text

@@ -1,0 +1,106 @@
+import os
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_user_interface.errors import ProfileError
+from gpr20_user_interface.low.profile_folder import MAX_BYTES, ProfileFolder
+from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.profiles import Profiles, check_name
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "profiles"
+
+
+@pytest.fixture
+def profiles(folder):
+    return Profiles(ProfileFolder(folder))
+
+
+def test_profile_is_loaded_as_it_was_saved(profiles):
+    profiles.save("field 1", default_parameters())
+    assert profiles.names() == ["field 1"]
+    assert profiles.load("field 1") == default_parameters()
+
+
+def test_saving_again_replaces_and_leaves_nothing_else(profiles, folder):
+    profiles.save("a", default_parameters())
+    profiles.save("a", default_parameters())
+    assert os.listdir(str(folder)) == ["a.yaml"]
+
+
+def test_removed_profile_is_gone(profiles):
+    profiles.save("a", default_parameters())
+    profiles.remove("a")
+    assert profiles.names() == []
+    with pytest.raises(ProfileError, match="cannot be deleted"):
+        profiles.remove("a")
+
+
+def test_there_are_none_before_the_first(profiles):
+    assert profiles.names() == []
+    with pytest.raises(ProfileError, match="cannot be read"):
+        profiles.load("a")
+
+
+@pytest.mark.parametrize(
+    "name", ["", " a", "a ", "../a", "a/b", "a.b", ".a", "-a", "ä", "a\n", "a" * 33, "a\0"]
+)
+def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles, name):
+    for act in (profiles.load, profiles.remove, lambda n: profiles.save(n, default_parameters())):
+        with pytest.raises(ProfileError, match="cannot be the name"):
+            act(name)
+
+
+@given(st.text(max_size=40))
+def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
+    try:
+        check_name(name)
+    except ProfileError:
+        return
+    assert os.path.basename(f"{name}.yaml") == f"{name}.yaml"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "must be a group of values"),
+        ("[1, 2]", "must be a group of values"),
+        ("{a: 1}", "is unknown"),
+        ("vna_address: 10.0.0.1", "x_points|frequency"),
+        ("!!python/object/apply:os.system ['true']", "cannot be read"),
+        ("a: [", "cannot be read"),
+        ("\x00", "cannot be read"),
+        ("#" * (MAX_BYTES + 1), "larger than"),
+    ],
+)
+def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder, text, words):
+    folder.mkdir()
+    (folder / "a.yaml").write_text(text)
+    with pytest.raises(ProfileError, match=words):
+        profiles.load("a")
+
+
+def test_values_of_another_type_are_refused(profiles, folder):
+    profiles.save("a", default_parameters())
+    path = folder / "a.yaml"
+    path.write_text(path.read_text().replace("x_points: 5", "x_points: five"))
+    with pytest.raises(ProfileError, match="x_points"):
+        profiles.load("a")
+
+
+def test_folder_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    profiles = Profiles(ProfileFolder(tmp_path / "file" / "profiles"))
+    with pytest.raises(ProfileError, match="cannot be written"):
+        profiles.save("a", default_parameters())
+
+
+def test_files_with_other_names_are_not_listed(profiles, folder):
+    folder.mkdir()
+    (folder / "a.b.yaml").write_text("")
+    (folder / "a.txt").write_text("")
+    assert profiles.names() == []
