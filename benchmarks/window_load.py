@@ -15,7 +15,9 @@ from __future__ import annotations
 import argparse
 import resource
 import statistics
+import tempfile
 import time
+from pathlib import Path
 from typing import List
 
 import rospy
@@ -33,7 +35,9 @@ from window_kit import (
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
+from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.views.main_window import TabName
 from gpr20_user_interface.mid.views.translation import Languages
@@ -116,7 +120,8 @@ def main() -> None:
         application = QApplication([])
         rospy.init_node("window_load", disable_signals=True)
         languages = Languages(application, Language.ENGLISH)
-        interface = UserInterface(SurveyModel(Clock()), languages)
+        profiles = Profiles(ProfileFolder(Path(tempfile.gettempdir()) / "gpr20_no_profiles"))
+        interface = UserInterface(SurveyModel(Clock()), languages, profiles)
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)

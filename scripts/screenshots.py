@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from pathlib import Path
 
 import rospy
@@ -12,8 +13,10 @@ from window_kit import Operator, run_events, run_until, simulated_robot, virtual
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
+from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.map_grid import Stop
+from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.views.main_window import TabName
 from gpr20_user_interface.mid.views.translation import Languages
@@ -29,7 +32,8 @@ SLICE_STEPS = 12  # 60 mm, between the depths of the two targets
 def take_pictures(folder: Path, application: QApplication) -> None:
     """Run two surveys and take a picture of each tab in each language during the second."""
     languages = Languages(application, Language.ENGLISH)
-    interface = UserInterface(SurveyModel(Clock()), languages)
+    profiles = Profiles(ProfileFolder(Path(tempfile.gettempdir()) / "gpr20_no_profiles"))
+    interface = UserInterface(SurveyModel(Clock()), languages, profiles)
     interface.begin()
     operator = Operator()
     operator.start(**SMALL_SURVEY)

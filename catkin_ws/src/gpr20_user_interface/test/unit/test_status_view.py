@@ -62,6 +62,9 @@ def test_health_of_every_node_is_shown_in_its_own_words(window):
     assert health.texts("vna_processing") == "OK: storing"
     assert health.texts("y_axis/axis_driver") == "LOOK: not homed"
     assert health.texts("main_control") == "GONE: not heard"
+    assert health.details == (
+        "vna_acquisition: no answer\ny_axis: not homed\nmain_control: not heard"
+    )
     assert (health.disk, health.calibration) == ("12.3 GB", "high accuracy")
 
 

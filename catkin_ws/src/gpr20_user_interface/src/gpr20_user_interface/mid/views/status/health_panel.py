@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Dict, List, Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QPlainTextEdit, QWidget
 
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.survey_state import HealthLevel, NodeHealth
@@ -45,12 +45,22 @@ class HealthPanel(TranslatedWidget):
         self._grid.addWidget(self._disk, 0, 1, 1, 2)
         self._grid.addWidget(self._calibration_title, 1, 0)
         self._grid.addWidget(self._calibration, 1, 1, 1, 2)
+        # A line has no room for a whole sentence; what is wrong is read to its end here.
+        self._details = QPlainTextEdit()
+        self._details.setReadOnly(True)
+        self._details.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._grid.addWidget(self._details, LAST_ROW, 0, 1, 3)
         self.retranslate()
 
     def texts(self, node: str) -> str:
         """Return the level and the words that are shown for a node."""
         row = next(row for row in self._rows if row.node == node)
         return f"{row.level.text()}: {row.words.whole}"
+
+    @property
+    def details(self) -> str:
+        """The whole sentences of the nodes that are not well."""
+        return self._details.toPlainText()
 
     @property
     def disk(self) -> str:
@@ -75,6 +85,13 @@ class HealthPanel(TranslatedWidget):
             self._rows.append(_Row(len(self._rows), node.name, self._grid))
         for row, node in zip(self._rows, report.nodes):
             row.show(node, self._level_text(node.level), self._words(node))
+        details = "\n".join(
+            f"{_short_name(node)}: {self._words(node)}"
+            for node in report.nodes
+            if node.level is not HealthLevel.OK
+        )
+        if details != self.details:
+            self._details.setPlainText(details)
         free_mb = report.free_disk_mb
         self._disk.setText(
             UNKNOWN if free_mb is None else f"{free_mb / MEGABYTES_PER_GIGABYTE:.1f} GB"
@@ -105,6 +122,10 @@ class HealthPanel(TranslatedWidget):
         }[level]
 
 
+def _short_name(node: NodeHealth) -> str:
+    return node.name.replace("/axis_driver", "")
+
+
 class _Row:
     def __init__(self, number: int, node: str, grid: QGridLayout) -> None:
         self.node = node
@@ -116,7 +137,7 @@ class _Row:
 
     def show(self, node: NodeHealth, level: str, words: str) -> None:
         self.node = node.name
-        self.name.setText(node.name.replace("/axis_driver", ""))
+        self.name.setText(_short_name(node))
         self.level.setText(level)
         set_look(self.level, "level", LOOKS[node.level])
         self.words.show_text(words)

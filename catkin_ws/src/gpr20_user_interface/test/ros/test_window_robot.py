@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""The real window on the whole simulated robot: a survey with a finger."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import rosnode
+import rospkg
+from window_case import WindowCase, run_on_a_screen, wait_until
+
+from gpr20_user_interface.mid.views.main_window import TabName
+
+
+class WindowOnRobot(WindowCase):
+    def setUp(self) -> None:
+        self.open_window()
+        wait_until(lambda: self.title() != "—", "the window hears main_control")
+        wait_until(self.knows_the_robot, "the window knows the limits and the health of the robot")
+
+    def knows_the_robot(self) -> bool:
+        snapshot = self.interface.presenter.snapshot
+        disk = self.window.status.health.disk
+        return snapshot.figures is not None and disk != "—" and "start" in self.enabled()
+
+    def visited(self) -> int:
+        progress = self.interface.presenter.snapshot.progress
+        return 0 if progress is None else progress.visited_points
+
+    def arrow(self, name: str, direction: str, times: int) -> None:
+        for _ in range(times):
+            self.touch(getattr(self.window.control.form.field(name), direction))
+
+    def enter_with_arrows(self) -> None:
+        """3 x 3 stops on 50..130 mm, 51 frequencies."""
+        control = self.window.control
+        self.touch(control.step_button(1))
+        self.arrow("x_points", "down", 2)
+        self.arrow("y_points", "down", 2)
+        self.touch(control.step_button(10))
+        self.arrow("x_stop_mm", "down", 2)
+        self.arrow("y_stop_mm", "down", 2)
+        self.touch(control.step_button(100))
+        self.arrow("frequency_points", "down", 4)
+        self.touch(control.step_button(10))
+        self.arrow("frequency_points", "down", 5)
+        parameters = control.parameters
+        self.assertEqual((parameters.x_points, parameters.y_points), (3, 3))
+        self.assertEqual((parameters.x_stop_mm, parameters.frequency_points), (130.0, 51))
+
+    def test_survey_is_entered_started_paused_resumed_and_finished_with_a_finger(self) -> None:
+        self.enter_with_arrows()
+        figures = self.window.control.preview.figures
+        wait_until(lambda: "—" not in self.window.control.preview.figures, "time is estimated")
+        self.assertEqual(figures[:2], ("18", "40, 40 mm"))
+        self.keep_picture("robot_control")
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
+        self.assertTrue(self.window.top_bar.simulated.isVisible())
+        self.assertFalse(self.window.control.form.isEnabled())
+        wait_until(lambda: self.visited() >= 2, "completion moves")
+        self.click("pause")
+        wait_until(lambda: self.title() == "PAUSED", "the survey pauses")
+        held = self.visited()
+        self.assertLess(held, 18)
+        self.window.show_tab(TabName.STATUS)
+        wait_until(lambda: self.window.status.health.calibration != "—", "calibration is known")
+        self.keep_picture("robot_status")
+        self.click("resume")
+        wait_until(lambda: self.visited() > held, "completion moves again")
+        wait_until(lambda: self.title() == "FINISHED", "the survey ends")
+        self.assertEqual(self.window.status.progress.thousandths, 1000)
+        self.assertTrue(self.window.control.start.isEnabled())
+        self.assertFalse(self.window.notice.isVisible())
+
+    def test_stop_works_from_every_tab_and_stopped_is_said_when_it_is(self) -> None:
+        for tab in (TabName.STATUS, TabName.CONTROL):
+            self.window.show_tab(TabName.CONTROL)
+            self.click("start")
+            wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
+            self.window.show_tab(tab)
+            self.click("stop")
+            wait_until(lambda: self.title() == "STOPPED", "the robot has stopped")
+            health = self.interface.presenter.snapshot.health
+            axes = [health.node(f"{axis}_axis/axis_driver") for axis in "xyz"]
+            wait_until(lambda: "start" in self.enabled(), "START is unlocked")
+            self.assertTrue(all(axis is not None for axis in axes))
+
+    def test_window_that_is_killed_and_started_again_shows_the_survey_that_runs(self) -> None:
+        self.enter("x_points", "4")
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
+        program = self.program()
+        wait_until(lambda: "/other_window" in rosnode.get_node_names(), "a second window runs")
+        seen = self.visited()
+        program.kill()
+        program.wait()
+        wait_until(lambda: self.visited() > seen, "the survey does not notice")
+        mine, first = self.window.control.parameters, self.window
+        self.end_interface_early()
+        self.open_window()
+        self.assertIsNot(self.window, first)
+        wait_until(lambda: self.visited() > 0, "the new window hears main_control")
+        wait_until(lambda: self.window.control.parameters == mine, "it shows the parameters")
+        self.assertFalse(self.window.control.form.isEnabled())
+        self.click("stop")
+        wait_until(lambda: self.title() == "STOPPED", "the new window stops the survey")
+
+    def end_interface_early(self) -> None:
+        # What closes a window at the end of the test must do so only once.
+        self.doCleanups()
+
+    def program(self) -> subprocess.Popen:
+        folder = rospkg.RosPack().get_path("gpr20_user_interface")
+        path = os.path.join(folder, "nodes", "user_interface")
+        process = subprocess.Popen([sys.executable, path, "__name:=other_window"])
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+
+if __name__ == "__main__":
+    run_on_a_screen("window_robot", WindowOnRobot)
