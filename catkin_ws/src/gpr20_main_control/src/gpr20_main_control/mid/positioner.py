@@ -8,12 +8,12 @@ from functools import partial
 from typing import Callable, Dict, List, Optional, Tuple
 
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
-from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
+from gpr20_main_control.mid.survey_cost import axis_move_duration_s
 from gpr20_main_control.mid.survey_plan import SurveyPoint
 
 # An axis publishes at 10 Hz at rest; one that was silent for so long is not alive.
@@ -165,9 +165,7 @@ class Positioner:
 
     def move_duration_s(self, axis_id: AxisId, distance: float) -> float:
         """Return how long an axis needs for a distance [mm or deg]."""
-        parameters = self._parameters[axis_id]
-        ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
-        return ramp.duration_s(parameters.distance_steps(abs(distance)))
+        return axis_move_duration_s(self._parameters[axis_id], distance)
 
     def _home(self, axis_id: AxisId) -> None:
         parameters = self._parameters[axis_id]

@@ -21,11 +21,8 @@ from gpr20_main_control.mid.recovery import Recovery
 from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord
 from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_estimate import (
-    MeasuringTimes,
-    needed_bytes,
-    point_durations_s,
-)
+from gpr20_main_control.mid.survey_cost import planned_durations_s
+from gpr20_main_control.mid.survey_estimate import needed_bytes
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_plan import SurveyPlan, survey_points
 from gpr20_main_control.mid.survey_report import SurveyReport
@@ -61,10 +58,8 @@ class SurveyFactory:
         """Return the points of a survey and how long each takes."""
         facts, settings = self._surroundings.facts, self._surroundings.settings
         points = survey_points(parameters, facts.travel)
-        times = MeasuringTimes(settings.settle_s, settings.height_s, parameters.frequency_points)
-        durations_s = point_durations_s(points, self._positioner.move_duration_s, times)
-        scaled_s = [duration_s / facts.time_scale for duration_s in durations_s]
-        return SurveyPlan(survey_id, points, scaled_s)
+        durations_s = planned_durations_s(points, parameters.frequency_points, facts, settings)
+        return SurveyPlan(survey_id, points, durations_s)
 
     def run(
         self, plan: SurveyPlan, parameters: SurveyParameters, reopened: Optional[ReopenedSurvey]
