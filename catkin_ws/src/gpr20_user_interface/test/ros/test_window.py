@@ -158,10 +158,10 @@ class Window(WindowCase):
     def test_language_changes_at_once(self) -> None:
         self.start()
         self.touch(self.window.language_button)
-        self.assertEqual(self.window.control.pause.text(), "PAUSA")
+        wait_until(lambda: self.window.control.pause.text() == "PAUSA", "it speaks Spanish")
         self.assertEqual(self.window.language_button.text(), "English")
         self.touch(self.window.language_button)
-        self.assertEqual(self.window.control.pause.text(), "PAUSE")
+        wait_until(lambda: self.window.control.pause.text() == "PAUSE", "it speaks English")
 
 
 if __name__ == "__main__":

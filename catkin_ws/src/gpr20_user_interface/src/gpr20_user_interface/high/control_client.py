@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any, Callable, List
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
@@ -16,8 +17,10 @@ from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.direct_service import DirectServiceClient
+from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_travel import read_axis_limits
-from gpr20_user_interface.mid.survey_state import Accepted, Answer, Event, Request
+from gpr20_user_interface.mid.survey_state import Accepted, Answer, AxisLimits, Event, Request
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -41,10 +44,13 @@ class ControlClient:
         self._listener = listener
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
-        self._stop = ServiceClient("stop_survey", Trigger)
+        self._stop = DirectServiceClient("stop_survey", Trigger)
         self._pause = ServiceClient("pause_survey", Trigger)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
-        self._axis_stops = {axis: ServiceClient(f"{axis}_axis/stop", Trigger) for axis in AXES}
+        self._axis_stops = {
+            axis: DirectServiceClient(f"{axis}_axis/stop", Trigger) for axis in AXES
+        }
+        self._master = MasterWatch()
         self._reading_limits = threading.Lock()
         self._subscribers: List[rospy.Subscriber] = []
 
@@ -100,7 +106,14 @@ class ControlClient:
 
     def _read_axis_limits(self) -> None:
         try:
-            self._listener(read_axis_limits())
+            limits = read_axis_limits()
+            if limits.master_alive:
+                self._master.look()
+                for service in (self._stop, *self._axis_stops.values()):
+                    service.remember()
+            self._listener(limits)
+        except (rosgraph.MasterException, OSError) as error:
+            self._listener(AxisLimits(None, str(error), master_alive=False))
         finally:
             self._reading_limits.release()
 

@@ -50,6 +50,7 @@ class Snapshot:
     figures: Optional[RobotFigures] = None
     health: HealthReport = field(default_factory=HealthReport)
     alarm: Optional[Alarm] = None
+    master_alive: bool = True
 
     @property
     def running(self) -> bool:
@@ -75,9 +76,11 @@ class Snapshot:
     def can_stop(self) -> bool:
         """Whether there may be something to stop; a stop that is pending may be repeated.
 
-        A main_control that is silent may be driving the robot.
+        A main_control that is silent may be driving the robot; so may one that is heard while
+        the master, and with it the rest of the robot, cannot be asked.
         """
-        return self.fields_locked or Request.RESUME in self.pending or not self.control_alive
+        asked = self.fields_locked or Request.RESUME in self.pending
+        return asked or not self.control_alive or not self.master_alive
 
     @property
     def paused(self) -> bool:
@@ -177,6 +180,7 @@ class SurveyModel:
             survey_parameters=self._running_parameters(),
             figures=self._limits.figures,
             health=health,
+            master_alive=self._limits.master_alive,
             alarm=worst_alarm(
                 self._limits.master_alive, silent_s, CONTROL_SILENCE_S, health.analyzer_trouble
             ),

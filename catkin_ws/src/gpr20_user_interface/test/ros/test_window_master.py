@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""The window over the death of the ROS master: said plainly, and it comes back by itself."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from typing import Dict
+
+import rosgraph
+import rospy
+from waiting import LIMIT_S
+from window_case import WindowCase, run_on_a_screen, wait_until
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+class OwnMaster:
+    """A master that a test may kill, and what runs on it."""
+
+    def __init__(self, port: int) -> None:
+        self._port = port
+        self._processes: Dict[str, subprocess.Popen] = {}
+
+    def start(self) -> None:
+        command = ["rosmaster", "--core", "-p", str(self._port)]
+        self._processes["master"] = subprocess.Popen(command)
+        wait_until(rosgraph.is_master_online, "the master answers")
+
+    def start_control(self) -> None:
+        path = os.path.join(HERE, "fake_main_control_node.py")
+        self._processes["control"] = subprocess.Popen([sys.executable, path])
+
+    def kill(self, *names: str) -> None:
+        for name in names or list(self._processes):
+            process = self._processes.pop(name)
+            process.kill()
+            process.wait()
+
+
+class WindowAndMaster(WindowCase):
+    def test_death_of_the_master_is_said_and_the_next_one_is_joined(self) -> None:
+        self.addCleanup(master.kill)
+        master.start_control()
+        # The window learns at its start where to stop the robot.
+        rospy.wait_for_service("stop_survey", LIMIT_S)
+        self.open_window()
+        wait_until(lambda: self.title() == "IDLE", "the window hears main_control")
+        self.enter("x_points", "7")
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "a survey starts")
+        master.kill("master")
+        alarm = self.window.top_bar.alarm
+        wait_until(lambda: "ROS master does not answer" in alarm.text(), "the loss is told")
+        self.assertTrue(alarm.isVisible())
+        self.assertTrue(self.window.top_bar.stop.isEnabled())
+        self.keep_picture("master_gone")
+        self.click("stop")
+        wait_until(lambda: self.title() == "STOPPED", "STOP needs no master")
+        self.assertFalse(self.window.notice.isVisible())
+        master.kill("control")
+        master.start()
+        master.start_control()
+        wait_until(lambda: not alarm.isVisible(), "the return is told")
+        wait_until(lambda: self.window.control.start.isEnabled(), "START is unlocked")
+        self.assertEqual(self.window.control.parameters.x_points, 7)
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "a survey starts on the new master")
+        self.click("stop")
+        wait_until(lambda: self.title() == "STOPPED", "and stops")
+
+
+if __name__ == "__main__":
+    port = free_port()
+    # Before anything asks for the master: this test has one of its own.
+    os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
+    master = OwnMaster(port)
+    master.start()
+    run_on_a_screen("window_master", WindowAndMaster)
