@@ -18,8 +18,14 @@ from PyQt5.QtCore import QEventLoop, QTimer
 from std_srvs.srv import Trigger
 
 from gpr20_common.high.service_client import ServiceClient
+from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
+from gpr20_user_interface.high.user_interface import UserInterface
+from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.views.translation import Languages
 
 TIME_LIMIT_S = 60.0
 SCREEN = "800x480x24"
@@ -69,6 +75,12 @@ def simulated_robot(*arguments: str) -> Iterator[Path]:
             yield folder / "data"
     finally:
         shutil.rmtree(str(folder))
+
+
+def new_window(languages: Languages, folder: Path) -> UserInterface:
+    """Return the whole window; its profiles are below a folder."""
+    profiles = Profiles(ProfileFolder(folder / "profiles"))
+    return UserInterface(SurveyModel(Clock()), languages, profiles)
 
 
 class Operator:

@@ -13,11 +13,10 @@ A heartbeat of 10 ms tells how long the window's thread was busy with something 
 from __future__ import annotations
 
 import argparse
+import gc
 import resource
 import statistics
-import tempfile
 import time
-from pathlib import Path
 from typing import List
 
 import rospy
@@ -25,6 +24,7 @@ from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication
 from window_kit import (
     Operator,
+    new_window,
     resident_mb,
     run_events,
     run_until,
@@ -32,13 +32,9 @@ from window_kit import (
     virtual_screen,
 )
 
-from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.language import Language
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.views.main_window import TabName
 from gpr20_user_interface.mid.views.translation import Languages
 
@@ -116,12 +112,11 @@ def main() -> None:
     parser.add_argument("--minutes", type=int, default=10)
     parser.add_argument("--time-scale", type=float, default=50.0)
     arguments = parser.parse_args()
-    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}"):
+    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as data:
         application = QApplication([])
         rospy.init_node("window_load", disable_signals=True)
         languages = Languages(application, Language.ENGLISH)
-        profiles = Profiles(ProfileFolder(Path(tempfile.gettempdir()) / "gpr20_no_profiles"))
-        interface = UserInterface(SurveyModel(Clock()), languages, profiles)
+        interface = new_window(languages, data)
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)
@@ -131,7 +126,7 @@ def main() -> None:
 
 
 def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
-    print("minute  memory MB  core %  away > 50 ms  longest ms  traces shown  surveys")
+    print("minute  memory MB  objects  core %  away > 50 ms  longest ms  traces shown  surveys")
     heartbeat, surveys = Heartbeat(), 0
     at, memory_mb, cores = [], [], []
     for minute in range(1, minutes + 1):
@@ -144,7 +139,8 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         memory_mb.append(resident_mb())
         cores.append(core)
         print(
-            f"{minute:6d} {memory_mb[-1]:10.1f} {100 * core:7.1f} {late:13d} "
+            f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
+            f"{100 * core:7.1f} {late:13d} "
             f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.traces.live.radar.count:13d} "
             f"{surveys:8d}",
             flush=True,

@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from pathlib import Path
 
 import rospy
 from PyQt5.QtWidgets import QApplication
-from window_kit import Operator, run_events, run_until, simulated_robot, virtual_screen
+from window_kit import Operator, new_window, run_events, run_until, simulated_robot, virtual_screen
 
-from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.views.main_window import TabName
 from gpr20_user_interface.mid.views.translation import Languages
 
@@ -29,11 +23,10 @@ TARGET_STOP = Stop(6, 7)  # above the metallic sphere
 SLICE_STEPS = 12  # 60 mm, between the depths of the two targets
 
 
-def take_pictures(folder: Path, application: QApplication) -> None:
+def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     """Run two surveys and take a picture of each tab in each language during the second."""
     languages = Languages(application, Language.ENGLISH)
-    profiles = Profiles(ProfileFolder(Path(tempfile.gettempdir()) / "gpr20_no_profiles"))
-    interface = UserInterface(SurveyModel(Clock()), languages, profiles)
+    interface = new_window(languages, data)
     interface.begin()
     operator = Operator()
     operator.start(**SMALL_SURVEY)
@@ -69,10 +62,10 @@ def main() -> None:
     """Take the pictures into the folder that is named."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    with virtual_screen(), simulated_robot("time_scale:=50"):
+    with virtual_screen(), simulated_robot("time_scale:=50") as data:
         application = QApplication([])
         rospy.init_node("screenshots", disable_signals=True)
-        take_pictures(folder, application)
+        take_pictures(folder, data, application)
         rospy.signal_shutdown("the pictures are taken")
 
 
