@@ -156,12 +156,17 @@ class Traces(unittest.TestCase):
         window = self.window()
         self.call("pause_survey")
         wait_until(lambda: self.code == ControlStatus.PAUSED, "the survey pauses")
-        before = len(self.heard_s)
-        radar = window.presenter.live.radar
-        wait_until(lambda: radar.count == before, "the traces from before are there")
-        self.assertLess(before, 54)
-        counts = window.presenter.live.map.counts()
-        self.assertEqual(2 * counts.done + counts.partly, before)
+        live = window.presenter.live
+        radar = live.radar
+
+        def shows_everything() -> bool:
+            # The last traces are stored and told while the survey pauses already.
+            counts = live.map.counts()
+            on_map = -1 if counts is None else 2 * counts.done + counts.partly
+            return radar.count == on_map == len(self.heard_s)
+
+        wait_until(shows_everything, "the traces from before are there")
+        self.assertLess(radar.count, 54)
         self.call("resume_survey", "")
         wait_until(lambda: radar.count == 54, "the rest comes, too")
         wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
