@@ -124,10 +124,26 @@ class Operator:
 
 
 def run_events(duration_s: float) -> None:
-    """Let the window live for a while."""
+    """Let the window live for a while.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; raised in a slot, as by default, it would change nothing.
+    """
     loop = QEventLoop()
-    QTimer.singleShot(round(duration_s * 1000), loop.quit)
-    loop.exec_()
+    interrupts: List[int] = []
+
+    def leave(number: int, _frame: object) -> None:
+        interrupts.append(number)
+        loop.quit()
+
+    former = signal.signal(signal.SIGINT, leave)
+    try:
+        QTimer.singleShot(round(duration_s * 1000), loop.quit)
+        loop.exec_()
+    finally:
+        signal.signal(signal.SIGINT, former)
+    if interrupts:
+        raise KeyboardInterrupt
 
 
 def run_until(condition: Callable[[], bool], what: str, limit_s: float) -> None:
