@@ -8,8 +8,10 @@ import time
 from fake_main_control import FakeMainControl
 from PyQt5 import sip
 from PyQt5.QtWidgets import QApplication
+from std_srvs.srv import Trigger, TriggerResponse
 from window_case import WindowCase, new_interface, run_on_a_screen, wait_until
 
+from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.mid.survey_model import SurveyModel
 
@@ -154,6 +156,26 @@ class Window(WindowCase):
         for axis in "xyz":
             self.assertIn(f"{axis} does NOT answer", reason)
         self.assertIn("power off", self.window.notice.next_step.text())
+
+    def test_stop_without_main_control_stops_the_axes(self) -> None:
+        stopped = []
+
+        def stop(axis: str) -> TriggerResponse:
+            stopped.append(axis)
+            return TriggerResponse(True, "stopping")
+
+        for axis in "xyz":
+            service = advertise(f"{axis}_axis/stop", Trigger, lambda _request, a=axis: stop(a))
+            self.addCleanup(service.shutdown)
+        self.start()
+        self.fake.close()
+        self.click("stop")
+        wait_until(self.window.notice.isVisible, "a dialog opens")
+        self.assertEqual(sorted(stopped), ["x", "y", "z"])
+        reason = self.window.notice.reason.toPlainText()
+        self.assertIn("x stopping; y stopping; z stopping", reason)
+        # Nobody has said that the robot stands still.
+        self.assertEqual(self.title(), "SURVEYING")
 
     def test_language_changes_at_once(self) -> None:
         self.start()

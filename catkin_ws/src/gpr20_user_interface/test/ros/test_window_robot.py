@@ -9,8 +9,11 @@ import sys
 
 import rosnode
 import rospkg
+from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
+from gpr20_common.high.service_client import ServiceClient
+from gpr20_simulator.srv import SetFault
 from gpr20_user_interface.mid.views.main_window import TabName
 
 
@@ -60,7 +63,7 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         self.assertTrue(self.window.top_bar.simulated.isVisible())
         self.assertFalse(self.window.control.form.isEnabled())
-        wait_until(lambda: self.visited() >= 2, "completion moves")
+        wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.click("pause")
         wait_until(lambda: self.title() == "PAUSED", "the survey pauses")
         held = self.visited()
@@ -107,6 +110,27 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.control.form.isEnabled())
         self.click("stop")
         wait_until(lambda: self.title() == "STOPPED", "the new window stops the survey")
+
+    def test_vna_that_is_gone_is_said_and_the_survey_goes_on_when_it_is_back(self) -> None:
+        set_fault = ServiceClient("simulator/set_fault", SetFault)
+        self.addCleanup(lambda: set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0))
+        self.enter_with_arrows()
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
+        wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
+        set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
+        alarm = self.window.top_bar.alarm
+        wait_until(lambda: "VNA is in trouble" in alarm.text(), "the loss is told")
+        wait_until(lambda: self.title() == "PAUSED", "the survey holds")
+        self.assertTrue(alarm.isVisible())
+        self.assertIn("VNA", self.window.top_bar.message.whole)
+        self.keep_picture("robot_vna_gone")
+        set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0)
+        wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
+        self.click("resume")
+        wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
+        wait_until(lambda: not alarm.isVisible(), "the return is told")
+        self.assertEqual(self.visited(), 18)
 
     def end_interface_early(self) -> None:
         # What closes a window at the end of the test must do so only once.

@@ -40,6 +40,23 @@ def test_another_instrument_is_refused_and_its_link_closed(identity):
     assert bench.vna.open_links == 0 and not bench.driver.state.address
 
 
+def test_the_reports_say_why_no_connection_was_made_until_there_is_one():
+    bench = Bench()
+    expected, bench.vna.identity = bench.vna.identity, "garbage"
+    with pytest.raises(VnaIdentityError):
+        bench.driver.connect(ADDRESS)
+    assert "expected is Anritsu MS2026C" in bench.driver.state.last_error
+    bench.vna.identity = expected
+    bench.driver.connect(ADDRESS)
+    assert bench.driver.state.last_error == ""
+
+
+def test_the_calibration_is_kept_for_the_reports(bench):
+    assert bench.driver.state.calibration is None
+    status = bench.driver.calibration_status()
+    assert bench.driver.state.calibration is status
+
+
 def test_expected_model_is_a_parameter():
     bench = Bench(model="MS2038C")
     bench.vna.identity = "Anritsu,MS2038C/11,2032023,3.90"

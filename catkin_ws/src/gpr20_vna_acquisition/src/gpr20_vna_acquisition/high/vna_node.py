@@ -113,10 +113,10 @@ class VNANode:
             "last remarks": "; ".join(state.last_quality),
             "last error": state.last_error,
         }
-        if not state.address:
-            return diagnostics.WARN, "not connected", values
         if state.last_error:
             return diagnostics.ERROR, state.last_error, values
+        if not state.address:
+            return diagnostics.WARN, "not connected", values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0], values
         return diagnostics.OK, f"connected to {state.identity}", values

@@ -113,7 +113,12 @@ class VNADriver:
         with self._lock:
             self.disconnect()
             self._patience.begin(self._parameters.request_limit_s())
-            self._instrument, identity = self._open(address)
+            try:
+                self._instrument, identity = self._open(address)
+            except VnaError as error:
+                # Whoever looks at the reports must see more than that nothing is connected.
+                self._state = VnaState(last_error=str(error))
+                raise
             self._state = VnaState(address, identity, linked=True)
             return identity
 
