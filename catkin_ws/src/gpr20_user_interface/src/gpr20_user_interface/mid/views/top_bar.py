@@ -15,6 +15,7 @@ from gpr20_user_interface.mid.views.state_text import state_title
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
 HEIGHT_PX = 64
+ALARM_LINES = 1.7
 UNKNOWN = "—"
 
 
@@ -32,6 +33,7 @@ class TopBar(TranslatedWidget):
         self.alarm = QLabel()
         self.alarm.setObjectName("alarm")
         self.alarm.setWordWrap(True)
+        self.alarm.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.alarm.hide()
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
@@ -63,7 +65,7 @@ class TopBar(TranslatedWidget):
         self.alarm.setVisible(snapshot.alarm is not None)
         self.message.setVisible(snapshot.alarm is None)
         if snapshot.alarm is not None:
-            self.alarm.setText(self._alarm_text(snapshot.alarm))
+            self._show_alarm(self._alarm_text(snapshot.alarm))
         self.stop.setEnabled(snapshot.can_stop)
 
     def _title(self, snapshot: Snapshot) -> str:
@@ -75,6 +77,13 @@ class TopBar(TranslatedWidget):
         # Rounded down: only a complete survey is shown as 100 %.
         percent = math.floor(snapshot.progress.completion_percent * 10.0) / 10.0
         return f"{title}  {percent:.1f} %"
+
+    def _show_alarm(self, text: str) -> None:
+        # Two lines, less what a line break inside a word may waste; STATUS tells the whole.
+        room_px = int(ALARM_LINES * self.alarm.width())
+        metrics = self.alarm.fontMetrics()
+        self.alarm.setText(metrics.elidedText(text, Qt.TextElideMode.ElideRight, room_px))
+        self.alarm.setToolTip(text)
 
     def _alarm_text(self, alarm: Alarm) -> str:
         texts = {
