@@ -93,7 +93,8 @@ def main() -> int:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
             print(f"user_interface: {error}", file=sys.stderr)
-            return EXIT_NO_MASTER
+            # Nobody to take leave of; rospy would wait for the master once more.
+            leave_now(EXIT_NO_MASTER)
         return _show(application)
 
 
