@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from ground_kit import SURVEY, TRAVEL, cell, description, make_grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from view_kit import SURVEY, TRAVEL, cell, description, make_grid
 
 from gpr20_main_control.mid.coverage import Coverage, SampleState
 from gpr20_main_control.mid.survey_plan import survey_points

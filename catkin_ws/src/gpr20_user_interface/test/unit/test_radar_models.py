@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from ground_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, trace_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, trace_at
 
 from gpr20_main_control.mid.coverage import SampleState
 from gpr20_user_interface.errors import SurveyNotReadableError

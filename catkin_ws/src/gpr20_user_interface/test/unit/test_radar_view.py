@@ -6,10 +6,10 @@ pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 import numpy as np
-from ground_kit import depth_echo, make_grid, trace_at
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
+from view_kit import depth_echo, make_grid, trace_at
 
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.views.radar.radar_view import RadarView

@@ -1,8 +1,8 @@
 """MAP, RADAR and the list of past surveys in their frame: nothing cut off, nothing untranslated."""
 
 import pytest
-from ground_kit import SURVEY, make_grid, trace_at
 from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
+from view_kit import SURVEY, make_grid, trace_at
 from window_helpers import application, click
 
 from gpr20_user_interface.mid.language import Language

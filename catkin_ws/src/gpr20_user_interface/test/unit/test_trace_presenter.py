@@ -6,10 +6,10 @@ import pytest
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-from ground_kit import SURVEY, description, make_grid, trace_at
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
+from view_kit import SURVEY, description, make_grid, trace_at
 
 from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
