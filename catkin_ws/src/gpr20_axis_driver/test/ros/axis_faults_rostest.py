@@ -19,6 +19,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
 
+from gpr20_axis_driver.high.goal_clients import SILENCE_LIMIT_S
 from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
 from gpr20_simulator.high.world_path import world_path
@@ -115,10 +116,15 @@ class Axis:
         wait_until(lambda: abs(self.steps - before) > 10)
 
 
+def start_client(axis, *what):
+    """Start a client that begins something."""
+    script = str(Path(__file__).with_name("axis_client.py"))
+    return subprocess.Popen([sys.executable, script, axis.name.value, *what], stdin=subprocess.PIPE)
+
+
 def killed_client(axis, what, begun):
     """Let a client begin something, kill it, and return when it was killed [ns]."""
-    script = str(Path(__file__).with_name("axis_client.py"))
-    client = subprocess.Popen([sys.executable, script, axis.name.value, what])
+    client = start_client(axis, what)
     wait_until(begun)
     client.kill()
     killed_ns = time.monotonic_ns()
@@ -267,6 +273,24 @@ class AxisFaultsTest(unittest.TestCase):
         services = rosservice_names()
         self.assertIn("/z_axis/set_zero", services)
         self.assertNotIn("/x_axis/set_zero", services)
+
+
+    def test_a1_a_move_ends_when_its_client_vanishes_without_a_word_and_the_next_one_arrives(self):
+        self.x.home()
+        client = start_client(self.x, "600.0", "unplugged")
+        wait_until(lambda: self.x.steps > 500)
+        unplugged_ns = time.monotonic_ns()
+        client.stdin.write(b"\n")
+        client.stdin.flush()
+        wait_until(lambda: not self.x.last.moving)
+        # Probed every second, and some seconds for a computer that does too much else.
+        self.assertLess((self.x.last_pulse_ns - unplugged_ns) * 1e-9, SILENCE_LIMIT_S + 3.0)
+        self.assertLess(self.x.steps, 60000)
+        self.assertTrue(self.x.last.homed)
+        # The cable is plugged in again: the same connection carries the client's next goal.
+        client.communicate(b"\n", timeout=LIMIT_S)
+        self.assertEqual(client.returncode, 0)
+        self.assertEqual(self.x.steps, 100)
 
 
 def rosservice_names():

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Callable, Set
+import socket
+import time
+from typing import Callable, Dict, Iterator, Tuple
 
 import rospy
+
+from gpr20_axis_driver.low.connection_silence import probe, silence_s
+
+# So long may a client's machine give no sign of life: three probes, one second each.
+SILENCE_LIMIT_S = 3.5
 
 
 class GoalClients:
     """Watches the connections of an action's goal topic.
 
     When a client's process dies, its connection is closed by the system at once, long before the
-    master or anything else notices.
+    master or anything else notices. When its machine dies or its cable is pulled, nothing closes
+    the connection, but no sign of life comes through it.
     """
 
     def __init__(self, goal_subscriber: rospy.Subscriber) -> None:
@@ -24,23 +32,51 @@ class GoalClients:
             goal_id: Its id, which actionlib begins with the name of the client's node. A goal
                 that names no node connected now is watched by any connection at all.
         """
-        senders = {name for name in self._connected() if goal_id.startswith(f"{name}-")}
-        return self._gone(senders) if senders else lambda: not self._connected()
+        senders = {name for name, _ in self._connections() if goal_id.startswith(f"{name}-")}
+        return self._gone(lambda name: name in senders or not senders)
 
     def watch_node(self, name: str) -> Callable[[], bool]:
         """Return what tells whether a node has gone; never, if it is no client of the action."""
-        if name in self._connected():
-            return self._gone({name})
+        if any(name == connected for connected, _ in self._connections()):
+            return self._gone(lambda connected: connected == name)
         return lambda: False
 
-    def _gone(self, names: Set[str]) -> Callable[[], bool]:
-        return lambda: names.isdisjoint(self._connected())
+    def _gone(self, is_watched: Callable[[str], bool]) -> Callable[[], bool]:
+        signs = _SignsOfLife()
 
-    def _connected(self) -> Set[str]:
+        def gone() -> bool:
+            # A list, because every connection is to be probed from the beginning.
+            watched = [one for name, one in self._connections() if is_watched(name)]
+            return not any([signs.lives(one) for one in watched])
+
+        return gone
+
+    def _connections(self) -> Iterator[Tuple[str, socket.socket]]:
         # rospy counts connections in public but names their nodes only here. One that waits to
-        # be connected again has no socket.
+        # be connected again has no socket; an action's server that was shut down, no topic.
         topic = self._subscriber.impl
-        if topic is None:
-            # The action's server has been shut down.
-            return set()
-        return {one.callerid_pub for one in topic.connections if one.socket is not None}
+        for one in topic.connections if topic is not None else ():
+            connection = one.socket
+            if connection is not None:
+                yield one.callerid_pub, connection
+
+
+class _SignsOfLife:
+    """Tells from which connections something was heard lately."""
+
+    def __init__(self) -> None:
+        self._probed_since_s: Dict[socket.socket, float] = {}
+
+    def lives(self, connection: socket.socket) -> bool:
+        """Return whether the other end's machine is there, as far as can be known by now."""
+        now_s = time.monotonic()
+        try:
+            if connection not in self._probed_since_s:
+                probe(connection)
+                self._probed_since_s[connection] = now_s
+            # Before it was probed, silence meant nothing.
+            probed_s = now_s - self._probed_since_s[connection]
+            return min(probed_s, silence_s(connection)) <= SILENCE_LIMIT_S
+        except OSError:
+            # It was closed since it was listed.
+            return False

@@ -1,0 +1,59 @@
+"""Noticing that the other end of a connection is there no more."""
+
+import socket
+import time
+
+import pytest
+from vanishing_peer import come_back, vanish
+
+from gpr20_axis_driver.low.connection_silence import probe, silence_s
+
+LIMIT_S = 20.0
+
+
+@pytest.fixture
+def ends():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        with socket.create_connection(server.getsockname()) as ours:
+            theirs, _ = server.accept()
+            with theirs:
+                yield ours, theirs
+
+
+def wait_until(condition):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, "the condition never held"
+        time.sleep(0.01)
+
+
+def test_an_end_that_is_there_is_never_silent_for_long_though_it_sends_nothing(ends):
+    ours, _theirs = ends
+    probe(ours)
+    end_s = time.monotonic() + 5.0
+    longest_s = 0.0
+    while time.monotonic() < end_s:
+        longest_s = max(longest_s, silence_s(ours))
+        time.sleep(0.01)
+    assert 0.5 < longest_s < 3.0
+
+
+def test_an_end_that_vanishes_without_a_word_is_silent_and_found_alive_when_it_comes_back(ends):
+    ours, theirs = ends
+    probe(ours)
+    vanish(theirs)
+    vanished_s = time.monotonic()
+    wait_until(lambda: silence_s(ours) > 3.5)
+    assert time.monotonic() - vanished_s < 6.0
+    come_back(theirs)
+    wait_until(lambda: silence_s(ours) < 0.5)
+    theirs.sendall(b"alive")
+    assert ours.recv(5) == b"alive"
+
+
+def test_a_connection_that_was_closed_is_an_error_to_whoever_asks(ends):
+    ours, _theirs = ends
+    ours.close()
+    for ask in (probe, silence_s):
+        with pytest.raises(OSError):
+            ask(ours)
