@@ -2,7 +2,9 @@
 """A client that begins something and waits for its end: to be killed in the middle.
 
 Usage: axis_client.py AXIS home|TARGET
-       axis_client.py AXIS TARGET unplugged    vanishes without a word, and comes back, at a line of its input each
+       axis_client.py AXIS TARGET unplugged
+
+Unplugged, it vanishes without a word at the first line of its input and comes back at the next.
 """
 
 import sys

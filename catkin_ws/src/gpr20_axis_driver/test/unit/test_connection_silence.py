@@ -14,10 +14,10 @@ LIMIT_S = 20.0
 @pytest.fixture
 def ends():
     with socket.create_server(("127.0.0.1", 0)) as server:
-        with socket.create_connection(server.getsockname()) as ours:
-            theirs, _ = server.accept()
-            with theirs:
-                yield ours, theirs
+        ours = socket.create_connection(server.getsockname())
+        theirs, _ = server.accept()
+    with ours, theirs:
+        yield ours, theirs
 
 
 def wait_until(condition):
