@@ -97,11 +97,16 @@ def test_a_stop_while_already_slowing_down_ends_at_the_target(axis):
     assert axis.machine.steps == 100
 
 
-def test_the_endstop_pressed_during_a_move_ends_it_and_clears_homed(axis):
+@pytest.mark.parametrize("target, pressed", [(0.0, "14.99 mm"), (40.0, "25.01 mm")])
+def test_the_endstop_pressed_during_a_move_ends_it_and_clears_homed(axis, target, pressed):
     axis.driver.move_to(20.0, never)
-    axis.machine.endstop_steps = 1000
-    with pytest.raises(EndstopError, match="pressed at 10 mm"):
-        axis.driver.move_to(0.0, never)
+
+    def press_after_5_mm():
+        axis.machine.stuck = abs(axis.machine.steps - 2000) >= 500 or None
+        return False
+
+    with pytest.raises(EndstopError, match=f"pressed at {pressed}"):
+        axis.driver.move_to(target, press_after_5_mm)
     assert not axis.driver.homed
     with pytest.raises(NotHomedError):
         axis.driver.move_to(5.0, never)

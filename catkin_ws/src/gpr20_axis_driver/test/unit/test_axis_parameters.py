@@ -26,6 +26,7 @@ from gpr20_axis_driver.axis_exceptions import AxisParameterError, TravelError
         ("max_coord", 0.001, "max_coord is 0.001"),
         ("type", "LINEAR", "type is 'LINEAR'"),
         ("homing_backoff", 0.0, "homing_backoff is 0"),
+        ("homing_backoff", 131.0, "homing_backoff is 131 mm; it must lie between 0 and 130 mm"),
         ("late_limit_s", 0.0, "late_limit_s is 0"),
         ("late_limit_s", 0.0016, "late_limit_s is 0.0016 s; it must lie between 2e-06 and 0.0015"),
         ("gap_limit_s", 0.0001, "gap_limit_s is 0.0001 s; it must lie between 0.0005"),

@@ -160,7 +160,8 @@ class AxisDriver:
         distance = target_steps - self._engine.steps
         if distance == 0:
             return
-        guarded = distance < 0 and self._parameters.sensor_pin is not None
+        # Either way: a switch that closes on the way away from it is as broken as its cable.
+        guarded = self._parameters.sensor_pin is not None
         motion = Motion(distance > 0, abs(distance), self._ramp, guarded=guarded)
         ending = self._run(motion, stop_requested).ending
         unit = self._parameters.unit

@@ -20,8 +20,8 @@ BOARD_PINS = frozenset(
 # A pause shorter than this is below what a DRV8825 accepts as a step pulse (1.9 us high).
 MIN_PAUSE_S = 2.0e-6
 MAX_PAUSE_S = 1.0
-
-
+# The most back-offs that homing ever makes in one go, away from a switch that was pressed.
+HOMING_BACKOFFS = 5
 # A gap of this length is no lateness any more: the process has been halted.
 MAX_GAP_S = 10.0
 
@@ -121,6 +121,11 @@ class AxisParameters:
                 f"max_coord is {self.max_coord:g} {self.unit}; it must be at least one step, "
                 f"{self.step_size:g} {self.unit}, above min_coord, {self.min_coord:g} {self.unit}"
             )
+
+        if self.sensor_pin is not None:
+            # Homing goes back and forth by it, and must stay within the axis.
+            longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
+            number_between("homing_backoff", self.homing_backoff, 0.0, longest, self.unit)
 
     def _check_pulses(self) -> None:
         number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Callable
 
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
+from gpr20_axis_driver.mid.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_axis_driver.mid.motion import Ending, Motion, MotionReport, StopRequested, Until
 from gpr20_axis_driver.mid.ramp import Ramp
 
@@ -13,8 +13,6 @@ RunMotion = Callable[[Motion, StopRequested], MotionReport]
 
 # A carriage may stand a little beyond its travel when homing begins.
 TRAVEL_MARGIN = 1.05
-# A pressed switch must open within this many back-offs.
-RELEASE_BACKOFFS = 5
 # Two touches of a sound switch happen at the same place to within this part of a back-off.
 TOUCH_TOLERANCE = 0.25
 
@@ -73,7 +71,7 @@ class Homing:
             )
 
     def _release(self, stop: StopRequested) -> None:
-        most_steps = RELEASE_BACKOFFS * self._backoff_steps
+        most_steps = HOMING_BACKOFFS * self._backoff_steps
         if self._step(True, most_steps, Until.RELEASED, stop).endstop_pressed:
             raise EndstopError(
                 f"the endstop stayed pressed for {most_steps * self._step_size:g} {self._unit}: "
