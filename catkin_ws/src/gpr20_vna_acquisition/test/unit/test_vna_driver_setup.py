@@ -167,7 +167,7 @@ def test_no_calibration_is_not_the_best_one():
     assert CalibrationStatus.NONE == 0 and CalibrationStatus.HIGH == 1
 
 
-@pytest.mark.parametrize("answer", ["5", "-1", "1.5", "", "nan", "high"])
+@pytest.mark.parametrize("answer", ["5", "-1", "1.5", "", "nan", "high", "0_1"])
 def test_a_calibration_off_the_scale_is_an_error(bench, answer):
     bench.vna.calibration = answer
     with pytest.raises(VnaError, match="reading the VNA's calibration failed 3 times"):

@@ -7,12 +7,15 @@ queue: reading back is the only way to know whether a setting was taken.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Callable, List
 
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.sweep_settings import RESOLUTION_HZ, SweepSettings
+
+_NUMBER = re.compile("[+-]?(?:[0-9]+[.]?[0-9]*|[.][0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
@@ -53,10 +56,8 @@ def number(answer: str) -> float:
     Raises:
         VnaDataError: It is not a finite number.
     """
-    try:
-        value = float(answer)
-    except ValueError:
-        value = math.nan
+    # float() alone would take '1_0' for ten.
+    value = float(answer) if _NUMBER.fullmatch(answer.strip()) else math.nan
     if not math.isfinite(value):
         raise VnaDataError(f"the instrument answers {answer[:40]!r} where a number is expected")
     return value
