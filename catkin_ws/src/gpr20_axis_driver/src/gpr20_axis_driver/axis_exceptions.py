@@ -37,6 +37,10 @@ class PositionLostError(AxisException, RuntimeError):
     """Steps may have been lost, so the position is not trusted any more."""
 
 
+class NodeHungError(AxisException, RuntimeError):
+    """The motion was ended because nobody could have stopped it."""
+
+
 class ZeroUnknownError(AxisException, RuntimeError):
     """An axis without endstop does not remember where its zero is."""
 

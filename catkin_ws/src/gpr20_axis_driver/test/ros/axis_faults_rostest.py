@@ -3,29 +3,20 @@
 
 import os
 import signal
-import subprocess
-import sys
-import threading
 import time
 import unittest
-from pathlib import Path
-from xmlrpc.client import ServerProxy
 
-import actionlib
 import rosgraph
-import rosnode
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from std_srvs.srv import Trigger
+from axis_under_test import LIMIT_S, Axis, exists, killed_client, start_client, wait_until
 
 from gpr20_axis_driver.high.goal_clients import SILENCE_LIMIT_S
+from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S
 from gpr20_axis_driver.mid.ramp import Ramp
-from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.low.world import AxisName
 
-LIMIT_S = 20.0
 X_TIME_SCALE = 10.0
 X_STEPS_PER_MM = 100
 # What a stop may take besides the ramp.
@@ -34,119 +25,6 @@ X_RAMP = Ramp(0.0015, 0.0050, 0.0001)
 X_RAMP_S = X_RAMP.duration_s(2 * X_RAMP.braking_steps(X_RAMP.min_pause_s)) / 2 / X_TIME_SCALE
 Z_RAMP = Ramp(0.010, 0.025, 0.005)
 Z_RAMP_S = Z_RAMP.duration_s(2 * Z_RAMP.braking_steps(Z_RAMP.min_pause_s)) / 2
-
-
-def wait_until(condition):
-    """Return once the condition holds."""
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, "the condition never held"
-        time.sleep(0.005)
-
-
-class Axis:
-    """One axis as a client sees it, with the truth beside it."""
-
-    def __init__(self, name):
-        self.name = name
-        self.group = f"{name.value}_axis"
-        self.world = open_world(world_path("/"), {})
-        self.last = None
-        self.heard = threading.Event()
-        self.subscriber = rospy.Subscriber(
-            f"{self.group}/current_coord", CurrentCoordinate, self._hear
-        )
-        self.connect()
-
-    def _hear(self, message):
-        self.last = message
-        self.heard.set()
-
-    def connect(self):
-        """Wait for the node, which may have been restarted."""
-        self.client = actionlib.SimpleActionClient(f"{self.group}/axis", AxisAction)
-        assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
-        self.heard.clear()
-        assert self.heard.wait(LIMIT_S)
-
-    def call(self, service):
-        rospy.wait_for_service(f"{self.group}/{service}", LIMIT_S)
-        return rospy.ServiceProxy(f"{self.group}/{service}", Trigger)()
-
-    def home(self):
-        response = self.call("homing")
-        assert response.success, response.message
-
-    def move(self, target):
-        self.client.send_goal(AxisGoal(target_coordinate=target))
-        return self.finish()
-
-    def finish(self):
-        assert self.client.wait_for_result(rospy.Duration(LIMIT_S))
-        return self.client.get_state(), self.client.get_result()
-
-    @property
-    def steps(self):
-        return self.world.steps(self.name)
-
-    @property
-    def last_pulse_ns(self):
-        return self.world.last_pulse_ns(self.name)
-
-    @property
-    def pins_low(self):
-        return self.world.pins_low(self.name)
-
-    @property
-    def node_pid(self):
-        name = rospy.resolve_name(f"{self.group}/axis_driver")
-        server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
-        return ServerProxy(server).getPid(rospy.get_name())[2]
-
-    @property
-    def pulse_pid(self):
-        """The process that makes the pulses: the node's only child."""
-        (child,) = children(self.node_pid)
-        return child
-
-    def begin_move(self, target):
-        """Begin a move and return when the axis has moved by some steps."""
-        before = self.steps
-        self.client.send_goal(AxisGoal(target_coordinate=target))
-        wait_until(lambda: abs(self.steps - before) > 10)
-
-
-def start_client(axis, *what):
-    """Start a client that begins something."""
-    script = str(Path(__file__).with_name("axis_client.py"))
-    return subprocess.Popen([sys.executable, script, axis.name.value, *what], stdin=subprocess.PIPE)
-
-
-def killed_client(axis, what, begun):
-    """Let a client begin something, kill it, and return when it was killed [ns]."""
-    client = start_client(axis, what)
-    wait_until(begun)
-    client.kill()
-    killed_ns = time.monotonic_ns()
-    client.wait()
-    return killed_ns
-
-
-def children(parent_pid):
-    """The processes whose parent this is; a process that ends meanwhile is left out."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/status"):
-        try:
-            fields = dict(line.split(":", 1) for line in status.read_text().splitlines())
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if int(fields["PPid"]) == parent_pid:
-            found.append(int(fields["Pid"]))
-    return found
-
-
-def exists(pid):
-    return Path(f"/proc/{pid}").exists()
 
 
 class AxisFaultsTest(unittest.TestCase):
@@ -274,7 +152,6 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertIn("/z_axis/set_zero", services)
         self.assertNotIn("/x_axis/set_zero", services)
 
-
     def test_a1_a_move_ends_when_its_client_vanishes_without_a_word_and_the_next_one_arrives(self):
         self.x.home()
         client = start_client(self.x, "600.0", "unplugged")
@@ -290,6 +167,25 @@ class AxisFaultsTest(unittest.TestCase):
         # The cable is plugged in again: the same connection carries the client's next goal.
         client.communicate(b"\n", timeout=LIMIT_S)
         self.assertEqual(client.returncode, 0)
+        self.assertEqual(self.x.steps, 100)
+
+    def test_a2_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(self):
+        self.x.begin_move(600.0)
+        pid = self.x.node_pid
+        os.kill(pid, signal.SIGSTOP)
+        hung_ns = time.monotonic_ns()
+        try:
+            wait_until(lambda: time.monotonic_ns() - self.x.last_pulse_ns > 1_000_000_000)
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        self.assertLess((self.x.last_pulse_ns - hung_ns) * 1e-9, SILENT_PARENT_S + 2.0)
+        self.assertLess(self.x.steps, 60000)
+        state, result = self.x.finish()
+        self.assertEqual(state, GoalStatus.ABORTED)
+        self.assertIn("the node hung", result.message)
+        wait_until(lambda: round(self.x.last.coordinate * X_STEPS_PER_MM) == self.x.steps)
+        self.assertTrue(self.x.last.homed)
+        self.assertEqual(self.x.move(1.0)[0], GoalStatus.SUCCEEDED)
         self.assertEqual(self.x.steps, 100)
 
 

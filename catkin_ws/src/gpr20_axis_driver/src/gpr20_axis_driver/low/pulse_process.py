@@ -1,7 +1,8 @@
 """A process of its own for what must be punctual.
 
 The parent hands it a motor driver (any object that can be pickled and opened) and then one
-motion at a time. It ends, with the pins low, when the parent closes the connection or dies.
+motion at a time. It ends, with the pins low, when the parent closes the connection or dies; a
+parent that hangs ends the motion.
 It is started as a fresh interpreter: a copy of a process that runs ROS's threads would not work.
 """
 
@@ -12,6 +13,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from multiprocessing.connection import Connection, Pipe
 from typing import Any, Callable, NoReturn, Optional, Protocol, Tuple
 
@@ -24,6 +26,9 @@ from gpr20_common.errors import Gpr20Error
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
 POLL_S = 0.005
+# The parent gives a sign of life with every poll; one that gives none for so long cannot stop
+# the motion any more.
+SILENT_PARENT_S = 2.0
 
 
 class Runner(Protocol):
@@ -101,6 +106,7 @@ class PulseProcess:
             self._connection.send(motion)
             while not self._connection.poll(POLL_S):
                 poll()
+                self._memory.beat()
             answer = self._connection.recv()
         except PulseProcessError:
             self.kill()
@@ -181,14 +187,32 @@ def serve(connection: Connection, memory: StepMemory, parent: int) -> None:
     try:
         connection.send(Ready(scheduling.sentence, scheduling.realtime))
 
-        def stop_requested() -> bool:
-            # A dead parent cannot set the flag; its child is then adopted by another process.
-            return memory.stop_requested or os.getppid() != parent
-
         while True:
-            connection.send(runner.run(connection.recv(), stop_requested))
+            motion = connection.recv()
+            connection.send(runner.run(motion, _Parent(memory, parent).wants_stop))
     finally:
         runner.close()
+
+
+class _Parent:
+    """Tells, during one motion, whether it shall end."""
+
+    def __init__(self, memory: StepMemory, number: int) -> None:
+        self._memory = memory
+        self._number = number
+        self._note()
+
+    def _note(self) -> None:
+        self._beats, self._noted_s = self._memory.beats, time.monotonic()
+
+    def wants_stop(self) -> bool:
+        """Return whether the parent asked for the end, is dead, or hangs."""
+        # A dead parent cannot set the flag; its child is then adopted by another process.
+        if self._memory.stop_requested or os.getppid() != self._number:
+            return True
+        if self._memory.beats != self._beats:
+            self._note()
+        return time.monotonic() - self._noted_s > SILENT_PARENT_S
 
 
 def main() -> NoReturn:

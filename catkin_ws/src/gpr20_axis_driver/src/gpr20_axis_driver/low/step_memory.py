@@ -32,6 +32,7 @@ class _Word(IntEnum):
     STEPS = 2
     RESTING = 3
     STOP = 4
+    BEATS = 5
 
 
 class StepMemory:
@@ -67,6 +68,15 @@ class StepMemory:
     @stop_requested.setter
     def stop_requested(self, requested: bool) -> None:
         self._words[_Word.STOP] = int(requested)
+
+    @property
+    def beats(self) -> int:
+        """How often whoever asked for the motion under way has given a sign of life."""
+        return self._words[_Word.BEATS]
+
+    def beat(self) -> None:
+        """Give a sign of life."""
+        self._words[_Word.BEATS] += 1
 
     def begin(self) -> None:
         """Note that a motion begins; durable before the first pulse."""

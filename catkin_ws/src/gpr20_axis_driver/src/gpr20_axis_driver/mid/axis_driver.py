@@ -86,6 +86,7 @@ class AxisDriver:
             EndstopError: The endstop was pressed; the axis must be homed again.
             PositionLostError: Steps may have been lost; the axis must be homed again.
             PulseProcessError: The pulses ended; the axis must be homed again.
+            NodeHungError: This node hung; the coordinate is exact.
         """
         with self._exclusive_motion():
             if not self.homed:

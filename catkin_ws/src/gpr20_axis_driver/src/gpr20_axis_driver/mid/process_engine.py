@@ -7,11 +7,11 @@ import time
 from pathlib import Path
 from typing import Optional, Protocol
 
-from gpr20_axis_driver.axis_exceptions import AxisException, PulseProcessError
-from gpr20_axis_driver.low.pulse_process import PulseProcess
+from gpr20_axis_driver.axis_exceptions import AxisException, NodeHungError, PulseProcessError
+from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_memory import StepMemory, open_step_memory
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
-from gpr20_axis_driver.mid.motion import Motion, MotionReport, MotionRunner, StopRequested
+from gpr20_axis_driver.mid.motion import Ending, Motion, MotionReport, MotionRunner, StopRequested
 from gpr20_common.low.clock import Clock
 
 # A former node's pulse process ramps down before it lets go of the axis.
@@ -111,6 +111,7 @@ class ProcessEngine:
 
         Raises:
             PulseProcessError: The process died or hung; the pins are low.
+            NodeHungError: This node hung, so the process ended the motion; the count is exact.
         """
         watch = _Progress(self._memory, self._hardware)
 
@@ -121,7 +122,13 @@ class ProcessEngine:
 
         if self.failure:
             raise PulseProcessError(self.failure)
-        return self._process.run(motion, poll)
+        report: MotionReport = self._process.run(motion, poll)
+        if report.ending is Ending.STOPPED and not self._memory.stop_requested:
+            raise NodeHungError(
+                f"the motion was ended because the axis's node could not have stopped it for "
+                f"{SILENT_PARENT_S:g} s: the node hung; look at what else this computer does"
+            )
+        return report
 
     def place(self, steps: int) -> None:
         """Say where the motor stands [motor steps]."""

@@ -1,0 +1,133 @@
+"""One axis as the tests of its faults see it: client, processes, and the truth beside it."""
+
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from xmlrpc.client import ServerProxy
+
+import actionlib
+import rosgraph
+import rosnode
+import rospy
+from std_srvs.srv import Trigger
+
+from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
+from gpr20_simulator.high.world_path import world_path
+from gpr20_simulator.low.world import open_world
+
+LIMIT_S = 20.0
+
+
+def wait_until(condition):
+    """Return once the condition holds."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, "the condition never held"
+        time.sleep(0.005)
+
+
+class Axis:
+    """One axis as a client sees it, with the truth beside it."""
+
+    def __init__(self, name):
+        self.name = name
+        self.group = f"{name.value}_axis"
+        self.world = open_world(world_path("/"), {})
+        self.last = None
+        self.heard = threading.Event()
+        self.subscriber = rospy.Subscriber(
+            f"{self.group}/current_coord", CurrentCoordinate, self._hear
+        )
+        self.connect()
+
+    def _hear(self, message):
+        self.last = message
+        self.heard.set()
+
+    def connect(self):
+        """Wait for the node, which may have been restarted."""
+        self.client = actionlib.SimpleActionClient(f"{self.group}/axis", AxisAction)
+        assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
+        self.heard.clear()
+        assert self.heard.wait(LIMIT_S)
+
+    def call(self, service):
+        rospy.wait_for_service(f"{self.group}/{service}", LIMIT_S)
+        return rospy.ServiceProxy(f"{self.group}/{service}", Trigger)()
+
+    def home(self):
+        response = self.call("homing")
+        assert response.success, response.message
+
+    def move(self, target):
+        self.client.send_goal(AxisGoal(target_coordinate=target))
+        return self.finish()
+
+    def finish(self):
+        assert self.client.wait_for_result(rospy.Duration(LIMIT_S))
+        return self.client.get_state(), self.client.get_result()
+
+    @property
+    def steps(self):
+        return self.world.steps(self.name)
+
+    @property
+    def last_pulse_ns(self):
+        return self.world.last_pulse_ns(self.name)
+
+    @property
+    def pins_low(self):
+        return self.world.pins_low(self.name)
+
+    @property
+    def node_pid(self):
+        name = rospy.resolve_name(f"{self.group}/axis_driver")
+        server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
+        return ServerProxy(server).getPid(rospy.get_name())[2]
+
+    @property
+    def pulse_pid(self):
+        """The process that makes the pulses: the node's only child."""
+        (child,) = children(self.node_pid)
+        return child
+
+    def begin_move(self, target):
+        """Begin a move and return when the axis has moved by some steps."""
+        before = self.steps
+        self.client.send_goal(AxisGoal(target_coordinate=target))
+        wait_until(lambda: abs(self.steps - before) > 10)
+
+
+def start_client(axis, *what):
+    """Start a client that begins something."""
+    script = str(Path(__file__).with_name("axis_client.py"))
+    return subprocess.Popen([sys.executable, script, axis.name.value, *what], stdin=subprocess.PIPE)
+
+
+def killed_client(axis, what, begun):
+    """Let a client begin something, kill it, and return when it was killed [ns]."""
+    client = start_client(axis, what)
+    wait_until(begun)
+    client.kill()
+    killed_ns = time.monotonic_ns()
+    client.wait()
+    return killed_ns
+
+
+def children(parent_pid):
+    """The processes whose parent this is; a process that ends meanwhile is left out."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/status"):
+        try:
+            fields = dict(line.split(":", 1) for line in status.read_text().splitlines())
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(fields["PPid"]) == parent_pid:
+            found.append(int(fields["Pid"]))
+    return found
+
+
+def exists(pid):
+    return Path(f"/proc/{pid}").exists()
