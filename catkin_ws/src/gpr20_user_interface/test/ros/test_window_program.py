@@ -55,11 +55,18 @@ class Program(unittest.TestCase):
             self.assertEqual(process.returncode, 0, output)
             wait_until(lambda: not is_on_graph(), "the node has left the graph")
 
-    def program(self) -> subprocess.Popen:
+    def test_unknown_language_ends_it_with_a_sentence(self) -> None:
+        process = self.program("_language:=fr")
+        output, _ = process.communicate(timeout=LIMIT_S)
+        self.assertEqual(process.returncode, 2, output)
+        self.assertIn("language is 'fr'; it must be one of en (English), es (Español)", output)
+        self.assertNotIn("Traceback", output)
+
+    def program(self, *arguments: str) -> subprocess.Popen:
         folder = rospkg.RosPack().get_path("gpr20_user_interface")
         path = os.path.join(folder, "nodes", "user_interface")
         process = subprocess.Popen(
-            [sys.executable, path, "__ns:=/alone", "__name:=window"],
+            [sys.executable, path, "__ns:=/alone", "__name:=window", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             universal_newlines=True,

@@ -41,7 +41,9 @@ class ControlClient:
     """
 
     def __init__(self, listener: Callable[[Event], None]) -> None:
-        self._listener = listener
+        self._to_listener = listener
+        self._telling = threading.Lock()
+        self._closed = False
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = DirectServiceClient("stop_survey", Trigger)
@@ -71,7 +73,9 @@ class ControlClient:
         )
 
     def close(self) -> None:
-        """Tell the listener nothing more from topics."""
+        """Tell the listener nothing more, whatever is still on its way."""
+        with self._telling:
+            self._closed = True
         for subscriber in self._subscribers:
             subscriber.unregister()
         self._subscribers.clear()
@@ -111,9 +115,9 @@ class ControlClient:
                 self._master.look()
                 for service in (self._stop, *self._axis_stops.values()):
                     service.remember()
-            self._listener(limits)
+            self._tell(limits)
         except (rosgraph.MasterException, OSError) as error:
-            self._listener(AxisLimits(None, str(error), master_alive=False))
+            self._tell(AxisLimits(None, str(error), master_alive=False))
         finally:
             self._reading_limits.release()
 
@@ -122,7 +126,7 @@ class ControlClient:
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
-        self._listener(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
+        self._tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
     def _ask_stop(self) -> Any:
@@ -159,14 +163,20 @@ class ControlClient:
         try:
             response = ask()
         except (ServiceUnavailableError, rospy.ROSException) as error:
-            self._listener(Answer(request, False, str(error)))
+            self._tell(Answer(request, False, str(error)))
         else:
             survey_id = getattr(response, "survey_id", "")
-            self._listener(Answer(request, response.success, response.message, survey_id))
+            self._tell(Answer(request, response.success, response.message, survey_id))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._listener(health)
+            self._tell(health)
+
+    def _tell(self, event: Event) -> None:
+        # The listener may be gone once it has been told to close.
+        with self._telling:
+            if not self._closed:
+                self._to_listener(event)
 
     def _subscribe(
         self, name: str, message_class: Any, convert: Callable[[Any], Event], queue_size: Any
@@ -175,7 +185,7 @@ class ControlClient:
             rospy.Subscriber(
                 name,
                 message_class,
-                lambda message: self._listener(convert(message)),
+                lambda message: self._tell(convert(message)),
                 queue_size=queue_size,
             )
         )

@@ -28,7 +28,7 @@ class RosLink(QObject):
         self._client.listen_to_robot()
 
     def close(self) -> None:
-        """Emit nothing more from topics."""
+        """Emit nothing more."""
         self._client.close()
 
     def start_survey(self, parameters: SurveyParameters) -> None:

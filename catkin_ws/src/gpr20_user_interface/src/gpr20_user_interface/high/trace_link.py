@@ -35,6 +35,8 @@ class TraceLink(QObject):
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
         self._subscribers: List[rospy.Subscriber] = []
+        self._telling = threading.Lock()
+        self._closed = False
 
     def listen(self) -> None:
         """Begin to emit events."""
@@ -43,7 +45,9 @@ class TraceLink(QObject):
         self._subscribe("trace", Trace, conversions.radar_trace, TRACE_QUEUE)
 
     def close(self) -> None:
-        """Emit nothing more from topics."""
+        """Emit nothing more, whatever is still on its way."""
+        with self._telling:
+            self._closed = True
         for subscriber in self._subscribers:
             subscriber.unregister()
         self._subscribers.clear()
@@ -99,6 +103,8 @@ class TraceLink(QObject):
         )
 
     # A method, not the signal's own emit: a signal does not keep its object alive, and threads
-    # of ROS may outlive everybody else who does.
+    # of ROS may outlive everybody else who does; after the end even the object itself.
     def _tell(self, event: TraceEvent) -> None:
-        self.event.emit(event)
+        with self._telling:
+            if not self._closed:
+                self.event.emit(event)

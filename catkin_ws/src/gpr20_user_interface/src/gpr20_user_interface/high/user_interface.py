@@ -9,6 +9,7 @@ import rospy
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.errors import MasterUnavailableError
@@ -31,6 +32,7 @@ from gpr20_user_interface.mid.window_presenter import WindowPresenter
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 EXIT_NO_MASTER = 1
+EXIT_WRONG_PARAMETER = 2
 EXIT_BY_SIGNAL = 130
 
 
@@ -95,7 +97,11 @@ def main() -> int:
             print(f"user_interface: {error}", file=sys.stderr)
             # Nobody to take leave of; rospy would wait for the master once more.
             leave_now(EXIT_NO_MASTER)
-        return _show(application)
+        try:
+            return _show(application)
+        except Gpr20Error as error:
+            rospy.logfatal("user_interface cannot start: %s", error)
+            return EXIT_WRONG_PARAMETER
 
 
 def _show(application: QApplication) -> int:
@@ -105,8 +111,9 @@ def _show(application: QApplication) -> int:
     profiles = Profiles(ProfileFolder(folder))
     interface = UserInterface(SurveyModel(Clock()), languages, profiles)
     interface.link.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
-    interface.begin()
+    # First: what is made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
+    interface.begin()
     status = application.exec_()
     interface.end()
     # While the objects that it tells still exist.

@@ -23,6 +23,12 @@ class CostEstimator(QObject):
         self._lock = threading.Lock()
         self._wanted: Optional[Tuple[SurveyParameters, RobotFigures]] = None
         self._working = False
+        self._closed = False
+
+    def close(self) -> None:
+        """Answer nothing more, whatever is still being estimated."""
+        with self._lock:
+            self._closed = True
 
     def ask(self, parameters: SurveyParameters, figures: RobotFigures) -> None:
         """Estimate; the answer is a signal."""
@@ -36,9 +42,12 @@ class CostEstimator(QObject):
     def _work(self) -> None:
         while True:
             with self._lock:
-                if self._wanted is None:
+                if self._wanted is None or self._closed:
                     self._working = False
                     return
                 (parameters, figures), self._wanted = self._wanted, None
             cost = survey_cost(parameters, figures.facts, figures.settings)
-            self.estimated.emit(parameters, cost)
+            with self._lock:
+                # The receiver, and this object, may be gone once it has been closed.
+                if not self._closed:
+                    self.estimated.emit(parameters, cost)

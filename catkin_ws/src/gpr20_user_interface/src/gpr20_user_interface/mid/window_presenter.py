@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Callable, Optional, Protocol
 
-from PyQt5.QtCore import QObject, QTimer, pyqtSignal
+from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
 
 from gpr20_main_control.mid.survey_cost import SurveyCost
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
@@ -51,7 +51,8 @@ class WindowPresenter(QObject):
         super().__init__()
         self._preview: Optional[SurveyPreview] = None
         self._estimator = CostEstimator()
-        self._estimator.estimated.connect(self._on_estimated)
+        # Queued: the estimate comes from another thread.
+        self._estimator.estimated.connect(self._on_estimated, Qt.ConnectionType.QueuedConnection)
         self._model = model
         self._window = window
         self._snapshot = model.snapshot()
@@ -81,6 +82,7 @@ class WindowPresenter(QObject):
         """Leave the window as it is."""
         self._refresh_timer.stop()
         self._limits_timer.stop()
+        self._estimator.close()
 
     def on_event(self, event: object) -> None:
         """Take note of an event; tell the operator at once what was refused."""
