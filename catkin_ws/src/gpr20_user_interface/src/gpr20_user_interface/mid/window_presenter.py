@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Callable, Optional, Protocol
 
-from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QObject, QTimer, pyqtSignal
 
 from gpr20_main_control.mid.survey_cost import SurveyCost
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
@@ -51,8 +51,7 @@ class WindowPresenter(QObject):
         super().__init__()
         self._preview: Optional[SurveyPreview] = None
         self._estimator = CostEstimator()
-        # Queued: the estimate comes from another thread.
-        self._estimator.estimated.connect(self._on_estimated, Qt.ConnectionType.QueuedConnection)
+        self._estimator.estimated.connect(self._on_estimated)
         self._model = model
         self._window = window
         self._snapshot = model.snapshot()
