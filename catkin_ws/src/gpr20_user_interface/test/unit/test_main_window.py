@@ -1,4 +1,7 @@
 import pytest
+
+pytest.importorskip("PyQt5")
+
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QPushButton
 from window_helpers import application, click, snapshot, window, wishes

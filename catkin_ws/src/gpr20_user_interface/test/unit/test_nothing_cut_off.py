@@ -1,6 +1,9 @@
 """Every text of the frame, CONTROL, STATUS and the dialogs fits at 800x480 in each language."""
 
 import pytest
+
+pytest.importorskip("PyQt5")
+
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
 from window_helpers import application, snapshot, window

@@ -1,6 +1,9 @@
 """MAP, RADAR and the list of past surveys in their frame: nothing cut off, nothing untranslated."""
 
 import pytest
+
+pytest.importorskip("PyQt5")
+
 from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
 from view_kit import SURVEY, make_grid, trace_at
 from window_helpers import application, click
