@@ -15,21 +15,40 @@ parts=("$@")
 results="$(mktemp -d)"
 passed=0 failed=0
 
-# Run one check, show its output if it fails, and count it.
-check() {
-    local name="$1" log
+# Begin a check in the background; `finish` tells how it ended.
+begin() {
+    local name="$1"
     shift
-    log="$results/${name//\//_}.log"
+    (
+        local begun=$SECONDS status=0
+        "$@" >"$(log_of "$name")" 2>&1 || status=$?
+        echo "$status $((SECONDS - begun))" >"$(log_of "$name").end"
+    ) &
+}
+
+# Wait for a check, show its output if it failed, and count it.
+finish() {
+    local name="$1" status seconds
     printf '%-58s' "$name"
-    local begin=$SECONDS
-    if "$@" >"$log" 2>&1; then
-        echo "passed   $((SECONDS - begin)) s  $(summary_of "$log")"
+    wait
+    read -r status seconds <"$(log_of "$name").end"
+    if [ "$status" -eq 0 ]; then
+        echo "passed   $seconds s  $(summary_of "$(log_of "$name")")"
         passed=$((passed + 1))
     else
-        echo "FAILED   $((SECONDS - begin)) s"
-        cat "$log"
+        echo "FAILED   $seconds s"
+        cat "$(log_of "$name")"
         failed=$((failed + 1))
     fi
+}
+
+check() {
+    begin "$@"
+    finish "$1"
+}
+
+log_of() {
+    echo "$results/${1//[\/ ]/_}.log"
 }
 
 # How many tests a log of pytest or rostest speaks of.
@@ -66,17 +85,35 @@ ros_test() {
     ROS_IP=127.0.0.1 ROS_TEST_RESULTS_DIR="$results" rostest "$1" "$2"
 }
 
+# The unit tests under each interpreter, side by side: one core each.
+unit_checks() {
+    local part name names=()
+    for part in "$@"; do
+        if [ "$part" = unit ]; then
+            name="unit tests, $(python --version)"
+            begin "$name" unit_tests python
+        elif [ -n "$(python38)" ]; then
+            name="unit tests, $("$(python38)" --version)"
+            begin "$name" unit_tests_38 "$(python38)"
+        else
+            echo "no Python 3.8 here: the unit tests run under $(python --version) alone"
+            continue
+        fi
+        names+=("$name")
+    done
+    for name in "${names[@]}"; do finish "$name"; done
+}
+
+case " ${parts[*]} " in
+    *" unit unit38 "*) parts=("${parts[@]/#unit38/}") both=(unit unit38) ;;
+    *) both=() ;;
+esac
 for part in "${parts[@]}"; do
     case "$part" in
+        '') ;;
         lint) check lint scripts/lint.sh ;;
-        unit) check "unit tests, $(python --version)" unit_tests python ;;
-        unit38)
-            if [ -n "$(python38)" ]; then
-                check "unit tests, $("$(python38)" --version)" unit_tests_38 "$(python38)"
-            else
-                echo "no Python 3.8 here: the unit tests run under $(python --version) alone"
-            fi
-            ;;
+        unit) unit_checks "${both[@]:-unit}" ;;
+        unit38) unit_checks unit38 ;;
         ros)
             for file in catkin_ws/src/*/test/ros/*.test; do
                 package="$(basename "$(dirname "$(dirname "$(dirname "$file")")")")"

@@ -34,7 +34,8 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
         clock: Measures the waiting.
 
     Raises:
-        MasterUnavailableError: No master answered in time, or it died while it was joined.
+        MasterUnavailableError: No master answered in time, it died while it was joined, or it
+            was cancelled.
     """
     online, joined, given_up = threading.Event(), threading.Event(), threading.Event()
 
@@ -48,11 +49,17 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
 
     # In a thread, because a connection to an address that swallows packets takes minutes to fail.
     threading.Thread(target=join, daemon=True).start()
+    begin_s = clock.now_s()
     for event, limit_s in ((online, wait_s), (joined, JOIN_LIMIT_S)):
         if not _happens(event, limit_s, is_cancelled, clock):
             given_up.set()
+            if is_cancelled():
+                raise MasterUnavailableError(
+                    "ended before the robot was reached; nothing was started"
+                )
+            waited_s = clock.now_s() - begin_s
             raise MasterUnavailableError(
-                f"no ROS master answers at {rosgraph.get_master_uri()} (waited {limit_s:.0f} s); "
+                f"no ROS master answers at {rosgraph.get_master_uri()} (waited {waited_s:.0f} s); "
                 "start `roslaunch gpr20 survey.launch`, or correct ROS_MASTER_URI"
             )
 
