@@ -33,6 +33,7 @@ from gpr20_axis_driver.axis_exceptions import AxisParameterError, TravelError
         ("gap_limit_s", math.nan, "gap_limit_s is nan"),
         ("backend", "wiringpi", "backend is 'wiringpi'; it must be rpi_gpio or pigpio"),
         ("memory_file", "/var/lib/z", "has an endstop"),
+        ("sensor_pin", None, "sensor_pin is missing; a linear axis"),
     ],
 )
 def test_a_wrong_parameter_is_refused_by_name(field, value, message):

@@ -121,7 +121,11 @@ class AxisParameters:
                 f"max_coord is {self.max_coord:g} {self.unit}; it must be at least one step, "
                 f"{self.step_size:g} {self.unit}, above min_coord, {self.min_coord:g} {self.unit}"
             )
-
+        if self.sensor_pin is None and self.type == AxisType.LINEAR.value:
+            raise InvalidValueError(
+                "sensor_pin is missing; a linear axis finds its zero by its endstop. Give the pin, "
+                "or ROT as type for an axis whose zero is set by hand"
+            )
         if self.sensor_pin is not None:
             # Homing goes back and forth by it, and must stay within the axis.
             longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
