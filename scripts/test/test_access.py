@@ -79,7 +79,7 @@ def test_a_survey_runs_on_two_machines_each_bound_to_its_own_address(tmp_path, t
 
     for system, address, words in (
         (server, SERVER_ADDRESS, MASTER + SERVER),
-        (robot, ROBOT_ADDRESS, ROBOT),
+        (robot, ROBOT_ADDRESS, [*ROBOT, "name:=user_interface"]),
     ):
         processes = processes_below(system)
         assert_all_there(processes, words)
