@@ -59,6 +59,7 @@ class FakeAxis:
         self.homed = False
         self.silent = False
         self.silent_readings = 0
+        self.readings_from_before = 0
         self.moves = []
         self.homings = 0
         self.stops = 0
@@ -76,6 +77,9 @@ class FakeAxis:
 
     def reading(self):
         moving = not self.blocked.is_set()
+        if self.readings_from_before:
+            self.readings_from_before -= 1
+            return AxisReading(self.coordinate, True, False, 1.0)
         self.silent_readings -= 1
         age_s = 100.0 if self.silent or self.silent_readings >= 0 else 0.0
         return AxisReading(self.coordinate, self.homed, moving, age_s)

@@ -29,6 +29,13 @@ def test_homed_axes_are_not_homed_again(bench):
     assert [axis.homings for axis in bench.axes] == [0, 0, 0]
 
 
+def test_what_an_axis_said_before_its_node_was_restarted_does_not_count(bench):
+    bench.x.readings_from_before = 4
+    bench.start()
+    bench.complete()
+    assert bench.x.homings == 1
+
+
 def test_a_refused_move_is_never_measured_and_pauses_the_survey(bench):
     bench.y.fail_move = "the endstop was pressed"
     bench.start()

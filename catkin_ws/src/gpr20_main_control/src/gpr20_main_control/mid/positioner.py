@@ -59,13 +59,23 @@ class Positioner:
         self._clock = clock
 
     def check_alive(self) -> None:
-        """Refuse to go on unless every axis speaks; one that is starting gets some time.
+        """Refuse to go on unless every axis speaks now; one that is starting gets some time.
+
+        What an axis said before may be from a node that has died since, and with it its zero.
 
         Raises:
             DeviceError: An axis is silent.
             StopRequested: The survey was told to stop.
         """
-        self._wait(lambda: not self._silent(), START_LIMIT_S)
+        begun_s = self._clock.now_s()
+
+        def all_speak() -> bool:
+            if self._silent():
+                return False
+            elapsed_s = self._clock.now_s() - begun_s
+            return all(self._reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
+
+        self._wait(all_speak, START_LIMIT_S)
         for axis_id in self._axes:
             self._reading(axis_id)
 
@@ -223,6 +233,10 @@ class Positioner:
             )
 
         if not self._wait(arrived):
+            if not self._reading(axis_id).homed:
+                raise DeviceError(
+                    f"the {axis_id.value} axis has lost its zero; resume the survey to home it"
+                )
             raise DeviceError(
                 f"the {axis_id.value} axis stands at {self._reading(axis_id).coordinate:g} "
                 f"{axis_id.unit} instead of {target:g} {axis_id.unit}; home it"
