@@ -2,6 +2,37 @@
 <!DOCTYPE TS>
 <TS version="2.1" language="es" sourcelanguage="en">
 <context>
+  <name>ControlText</name>
+  <message>
+    <source>INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, {missing} not visited</source>
+    <translation>INCOMPLETA: {stored} de {planned} trazas previstas guardadas, {failed} fallidas, {missing} sin visitar</translation>
+  </message>
+  <message>
+    <source>checking the robot</source>
+    <translation>comprobando el robot</translation>
+  </message>
+  <message>
+    <source>checking the robot before going on</source>
+    <translation>comprobando el robot antes de seguir</translation>
+  </message>
+  <message>
+    <source>complete: all {planned} planned traces are stored</source>
+    <translation>completa: guardadas las {planned} trazas previstas</translation>
+  </message>
+  <message>
+    <source>homing the axes</source>
+    <translation>llevando los ejes a su origen</translation>
+  </message>
+  <message>
+    <source>measuring</source>
+    <translation>midiendo</translation>
+  </message>
+  <message>
+    <source>pausing after this sample</source>
+    <translation>pausa tras esta medida</translation>
+  </message>
+</context>
+<context>
   <name>ControlView</name>
   <message>
     <source>Arrows change by</source>

@@ -11,6 +11,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBox
 
 from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.views.control_text import control_text
 from gpr20_user_interface.mid.views.state_text import state_title
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -60,7 +61,9 @@ class TopBar(TranslatedWidget):
         """Show what is known now."""
         self._snapshot = snapshot
         self.title.setText(self._title(snapshot))
-        self.message.show_text("" if snapshot.state is None else snapshot.state.message)
+        self.message.show_text(
+            "" if snapshot.state is None else control_text(snapshot.state.message)
+        )
         self.simulated.setVisible(snapshot.simulated)
         self.alarm.setVisible(snapshot.alarm is not None)
         self.message.setVisible(snapshot.alarm is None)

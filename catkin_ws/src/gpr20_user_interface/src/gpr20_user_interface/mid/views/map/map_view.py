@@ -14,6 +14,7 @@ from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import a_scan
 from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
+from gpr20_user_interface.mid.views.control_text import control_text
 from gpr20_user_interface.mid.views.map.map_canvas import MapCanvas
 from gpr20_user_interface.mid.views.radar.plots import CurvePlot
 from gpr20_user_interface.mid.views.survey_colours import STOP_COLOURS
@@ -115,7 +116,7 @@ class MapView(TranslatedWidget):
         for state, label in self.legend.items():
             number = str(numbers[state]) if state in numbers else "—"
             label.setText(f"{self._name(state)}: {number}")
-        self.verdict.setText(self._model.verdict)
+        self.verdict.setText(control_text(self._model.verdict))
         self.next_problem.setEnabled(self._model.next_problem(None) is not None)
 
     def _show_stop(self) -> None:

@@ -8,6 +8,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.survey_state import ControlState
+from gpr20_user_interface.mid.views.control_text import control_text
 from gpr20_user_interface.mid.views.state_text import state_title
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -47,9 +48,11 @@ class MessagePanel(TranslatedWidget):
         # Written only when it changes, so that whoever reads keeps the place.
         if state != self._shown:
             self._shown = state
-            self._message.setPlainText("" if state is None else state.message)
             self.retranslate()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
+        message = "" if self._shown is None else control_text(self._shown.message)
+        if message != self._message.toPlainText():
+            self._message.setPlainText(message)
         self._title.setText(UNKNOWN if self._shown is None else state_title(self._shown.code))

@@ -19,6 +19,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
+from gpr20_user_interface.mid.views.control_text import control_text
 from gpr20_user_interface.mid.views.style import TOUCH_PX
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -107,7 +108,11 @@ class PastSurveysView(TranslatedWidget):
         elif chosen is None:
             text = self.tr("Touch a survey.")
         else:
-            text = chosen.problem or chosen.verdict or self.tr("It has not ended properly.")
+            text = (
+                chosen.problem
+                or control_text(chosen.verdict)
+                or self.tr("It has not ended properly.")
+            )
             text = f"{chosen.folder}: {text}"
         self.details.setText(text)
 
