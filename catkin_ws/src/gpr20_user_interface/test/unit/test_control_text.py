@@ -1,6 +1,7 @@
 import pytest
 from window_helpers import application, snapshot, window
 
+from gpr20_main_control.mid.coverage import Coverage
 from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_state import ControlState
@@ -53,3 +54,8 @@ def test_status_and_top_bar_change_their_sentence_with_the_language(window, lang
     window.top_bar.retranslate()
     assert window.status.message.message == "measuring"
     assert window.top_bar.message.whole == "measuring"
+
+
+@pytest.mark.parametrize("stored, word", [([0, 1], "completa"), ([1], "INCOMPLETA")])
+def test_verdict_as_the_coverage_words_it_is_translated(languages, stored, word):
+    assert control_text(Coverage(2, stored).verdict().text).startswith(f"{word}: ")
