@@ -14,6 +14,8 @@ ROBOT = ["x_axis-axis_driver", "y_axis-axis_driver", "z_axis-axis_driver", "name
 ROBOT += ["name:=simulator"]
 SERVER = ["name:=vna_acquisition", "name:=vna_processing", "name:=main_control"]
 MASTER = ["rosmaster", "name:=rosout"]
+NODES = ["x_axis/axis_driver", "y_axis/axis_driver", "z_axis/axis_driver", "height_sensor"]
+NODES += ["simulator", "vna_acquisition", "vna_processing", "main_control"]
 # The simulated robot cannot be on another machine, but it can be at another address of this one.
 ROBOT_ADDRESS = "127.0.0.3"
 SERVER_ADDRESS = "127.0.0.2"
@@ -36,10 +38,18 @@ def terminal_of(tmp_path):
         yield make
         for terminal in reversed(opened):
             terminal.close()
+    # Shown if the test has failed.
+    print((tmp_path / "printed.log").read_text(errors="replace"))
 
 
 def stored_traces(tmp_path):
     return list(tmp_path.glob("surveys/*/traces/*.json"))
+
+
+def is_ready(tmp_path):
+    """Return whether every node has said that it is; a busy machine takes its time."""
+    printed = (tmp_path / "printed.log").read_text(errors="replace")
+    return all(f"/{node} is ready" in printed for node in NODES)
 
 
 def assert_all_there(processes, words):
@@ -51,6 +61,7 @@ def test_a_running_survey_can_be_reached_from_this_machine_alone(tmp_path, termi
     port = free_port()
     terminal = terminal_of(ROS_MASTER_URI=f"http://127.0.0.1:{port}")
     system = terminal.start(f"roslaunch -p {port} gpr20 survey.launch time_scale:=20")
+    wait_until(lambda: is_ready(tmp_path), system)
     client = terminal.start(SURVEY)
     wait_until(lambda: len(stored_traces(tmp_path)) >= 2, system, client)
 
@@ -74,6 +85,7 @@ def test_a_survey_runs_on_two_machines_each_bound_to_its_own_address(tmp_path, t
     on_robot = terminal_of(**exported, ROS_IP=ROBOT_ADDRESS)
     server = on_server.start(f"roslaunch -p {port} gpr20 server.launch time_scale:=50")
     robot = on_robot.start("roslaunch --wait gpr20 robot.launch time_scale:=50")
+    wait_until(lambda: is_ready(tmp_path), server, robot)
     client = on_robot.start(SURVEY.replace("--x-stop 200", "--x-points 5 --y-points 5"))
     wait_until(lambda: stored_traces(tmp_path), server, robot, client)
 
