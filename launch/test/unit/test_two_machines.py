@@ -17,13 +17,14 @@ ROS_DEFAULT = "http://localhost:11311"
 def sourced(tmp_path):
     """Source the hook on a machine that has these addresses."""
 
-    def source(own_addresses, exported):
+    def source(own_addresses, exported, before=":"):
         hostname = tmp_path / "hostname"
         hostname.write_text(f"#!/bin/sh\necho '{own_addresses} '\n")
         hostname.chmod(0o755)
         environment = {"PATH": f"{tmp_path}:{os.environ['PATH']}", "ROS_MASTER_URI": ROS_DEFAULT}
+        script = f'HOOK="{HOOK}"; {before}; . "$HOOK"; echo "${{ROS_IP:-}}" "$ROS_MASTER_URI"'
         return subprocess.run(
-            ["sh", "-euc", f'. "{HOOK}"; echo "$ROS_IP" "$ROS_MASTER_URI"'],
+            ["sh", "-euc", script],
             env={**environment, **exported},
             capture_output=True,
             text=True,
@@ -35,6 +36,12 @@ def sourced(tmp_path):
 
 def test_without_other_words_everything_is_on_loopback(sourced):
     assert sourced("192.168.1.7", {}).stdout.split() == ["127.0.0.1", ROS_DEFAULT]
+
+
+@pytest.mark.parametrize("name", ["ROS_IP", "ROS_HOSTNAME"])
+def test_what_opens_this_machine_to_others_without_being_configured_here_is_told(sourced, name):
+    assert f"{name} '192.168.1.7'" in sourced("192.168.1.7", {name: "192.168.1.7"}).stderr
+    assert sourced("192.168.1.7", {name: "127.0.0.1"}).stderr == ""
 
 
 @pytest.mark.parametrize("own", ["10.20.0.1", "10.20.0.2"])
@@ -57,12 +64,16 @@ def test_what_the_user_exported_is_kept(sourced):
         ("10.20.0.256", "10.20.0.2"),
         ("10.20.0.1", "server"),
         ("10.20.0.1", "10.20.0.2.3"),
+        ("10.20.0.1.", "10.20.0.2"),
+        ("10.20.0.01", "10.20.0.2"),
+        ("10.20.0.1\n10.20.0.1", "10.20.0.2"),
         ("10.20.0.1", ""),
         ("10.20.0.1; reboot", "10.20.0.2"),
     ],
 )
-def test_a_wrong_address_is_told_and_opens_nothing(sourced, robot, server):
-    ended = sourced("10.20.0.1", {"GPR20_ROBOT": robot, "GPR20_SERVER": server})
+@pytest.mark.parametrize("exported", [{}, {"ROS_IP": "10.20.0.1"}, {"ROS_HOSTNAME": "robot"}])
+def test_a_wrong_address_is_told_and_opens_nothing(sourced, exported, robot, server):
+    ended = sourced("10.20.0.1", {"GPR20_ROBOT": robot, "GPR20_SERVER": server, **exported})
     assert ended.stdout.split() == ["127.0.0.1", ROS_DEFAULT]
     assert f"'{robot}'" in ended.stderr
     assert f"'{server}'" in ended.stderr
@@ -74,3 +85,25 @@ def test_addresses_of_other_machines_are_told_and_open_nothing(sourced):
     assert ended.stdout.split()[0] == "127.0.0.1"
     assert "10.20.0.1" in ended.stderr
     assert "192.168.1.7" in ended.stderr
+
+
+def test_a_terminal_that_was_on_loopback_can_be_configured_for_two_machines(sourced):
+    configure = "; ".join(f"export {name}={value}" for name, value in ROBOT.items())
+    ended = sourced("10.20.0.1", {}, before=f'. "$HOOK"; {configure}')
+    assert ended.stdout.split() == ["10.20.0.1", "http://10.20.0.2:11311"]
+
+
+def test_a_terminal_of_two_machines_returns_to_loopback(sourced):
+    ended = sourced("10.20.0.1", ROBOT, before='. "$HOOK"; unset GPR20_ROBOT GPR20_SERVER')
+    assert ended.stdout.split() == ["127.0.0.1", ROS_DEFAULT]
+
+
+def test_an_address_that_came_later_is_found_when_sourced_again(sourced, tmp_path):
+    link_up = f"echo 'echo 10.20.0.2' > {tmp_path}/hostname"
+    ended = sourced("192.168.1.7", ROBOT, before=f'. "$HOOK"; {link_up}')
+    assert ended.stdout.split() == ["10.20.0.2", "http://10.20.0.2:11311"]
+
+
+def test_a_host_name_that_the_user_exported_is_not_contradicted(sourced):
+    ended = sourced("10.20.0.1", {**ROBOT, "ROS_HOSTNAME": "robot"})
+    assert ended.stdout.split() == ["http://10.20.0.2:11311"]
