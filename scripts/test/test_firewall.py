@@ -1,79 +1,98 @@
-"""The guide's firewall rules let the other machine in and nobody else."""
+"""Two machines behind the guide's firewall rules: a survey runs, and nobody else gets in."""
 
 from __future__ import annotations
 
-import contextlib
+import json
 import os
-import re
 import subprocess
+import sys
 
 import pytest
-from user_shell import ROOT, wait_until
-
-SERVER, ROBOT, STRANGER = "10.20.0.2", "10.20.0.1", "10.20.0.9"
-PORT = 11311
-CONNECT = """
-import socket, sys
-with socket.socket() as probe:
-    probe.bind((sys.argv[1], 0))
-    probe.settimeout(2)
-    print(probe.connect_ex((sys.argv[2], int(sys.argv[3]))))
-"""
+from network_namespaces import (
+    ROBOT,
+    ROBOT_STRANGER,
+    SERVER,
+    SERVER_STRANGER,
+    relayed,
+    two_machines,
+)
+from user_shell import Terminal, user_environment, wait_until
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root")
 
-
-def run(*command):
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
-@contextlib.contextmanager
-def two_machines(names):
-    """Two network namespaces with a link; the second has a further address, a stranger's."""
-    inside, outside = names
-    try:
-        for name in names:
-            run("ip", "netns", "add", name)
-        link = ["type", "veth", "peer", "name", "outside", "netns", outside]
-        run("ip", "link", "add", "inside", "netns", inside, *link)
-        for name, device, addresses in (
-            (inside, "inside", [SERVER]),
-            (outside, "outside", [ROBOT, STRANGER]),
-        ):
-            for address in addresses:
-                run("ip", "-n", name, "addr", "add", f"{address}/24", "dev", device)
-            for one in (device, "lo"):
-                run("ip", "-n", name, "link", "set", one, "up")
-        yield
-    finally:
-        for name in names:
-            subprocess.run(["ip", "netns", "del", name], check=False)
-
-
-def reaches(namespace, source):
-    """Return whether a connection from an address to the server's master is made."""
-    command = ["ip", "netns", "exec", namespace, "python3", "-c", CONNECT]
-    return run(*command, source, SERVER, str(PORT)).strip() == "0"
+PORT = 11311
+SURVEY = "rosrun gpr20_user_interface run_survey --wait 60 --x-points 5 --y-points 5"
+# Nodes of each machine; each of them has a server for calls and one for topics.
+NODES = {"server": 4, "robot": 5}
 
 
 def test_the_rules_of_the_guide_shut_out_everybody_but_the_other_machine():
-    names = [f"gpr20-{os.getpid()}-{place}" for place in ("server", "robot")]
-    rules = re.findall(r"^nft .*$", (ROOT / "docs/guide.md").read_text(), re.MULTILINE)
-    assert len(rules) == 5
-    with two_machines(names):
-        inside, outside = names
-        server = subprocess.Popen(
-            ["ip", "netns", "exec", inside, "python3", "-m", "http.server", str(PORT)],
+    with two_machines() as (server, robot):
+        listener = subprocess.Popen(
+            [*server.prefix, sys.executable, "-m", "http.server", str(PORT)],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
         try:
-            wait_until(lambda: reaches(outside, STRANGER), server, limit_s=20.0)
-            for rule in rules:
-                run("ip", "netns", "exec", inside, "bash", "-c", rule)
-            assert reaches(outside, ROBOT)
-            assert reaches(inside, SERVER)
-            assert not reaches(outside, STRANGER)
+            wait_until(
+                lambda: robot.reached(ROBOT_STRANGER, SERVER, [PORT]), listener, limit_s=20.0
+            )
+            server.shut_out_others()
+            assert robot.reached(ROBOT, SERVER, [PORT])
+            assert server.reached(SERVER, SERVER, [PORT])
+            assert not robot.reached(ROBOT_STRANGER, SERVER, [PORT])
         finally:
-            server.kill()
-            server.wait()
+            listener.kill()
+            listener.wait()
+
+
+def is_loopback(address):
+    return address.startswith("127.")
+
+
+def open_ports(machine):
+    return {port for address, port in machine.listening() if not is_loopback(address)}
+
+
+def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_ports(tmp_path):
+    environment = user_environment(
+        tmp_path / "surveys", GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, ROS_HOME=str(tmp_path / "ros")
+    )
+    with two_machines() as (server, robot), (tmp_path / "printed.log").open("wb") as log:
+        for machine in (server, robot):
+            machine.shut_out_others()
+        on_server = Terminal(log, environment, server.prefix)
+        on_robot = Terminal(log, environment, robot.prefix)
+        try:
+            control = on_server.start("roslaunch gpr20 server.launch time_scale:=50")
+            axes = on_robot.start("roslaunch --wait gpr20 robot.launch time_scale:=50")
+            # The simulated VNA is behind the loopback of the robot, which a real one is not.
+            wait_until(lambda: simulated_vna(robot), control, axes)
+            with relayed(simulated_vna(robot), server, robot, tmp_path):
+                assert on_robot.run(SURVEY) == 0
+                assert_closed_to_strangers(server, robot)
+        finally:
+            on_robot.close()
+            on_server.close()
+    (survey,) = tmp_path.glob("surveys/*/survey.json")
+    assert json.loads(survey.read_text())["outcome"] == "finished"
+    assert len(list(survey.parent.glob("traces/*.json"))) == 5 * 5 * 2
+
+
+def simulated_vna(robot):
+    """Return the ports of the simulated VNA, as soon as it listens: core and abort channel."""
+    ports = [port for address, port in robot.listening() if is_loopback(address)]
+    return ports if len(ports) == 2 else []
+
+
+def assert_closed_to_strangers(server, robot):
+    ports = open_ports(server)
+    # The master, and two servers of every node.
+    assert len(ports) >= 1 + 2 * NODES["server"]
+    assert PORT in ports
+    assert robot.reached(ROBOT, SERVER, ports) == ports
+    assert robot.reached(ROBOT_STRANGER, SERVER, ports) == set()
+    ports = open_ports(robot)
+    assert len(ports) >= 2 * NODES["robot"]
+    assert server.reached(SERVER, ROBOT, ports) == ports
+    assert server.reached(SERVER_STRANGER, ROBOT, ports) == set()

@@ -51,18 +51,20 @@ class Terminal:
     Args:
         log: File to which everything is printed.
         environment: What was exported before sourcing.
+        prefix: Command that runs another one on that machine.
     """
 
-    def __init__(self, log, environment):
+    def __init__(self, log, environment, prefix=()):
         self._log = log
         self._environment = environment
+        self._prefix = prefix
         self._started = []
 
     def start(self, command):
         """Start a command line in a new terminal."""
         source = f"source {ROOT}/catkin_ws/devel/setup.bash"
         process = subprocess.Popen(
-            ["bash", "-c", f"{source} && exec {command}"],
+            [*self._prefix, "bash", "-c", f"{source} && exec {command}"],
             env=self._environment,
             stdout=self._log,
             stderr=subprocess.STDOUT,

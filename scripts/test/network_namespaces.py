@@ -1,0 +1,119 @@
+"""Two machines with a link of their own: network namespaces on this one. Needs root."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from user_shell import ROOT
+
+SERVER, ROBOT = "10.20.0.2", "10.20.0.1"
+# Further addresses of both, which the other one does not know.
+ROBOT_STRANGER, SERVER_STRANGER = "10.20.0.9", "10.20.0.8"
+LISTENING = "0A"
+# Prints the ports that took a connection; all are tried at once.
+CONNECT = """
+import asyncio, sys
+async def reaches(port):
+    opening = asyncio.open_connection(sys.argv[2], port, local_addr=(sys.argv[1], 0))
+    try:
+        _, writer = await asyncio.wait_for(opening, 3.0)
+    except (OSError, asyncio.TimeoutError):
+        return False
+    writer.close()
+    return True
+async def main():
+    ports = [int(one) for one in sys.argv[3:]]
+    for port, reached in zip(ports, await asyncio.gather(*map(reaches, ports))):
+        if reached:
+            print(port)
+asyncio.run(main())
+"""
+
+
+def run(*command):
+    """Run a command and return what it printed."""
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+@dataclass(frozen=True)
+class Machine:
+    """One network namespace."""
+
+    name: str
+
+    @property
+    def prefix(self):
+        """The command that runs another one in the namespace."""
+        return ["ip", "netns", "exec", self.name]
+
+    def shut_out_others(self):
+        """Give it the firewall rules of the guide."""
+        rules = re.findall(r"^nft .*$", (ROOT / "docs/guide.md").read_text(), re.MULTILINE)
+        assert len(rules) == 5
+        for rule in rules:
+            run(*self.prefix, "bash", "-c", rule)
+
+    def listening(self):
+        """Return (address, port) of everything that listens by TCP, whatever its process."""
+        lines = run(*self.prefix, "cat", "/proc/net/tcp").splitlines()[1:]
+        found = set()
+        for local, state in ((line.split()[1], line.split()[3]) for line in lines):
+            if state == LISTENING:
+                address, port = local.split(":")
+                numbers = reversed(bytes.fromhex(address))
+                found.add((".".join(map(str, numbers)), int(port, 16)))
+        return found
+
+    def reached(self, source, target, ports):
+        """Return which ports of an address take connections from a source address here."""
+        arguments = [sys.executable, "-c", CONNECT, source, target, *map(str, ports)]
+        return {int(port) for port in run(*self.prefix, *arguments).split()}
+
+
+@contextlib.contextmanager
+def two_machines():
+    """Yield the server and the robot; each has a further address, a stranger's."""
+    server, robot = (Machine(f"gpr20-{os.getpid()}-{place}") for place in ("server", "robot"))
+    try:
+        for machine in (server, robot):
+            run("ip", "netns", "add", machine.name)
+        link = ["type", "veth", "peer", "name", "robot", "netns", robot.name]
+        run("ip", "link", "add", "server", "netns", server.name, *link)
+        for machine, device, addresses in (
+            (server, "server", [SERVER, SERVER_STRANGER]),
+            (robot, "robot", [ROBOT, ROBOT_STRANGER]),
+        ):
+            for address in addresses:
+                run("ip", "-n", machine.name, "addr", "add", f"{address}/24", "dev", device)
+            for one in (device, "lo"):
+                run("ip", "-n", machine.name, "link", "set", one, "up")
+        yield server, robot
+    finally:
+        for machine in (server, robot):
+            subprocess.run(["ip", "netns", "del", machine.name], check=False)
+
+
+@contextlib.contextmanager
+def relayed(ports, inside, outside, folder: Path):
+    """Let ports of the loopback of one machine be reached on the loopback of another."""
+    relays = []
+    try:
+        for port in ports:
+            path = folder / f"{port}.sock"
+            for direction, machine in (("out", outside), ("in", inside)):
+                script = [sys.executable, str(ROOT / "scripts/test/relay.py")]
+                relays.append(
+                    subprocess.Popen([*machine.prefix, *script, direction, str(port), str(path)])
+                )
+        yield
+    finally:
+        for relay in relays:
+            relay.terminate()
+        for relay in relays:
+            relay.wait()
