@@ -91,8 +91,9 @@ def test_a_recording_cut_anywhere_at_all_is_read_without_a_wrong_trace(kind, sna
 
 
 @pytest.mark.parametrize("bit", [0x01, 0x80])
-def test_an_mcap_changed_in_any_byte_holds_no_wrong_trace(snapshots, tmp_path, bit):
-    content = (snapshots / "3" / "survey.mcap").read_bytes()
+@pytest.mark.parametrize("when", ["3", "end"])
+def test_an_mcap_changed_in_any_byte_holds_no_wrong_trace(snapshots, tmp_path, when, bit):
+    content = (snapshots / when / "survey.mcap").read_bytes()
     for place in range(0, len(content), 3):
         changed = bytearray(content)
         changed[place] ^= bit
@@ -101,9 +102,24 @@ def test_an_mcap_changed_in_any_byte_holds_no_wrong_trace(snapshots, tmp_path, b
         assert prints.items() <= PRINTS.items()
 
 
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_two_damaged_traces_are_passed_over_and_the_next_is_read(kind, snapshots, tmp_path):
+    changed = bytearray((snapshots / "end" / f"survey.{kind}").read_bytes())
+    lengths = [len((snapshots / f"{index}" / f"survey.{kind}").read_bytes()) for index in range(4)]
+    for middle in ((lengths[0] + lengths[1]) // 2, (lengths[1] + lengths[2]) // 2):
+        changed[middle : middle + 40] = bytes(40)
+    (tmp_path / "changed").write_bytes(changed)
+    prints, faults = read(kind, tmp_path / "changed")
+    assert faults
+    assert prints == {index: PRINTS[index] for index in prints}
+    assert {0, 3} <= prints.keys()
+    assert not {1, 2} <= prints.keys()
+
+
 @pytest.mark.parametrize("bit", [0x01, 0x80])
-def test_a_bag_changed_in_any_byte_is_read_without_failing(snapshots, tmp_path, bit):
-    content = (snapshots / "3" / "survey.bag").read_bytes()
+@pytest.mark.parametrize("when", ["3", "end"])
+def test_a_bag_changed_in_any_byte_is_read_without_failing(snapshots, tmp_path, when, bit):
+    content = (snapshots / when / "survey.bag").read_bytes()
     start = content.index(b"op=\x05")
     for place in range(start, len(content), 5):
         changed = bytearray(content)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import Dict, Iterator, List, NamedTuple, Tuple
 
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.low.recording import MAX_RECORD_BYTES, RecordedMessage
 
 MAGIC = b"#ROSBAG V2.0\n"
 # Of the file header with its padding, without the two lengths: rosbag writes it again at this
@@ -132,6 +132,8 @@ def read_record(data: bytes, place: int) -> Record:
         place += 4 + size
         if place > len(data):
             raise BagFormatError("a record is torn")
+        if size > MAX_RECORD_BYTES:
+            raise BagFormatError(f"a record says that it has {size} bytes")
         parts.append(data[place - size : place])
     return Record(unpack_fields(parts[0]), parts[1], place)
 

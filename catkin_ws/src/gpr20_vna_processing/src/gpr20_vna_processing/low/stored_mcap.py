@@ -15,10 +15,9 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Message, MessageIndex, Schema
 
 from gpr20_vna_processing.low.mcap_file import MAGIC, McapFile, McapTypes
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_vna_processing.low.recording import MAX_RECORD_BYTES, RecordedMessage
 from gpr20_vna_processing.low.stored_recording import mapped
 
-MAX_CHUNK_BYTES = 64 << 20  # more than any chunk of the storage: one message and a chunk
 # The name of the compression, behind opcode, length, two times, size and checksum.
 COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
 
@@ -150,6 +149,7 @@ class StoredMcap:
             if _is_chunk(content, start):
                 self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
                 return start
+            start += 1
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
@@ -159,13 +159,15 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
     end = place + 9 + size
     if end > len(content):
         raise ValueError("a record is torn")
+    if size > MAX_RECORD_BYTES:
+        raise ValueError(f"a record says that it has {size} bytes")
     return opcode, content[place + 9 : end], end
 
 
 def _uncompressed(data: bytes) -> bytes:
     chunk = Chunk.read(ReadDataStream(io.BytesIO(data)))
     # The size is asked of the frame first: a damaged one must not fill the memory.
-    if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_CHUNK_BYTES:
+    if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
         raise ValueError("a chunk is not as the storage writes it")
     if zstandard.frame_content_size(chunk.data) != chunk.uncompressed_size:
         raise ValueError("a chunk has another size than it says")
