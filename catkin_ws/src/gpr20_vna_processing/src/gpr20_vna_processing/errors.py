@@ -31,7 +31,8 @@ _ADVICE = {
     errno.EDQUOT: "the disk quota is used up; make space and store again",
     errno.EROFS: "the disk is read-only; look for disk errors with dmesg and mount it writable",
     errno.EACCES: "permission denied; make the folder writable for this user",
-    errno.EEXIST: "a file of this name exists with other content; it was left alone",
+    errno.EEXIST: "a file of this name exists with other content and was left alone; "
+    "move it out of the survey's folder and store again",
     errno.EPERM: "not permitted; the folder must be writable and its file system know hard links",
 }
 

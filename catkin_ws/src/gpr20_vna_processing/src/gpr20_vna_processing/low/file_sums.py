@@ -7,6 +7,8 @@ import os
 from pathlib import Path
 from typing import Iterator, Tuple
 
+from gpr20_vna_processing.low.regular_file import open_regular
+
 PIECE_BYTES = 1 << 20
 
 
@@ -33,8 +35,7 @@ def sha256_and_size(path: Path) -> Tuple[str, int]:
         OSError: The file cannot be read.
     """
     digest, size = hashlib.sha256(), 0
-    descriptor = os.open(str(path), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
-    with open(descriptor, "rb") as stream:
+    with open(open_regular(path), "rb") as stream:
         while True:
             piece = stream.read(PIECE_BYTES)
             if not piece:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Iterator, List, Protocol
 
 from gpr20_vna_processing.low.recording import RecordedMessage, Recording
+from gpr20_vna_processing.low.regular_file import open_regular
 
 
 class StoredRecording(Protocol):
@@ -43,7 +44,7 @@ def mapped(path: Path) -> bytes:
         OSError: The file cannot be read.
     """
     try:
-        descriptor = os.open(str(path), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
+        descriptor = open_regular(path)
     except FileNotFoundError:
         return b""
     try:

@@ -50,10 +50,12 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, Dict[str, Any]]:
         survey: The survey's id, or the name of its folder.
 
     Raises:
-        SurveyRefusedError: There is none, or its survey.json cannot be read.
+        SurveyRefusedError: There is none, its survey.json cannot be read, or part of it is a
+            symbolic link.
     """
     reason = f"there is no survey {survey[:64]!r} in {data}"
     for folder in survey_folder.candidate_folders(data, survey):
+        survey_folder.check_no_links(folder)
         description = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
         survey_id = survey_folder.check_survey_id(description["survey_id"])
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
@@ -126,6 +128,7 @@ class Reopening:
         """
         with storing("the repair", self._folder):
             self._mark_open(utc_time.iso_text(now_us))
+            json_trace_file.ensure_folder(self._traces)
             self._remove_torn()
             self._repair_traces()
             self._repair_recordings()

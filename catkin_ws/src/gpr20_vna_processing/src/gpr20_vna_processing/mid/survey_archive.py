@@ -97,7 +97,7 @@ class SurveyArchive:
             SurveyRefusedError: There is none, or its survey.json cannot be read.
             ProcessingError: Its folder cannot be read.
         """
-        folder, description = self._find(survey)
+        folder, description = find_survey(self._data, survey)
         files = _trace_files(folder)
         kept = {key: value for key, value in description.items() if key != "report"}
         return StoredSurvey(description["survey_id"], kept, tuple(index for index, _ in files))
@@ -115,7 +115,7 @@ class SurveyArchive:
             ProcessingError: Its folder cannot be read.
         """
         _check_count("max_traces", max_traces, MAX_TRACES_PER_PAGE)
-        folder, description = self._find(survey)
+        folder, description = find_survey(self._data, survey)
         survey_id = description["survey_id"]
         due = [one for one in _trace_files(folder) if one[0] >= first_index]
         traces: List[TraceRecord] = []
@@ -153,14 +153,9 @@ class SurveyArchive:
                 f"the data folder {self._data} cannot be read ({error}); check the disk"
             ) from error
 
-    def _find(self, survey: str) -> Tuple[Path, Dict[str, Any]]:
-        for folder in survey_folder.candidate_folders(self._data, survey):
-            _check_no_links(folder)
-        return find_survey(self._data, survey)
-
     def _summary(self, folder: Path) -> SurveySummary:
         try:
-            _check_no_links(folder)
+            survey_folder.check_no_links(folder)
             values = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
             survey_folder.check_survey_id(values["survey_id"])
             stored = len(_trace_files(folder))
@@ -186,15 +181,6 @@ class SurveyArchive:
 def _check_count(name: str, count: int, limit: int) -> None:
     if not 1 <= count <= limit:
         raise SurveyRefusedError(f"{name} is {count}; it must lie between 1 and {limit}")
-
-
-def _check_no_links(folder: Path) -> None:
-    # A link could lead out of the data folder.
-    for name in (survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER):
-        if (folder / name).is_symlink():
-            raise SurveyRefusedError(
-                f"{folder / name} is a symbolic link, which is not followed; put the files there"
-            )
 
 
 def _trace_files(folder: Path) -> List[Tuple[int, str]]:

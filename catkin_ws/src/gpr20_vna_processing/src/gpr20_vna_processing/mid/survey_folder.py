@@ -74,6 +74,19 @@ def candidate_folders(data: Path, survey: str) -> List[Path]:
     ]
 
 
+def check_no_links(folder: Path) -> None:
+    """Check that nothing of a survey lies elsewhere: a link could lead out of the data folder.
+
+    Raises:
+        SurveyRefusedError: One of its files or folders is a symbolic link.
+    """
+    for name in (SURVEY_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER):
+        if (folder / name).is_symlink():
+            raise SurveyRefusedError(
+                f"{folder / name} is a symbolic link, which is not followed; put the files there"
+            )
+
+
 def trace_file_name(trace: TraceRecord) -> str:
     """Return such as 000123_X0050.00_Y0050.00_Z+090.00.json.
 

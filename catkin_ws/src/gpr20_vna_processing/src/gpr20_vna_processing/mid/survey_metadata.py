@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, NoReturn
 
 from gpr20_vna_processing.errors import SurveyRefusedError
+from gpr20_vna_processing.low.regular_file import open_regular
 
 FORMAT = "gpr20-survey/1"
 MAX_BYTES = 1 << 20
@@ -105,7 +106,7 @@ def read_description(path: Path) -> Dict[str, Any]:
         SurveyRefusedError: It is missing or is not as the storage writes it.
     """
     try:
-        with path.open("rb") as stream:
+        with open(open_regular(path, follow_link=True), "rb") as stream:
             text = stream.read(MAX_FILE_BYTES + 1).decode("ascii")
         values = parse_object(text, path.name, MAX_FILE_BYTES)
     except (OSError, UnicodeDecodeError, SurveyRefusedError) as error:

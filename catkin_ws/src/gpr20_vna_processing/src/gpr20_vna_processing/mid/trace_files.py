@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from gpr20_vna_processing.errors import TraceRefusedError
+from gpr20_vna_processing.low.regular_file import open_regular
 from gpr20_vna_processing.mid import survey_folder, trace_json
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
@@ -33,8 +33,7 @@ def read_trace(path: Path, survey_id: str) -> TraceRecord:
         TraceRefusedError: It is not.
         OSError: The file cannot be read.
     """
-    descriptor = os.open(str(path), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
-    with open(descriptor, "rb") as stream:
+    with open(open_regular(path), "rb") as stream:
         content = stream.read(MAX_FILE_BYTES + 1)
     if len(content) > MAX_FILE_BYTES:
         raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")

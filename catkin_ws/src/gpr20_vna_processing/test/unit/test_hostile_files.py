@@ -1,0 +1,206 @@
+"""What somebody else put into a survey's folder: nothing hangs, fills memory or leads outside."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import resource
+import shutil
+import struct
+import threading
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from storage_kit import STARTED_US, SURVEY, Kit, make_trace
+
+from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError
+from gpr20_vna_processing.low.bag_file import EMPTY_CHUNK
+from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+
+PARTS = ["survey.json", "traces", "survey.bag", "survey.mcap"]
+TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(3)]
+LIMIT_S = 30.0
+MEMORY_BYTES = 200 << 20
+HUGE_BYTES = 400 << 20
+# Where what counts ends in a recording of which the index was written.
+RECORDING_ENDS = {
+    "survey.mcap": lambda content: content.rindex(struct.pack("<BQ", 0x0F, 4)),  # end of data
+    "survey.bag": lambda content: content.rindex(EMPTY_CHUNK),
+}
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner),
+    max_leaves=12,
+)
+KEYS = st.sampled_from(
+    ["survey_id", "started", "ended", "outcome", "parameters", "planned_traces", "resumed"]
+    + ["report", "simulated", "stored_traces", "format", "axes", "settings", "instrument"]
+)
+
+
+@pytest.fixture
+def data(tmp_path):
+    return tmp_path / "data"
+
+
+@pytest.fixture
+def folder(data):
+    """A survey of three traces that was stopped."""
+    kit = Kit(data, open_recordings)
+    folder = kit.open(metadata_json=json.dumps({"parameters": {"x_points": 3}}))
+    for trace in TRACES:
+        kit.processing.store(trace)
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.shut_down()
+    return folder
+
+
+@pytest.fixture
+def kit(data, folder):
+    kit = Kit(data, open_recordings)
+    yield kit
+    kit.processing.shut_down()
+
+
+def in_time(action):
+    """Return what an action refuses with, or None; fail if it does not come back."""
+    ended = []
+
+    def run():
+        try:
+            action()
+            ended.append(None)
+        except ProcessingError as error:
+            ended.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(LIMIT_S)
+    assert ended, "it did not come back, or failed otherwise"
+    return ended[0]
+
+
+def tree(folder):
+    """Return the content of a folder, links as links."""
+    return {
+        str(path.relative_to(folder)): os.readlink(path) if path.is_symlink() else path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_symlink() or path.is_file()
+    }
+
+
+@pytest.mark.parametrize("part", [*PARTS, "damaged"])
+def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, tmp_path, part):
+    outside = tmp_path / "outside"
+    if part == "damaged":
+        outside.mkdir()
+    else:
+        (folder / part).rename(outside)
+    (folder / part).symlink_to(outside)
+    # These would be cleared away or moved, were the link followed.
+    if outside.is_dir():
+        (outside / ".torn.json.0123abcd.tmp").write_text("somebody else's")
+        (outside / "000001_wrong.json").write_text("somebody else's")
+    before = tree(tmp_path)
+    with pytest.raises(SurveyRefusedError, match=f"{part} is a symbolic link.*put the files there"):
+        kit.processing.reopen_survey(SURVEY)
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("part", ["survey.json", "survey.bag", "survey.mcap"])
+def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, data, folder, part):
+    (folder / part).unlink()
+    os.mkfifo(str(folder / part))
+    assert "no ordinary file" in str(in_time(lambda: kit.processing.reopen_survey(SURVEY)))
+    assert in_time(lambda: SurveyArchive(data).list("", 10)) is None
+
+
+def test_a_pipe_among_the_traces_is_put_aside_and_the_trace_written_again(kit, data, folder):
+    trace = next((folder / "traces").glob("000001_*.json"))
+    trace.unlink()
+    os.mkfifo(str(trace))
+    assert in_time(lambda: SurveyArchive(data).traces(SURVEY, 0, 10)) is None
+    assert in_time(lambda: kit.processing.reopen_survey(SURVEY)) is None
+    assert trace.is_file()
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+
+
+def test_the_traces_that_somebody_removed_are_written_again_from_the_recordings(kit, folder):
+    shutil.rmtree(str(folder / "traces"))
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+    assert len(list((folder / "traces").glob("*.json"))) == 3
+
+
+@contextlib.contextmanager
+def little_memory():
+    """Let this process take a bounded amount more; beyond it there is a MemoryError."""
+    status = Path("/proc/self/status").read_text()
+    (now_kib,) = re.findall(r"^VmData:\s+(\d+) kB", status, re.MULTILINE)
+    limits = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (int(now_kib) * 1024 + MEMORY_BYTES, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, limits)
+
+
+@pytest.mark.parametrize("part", ["survey.json", "trace"])
+def test_a_huge_file_does_not_fill_the_memory(kit, data, folder, part):
+    path = next((folder / "traces").iterdir()) if part == "trace" else folder / part
+    os.truncate(str(path), HUGE_BYTES)  # without taking the space
+    with little_memory():
+        in_time(lambda: SurveyArchive(data).list("", 10))
+        in_time(lambda: SurveyArchive(data).traces(SURVEY, 0, 10))
+        in_time(lambda: kit.processing.reopen_survey(SURVEY))
+
+
+@pytest.mark.parametrize(
+    ("part", "record"),
+    [
+        ("survey.mcap", struct.pack("<BQ", 0x0C, HUGE_BYTES)),
+        ("survey.bag", struct.pack("<I", HUGE_BYTES)),
+        ("survey.bag", struct.pack("<I", 0) + struct.pack("<I", HUGE_BYTES)),
+    ],
+)
+def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, part, record):
+    with (folder / part).open("r+b") as file:
+        # In the place of the index, which is behind all that counts.
+        file.seek(RECORDING_ENDS[part](file.read()))
+        file.write(record)
+        file.truncate(2 * HUGE_BYTES)
+    with little_memory():
+        refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
+    assert refused is None
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+
+
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.dictionaries(KEYS, JSON, min_size=1, max_size=4))
+def test_no_description_writes_outside_its_folder_or_ends_the_storage(
+    tmp_path_factory, folder, description
+):
+    top = tmp_path_factory.mktemp("described")
+    shutil.copytree(str(folder.parent), str(top / "data"))
+    folder = top / "data" / folder.name
+    kit = Kit(top / "data", open_recordings)
+    values = json.loads((folder / "survey.json").read_text())
+    (folder / "survey.json").write_text(json.dumps({**values, **description}))
+    try:
+        in_time(lambda: kit.processing.reopen_survey(SURVEY))
+        in_time(lambda: SurveyArchive(top / "data").list("", 10))
+        in_time(lambda: SurveyArchive(top / "data").survey(SURVEY))
+        in_time(lambda: SurveyArchive(top / "data").traces(SURVEY, 0, 10))
+        assert list((top / "data").iterdir()) == [folder]
+        assert list(top.iterdir()) == [top / "data"]
+        assert list((folder / "traces").glob("000000_*.json"))
+    finally:
+        kit.processing.shut_down()
+        shutil.rmtree(str(top))
