@@ -57,15 +57,33 @@ def assert_all_there(processes, words):
         assert any(word in line for line in processes.values()), word
 
 
-def test_a_running_survey_can_be_reached_from_this_machine_alone(tmp_path, terminal_of):
+def launched(terminal, port):
+    """Start all at once, in the way of the README."""
+    return [terminal.start(f"roslaunch -p {port} gpr20 survey.launch time_scale:=20")]
+
+
+def launched_beside_a_master(terminal, port):
+    """Start a master by hand, and the robot in a namespace."""
+    master = terminal.start(f"roscore -p {port}")
+    robot = terminal.start("roslaunch --wait gpr20 survey.launch time_scale:=20 ns:=robot1")
+    return [master, robot]
+
+
+@pytest.mark.parametrize(
+    ("launch", "survey"),
+    [(launched, SURVEY), (launched_beside_a_master, f"{SURVEY} __ns:=robot1")],
+)
+def test_a_running_survey_can_be_reached_from_this_machine_alone(
+    tmp_path, terminal_of, launch, survey
+):
     port = free_port()
     terminal = terminal_of(ROS_MASTER_URI=f"http://127.0.0.1:{port}")
-    system = terminal.start(f"roslaunch -p {port} gpr20 survey.launch time_scale:=20")
-    wait_until(lambda: is_ready(tmp_path), system)
-    client = terminal.start(SURVEY)
-    wait_until(lambda: len(stored_traces(tmp_path)) >= 2, system, client)
+    system = launch(terminal, port)
+    wait_until(lambda: is_ready(tmp_path), *system)
+    client = terminal.start(survey)
+    wait_until(lambda: len(stored_traces(tmp_path)) >= 2, *system, client)
 
-    processes = processes_below(system, client)
+    processes = processes_below(*system, client)
     assert_all_there(processes, MASTER + ROBOT + SERVER + ["name:=user_interface", "run_survey"])
     found = list(reachable_at(processes))
     others = [one for one in found if not ipaddress.ip_address(one[1]).is_loopback]

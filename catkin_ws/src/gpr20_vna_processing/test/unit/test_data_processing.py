@@ -28,6 +28,7 @@ from gpr20_vna_processing.errors import (
     SurveyRefusedError,
     TraceRefusedError,
 )
+from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits
 
 DISK_FULL = OSError(errno.ENOSPC, "No space left on device")
@@ -195,6 +196,13 @@ def test_latched_topics_published_before_the_survey_are_recorded(kit, memory):
     assert memory.texts("/plain") == []
     assert memory.texts("/survey_metadata") == kit.opened
     assert all(message.time_ns == kit.now_ns for message in memory.durable)
+
+
+def test_a_huge_latched_message_is_not_kept_for_the_recordings_to_come(kit, memory):
+    kit.processing.record(text_message("/status", "idle", latching=True))
+    kit.processing.record(text_message("/status", "x" * LARGEST_BYTES, latching=True))
+    kit.open()
+    assert memory.texts("/status") == ["idle"]
 
 
 def test_messages_of_other_topics_reach_the_disk_without_a_trace(kit, memory):

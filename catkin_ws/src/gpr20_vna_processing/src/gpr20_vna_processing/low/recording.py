@@ -26,6 +26,11 @@ class RecordedMessage:
     latching: bool = False
     """Whether the publisher keeps the last message for late subscribers."""
 
+    @property
+    def size_bytes(self) -> int:
+        """How much memory it takes, all told [bytes]."""
+        return len(self.data) + len(self.definition) + len(self.topic)
+
 
 class Recording(Protocol):
     """One file that holds messages of many topics.

@@ -8,6 +8,9 @@ from typing import Dict, List
 
 from gpr20_vna_processing.low.recording import RecordedMessage
 
+# Of one message that is kept for later recordings; a status has a thousandth of it.
+LARGEST_BYTES = 1 << 20
+
 
 class LatchedTopics:
     """Knows whether messages are recorded now, and what came before on latched topics.
@@ -21,9 +24,9 @@ class LatchedTopics:
         self._latched: Dict[str, RecordedMessage] = {}
 
     def note(self, message: RecordedMessage) -> bool:
-        """Note a message; return whether it is to be recorded."""
+        """Note a message, unless it is far too large; return whether it is to be recorded."""
         with self._lock:
-            if message.latching:
+            if message.latching and message.size_bytes <= LARGEST_BYTES:
                 self._latched[message.topic] = message
             return self._recording
 

@@ -115,7 +115,7 @@ class StorageThread:
 
     def offer(self, message: RecordedMessage) -> bool:
         """Queue a message, never waiting; return False if it was dropped."""
-        size = len(message.data)
+        size = message.size_bytes
         with self._changed:
             fits = (
                 len(self._messages) < self._limits.messages
