@@ -16,7 +16,7 @@ from network_namespaces import (
     relayed,
     two_machines,
 )
-from user_shell import Terminal, user_environment, wait_until
+from user_shell import Terminal, is_ready, user_environment, wait_until
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root")
 
@@ -65,7 +65,8 @@ def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_por
         on_robot = Terminal(log, environment, robot.prefix)
         try:
             control = on_server.start("roslaunch gpr20 server.launch time_scale:=50")
-            axes = on_robot.start("roslaunch --wait gpr20 robot.launch time_scale:=50")
+            axes = on_robot.start("roslaunch --wait gpr20 robot.launch time_scale:=50 ui:=false")
+            wait_until(lambda: is_ready(tmp_path / "printed.log"), control, axes)
             # The simulated VNA is behind the loopback of the robot, which a real one is not.
             wait_until(lambda: simulated_vna(robot), control, axes)
             with relayed(simulated_vna(robot), server, robot, tmp_path):

@@ -21,6 +21,10 @@ SOURCED = (
     "LD_LIBRARY",
 )
 
+# The nodes of the simulated robot, the window left out.
+NODES = ["x_axis/axis_driver", "y_axis/axis_driver", "z_axis/axis_driver", "height_sensor"]
+NODES += ["simulator", "vna_acquisition", "vna_processing", "main_control"]
+
 
 def user_environment(data, **more):
     """Return the environment of such a shell, with a folder for surveys."""
@@ -43,6 +47,12 @@ def wait_until(condition, *processes, limit_s=LIMIT_S):
             assert process.poll() is None, f"{process.args} ended too early"
         assert time.monotonic() < deadline_s, "it took too long"
         time.sleep(0.05)
+
+
+def is_ready(log):
+    """Return whether every node has said in a log that it is; a busy machine takes its time."""
+    printed = log.read_text(errors="replace")
+    return all(f"/{node} is ready" in printed for node in NODES)
 
 
 class Terminal:
