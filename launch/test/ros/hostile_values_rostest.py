@@ -28,6 +28,7 @@ NODES = (
     "main_control",
     "simulator",
 )
+SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 LONG = 2_000_000
 MANY = 300_000
 LONGEST_ANSWER = 4000
@@ -96,28 +97,49 @@ def changed(message, path, value):
     return request
 
 
+# Requests that are allowed, or as near to it as can be, by the end of the service's name; where
+# there is no survey of this id, that is found out last.
+USUAL = {
+    "list_surveys": {"max_surveys": 10},
+    "read_survey": {"survey": SURVEY_ID},
+    "read_traces": {"survey": SURVEY_ID, "max_traces": 10},
+    "reopen_survey": {"survey": SURVEY_ID},
+    "resume_survey": {"survey": SURVEY_ID},
+    "report_survey": {"survey_id": SURVEY_ID, "report_json": "{}"},
+    "close_survey": {"survey_id": SURVEY_ID, "outcome": "stopped"},
+    "connection": {"connect": True, "address": "127.0.0.1"},
+    "freq_sweep_setup": {"start_frequency_hz": 1e9, "stop_frequency_hz": 2e9, "points": 11},
+}
+
+
 def usual_request(service, request_class):
-    """Return a request that is allowed, or as near to it as can be, so that one field decides."""
-    request = request_class()
-    if service.endswith("set_survey_parameters"):
+    """Return a request of which one field at a time is changed, so that this field decides."""
+    name = service.rsplit("/", 1)[-1]
+    request = request_class(**USUAL.get(name, {}))
+    if name == "set_survey_parameters":
         request.parameters = SurveyParameters(**PARAMETERS)
-    elif service.endswith("open_survey") and not service.endswith("reopen_survey"):
+    elif name == "open_survey":
         request.survey_id, request.started = str(uuid.uuid4()), rospy.Time.now()
         request.metadata_json = '{"planned_traces": 18}'
-    elif service.endswith("store_data"):
-        now = rospy.Time.now()
-        request.trace = Trace(
-            format="gpr20-trace/1",
-            survey_id=str(uuid.uuid4()),
-            sample_id=str(uuid.uuid4()),
-            timestamp=now,
-            sweep_started=now,
-            sweep_ended=now,
-            frequency_hz=[1e9, 2e9],
-            s21_real=[0.1, 0.2],
-            s21_imag=[0.1, 0.2],
-        )
+    elif name == "store_data":
+        request.trace = usual_trace()
     return request
+
+
+def usual_trace():
+    """Return a trace of the survey SURVEY_ID that can be stored."""
+    now = rospy.Time.now()
+    return Trace(
+        format="gpr20-trace/1",
+        survey_id=SURVEY_ID,
+        sample_id=str(uuid.uuid4()),
+        timestamp=now,
+        sweep_started=now,
+        sweep_ended=now,
+        frequency_hz=[1e9, 2e9],
+        s21_real=[0.1, 0.2],
+        s21_imag=[0.1, 0.2],
+    )
 
 
 def processes():
@@ -143,6 +165,7 @@ class HostileValuesTest(unittest.TestCase):
 
         asked = sum(self.ask_all_about(service) for service in sorted(self.our_services()))
         self.assertGreater(asked, 300)
+        self.ask_while_a_survey_is_open(client)
 
         after = processes()
         self.assertEqual(
@@ -163,6 +186,22 @@ class HostileValuesTest(unittest.TestCase):
             if not name.endswith(("get_loggers", "set_logger_level", "homing", "stop"))
             and not name.endswith(("start_survey", "stop_survey", "set_zero", "set_fault"))
         ]
+
+    def ask_while_a_survey_is_open(self, client):
+        """Ask what is refused at once while there is none."""
+        service = rospy.resolve_name("open_survey")
+        kind = rosservice.get_service_class_by_name(service)
+        request = usual_request(service, kind._request_class)
+        request.survey_id = SURVEY_ID
+        opened = rospy.ServiceProxy(service, kind)(request)
+        self.assertTrue(opened.success, opened.message)
+        # The last one closes it.
+        for name in ("store_data", "report_survey", "close_survey"):
+            self.ask_all_about(rospy.resolve_name(name))
+        folder = client.folder(SURVEY_ID)
+        (trace,) = (folder / "traces").iterdir()
+        self.assertEqual(trace.name, "000000_X0000.00_Y0000.00_Z+000.00.json")
+        self.assertEqual(json_traces(folder)[0]["survey_id"], SURVEY_ID)
 
     def ask_all_about(self, service):
         """Ask with every hostile value in every field; return how often."""

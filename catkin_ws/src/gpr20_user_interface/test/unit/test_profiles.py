@@ -73,6 +73,8 @@ def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
         ("vna_address: 10.0.0.1", "x_points|frequency"),
         ("!!python/object/apply:os.system ['true']", "cannot be read"),
         ("a: [", "cannot be read"),
+        ("[" * 60_000, "cannot be read"),
+        ("x_points: 2026-13-45", "cannot be read"),
         ("\x00", "cannot be read"),
         ("#" * (MAX_BYTES + 1), "larger than"),
     ],

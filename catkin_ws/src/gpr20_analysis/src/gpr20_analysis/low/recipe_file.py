@@ -7,6 +7,7 @@ from pathlib import Path
 import yaml
 
 from gpr20_analysis.errors import RecipeError
+from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 
 
 def read_recipe(path: Path) -> object:
@@ -17,9 +18,9 @@ def read_recipe(path: Path) -> object:
         OSError: It cannot be read.
     """
     try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise RecipeError(f"{path} is not YAML: {error}") from error
+        return read_yaml(path)
+    except YamlFileError as error:
+        raise RecipeError(f"{path} is no recipe: {error}") from error
 
 
 def recipe_text(recipe: object) -> str:

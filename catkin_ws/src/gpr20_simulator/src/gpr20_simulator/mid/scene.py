@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.mid.records import bounded, record_from
 from gpr20_simulator.errors import SceneError
-from gpr20_simulator.low.yaml_file import read_yaml
 
 
 class Shape(enum.Enum):

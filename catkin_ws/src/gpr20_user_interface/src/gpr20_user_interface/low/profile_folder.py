@@ -9,6 +9,7 @@ from typing import Any, List, Mapping
 
 import yaml
 
+from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_user_interface.errors import ProfileError
 
 SUFFIX = ".yaml"
@@ -41,12 +42,8 @@ class ProfileFolder:
         """
         path = self._path(name)
         try:
-            with path.open("rb") as file:
-                text = file.read(MAX_BYTES + 1)
-            if len(text) > MAX_BYTES:
-                raise ProfileError(f"{path} is larger than {MAX_BYTES} bytes; it is no profile")
-            return yaml.safe_load(text)
-        except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+            return read_yaml(path, MAX_BYTES)
+        except (OSError, YamlFileError) as error:
             raise ProfileError(f"{path} cannot be read: {error}; save it again") from error
 
     def write(self, name: str, values: Mapping[str, Any]) -> None:

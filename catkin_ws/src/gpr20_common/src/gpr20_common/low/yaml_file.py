@@ -1,0 +1,58 @@
+"""YAML files that people write by hand, or that something damaged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Union
+
+import yaml
+
+from gpr20_common.errors import Gpr20Error
+
+# A scene, a recipe or a profile has some kilobytes; what is far larger is something else.
+MAX_BYTES = 1 << 20
+MAX_DEPTH = 32
+
+# The reader of plain values raises whatever their conversion does: for the day 2026-13-45 a
+# ValueError, for `!!timestamp x` an AttributeError.
+_REFUSED = (yaml.YAMLError, ValueError, ArithmeticError, AttributeError, LookupError, TypeError)
+
+
+class YamlFileError(Gpr20Error, ValueError):
+    """A file is no YAML, or not of a size and depth that one of ours has."""
+
+
+def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
+    """Return what a YAML file holds: plain values, lists and mappings, never objects.
+
+    Args:
+        path: The file.
+        max_bytes: How long it may be [bytes].
+
+    Raises:
+        OSError: The file cannot be read.
+        YamlFileError: The file is not YAML, is too long or nested too deeply.
+    """
+    with open(path, "rb") as stream:
+        text = stream.read(max_bytes + 1)
+    if len(text) > max_bytes:
+        raise YamlFileError(f"it is larger than {max_bytes} bytes")
+    try:
+        _check_depth(text)
+        return yaml.safe_load(text)
+    except YamlFileError:
+        raise
+    except _REFUSED as error:
+        raise YamlFileError(f"it is not YAML: {error}") from error
+
+
+def _check_depth(text: bytes) -> None:
+    # Before loading, which recurses; the events come one after the other.
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > MAX_DEPTH:
+                raise YamlFileError(f"it is nested more than {MAX_DEPTH} levels deep")
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1

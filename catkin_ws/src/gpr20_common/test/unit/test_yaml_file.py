@@ -1,0 +1,69 @@
+"""YAML files: what is in them, or one kind of error."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.low.yaml_file import MAX_BYTES, MAX_DEPTH, YamlFileError, read_yaml
+
+PLAIN = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
+    max_leaves=8,
+)
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return tmp_path_factory.mktemp("yaml") / "a.yaml"
+
+
+@given(PLAIN)
+def test_what_was_written_is_read(path, values):
+    path.write_text(yaml.safe_dump(values), encoding="utf-8")
+    assert read_yaml(path) == values
+
+
+@given(st.binary(max_size=60) | st.text("[]{}&*!:-?,#\"'|> \n0123456789abx_.").map(str.encode))
+def test_any_bytes_are_read_or_refused_with_our_error(path, content):
+    path.write_bytes(content)
+    try:
+        read_yaml(path)
+    except YamlFileError as error:
+        assert str(error)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("!!python/object/apply:os.system ['touch outside']", "not YAML"),
+        ("!!python/name:os.system", "not YAML"),
+        ("when: 2026-13-45", "not YAML"),
+        ("when: !!timestamp x", "not YAML"),
+        ("number: 0x_", "not YAML"),
+        ("[" * 60_000, "nested more than"),
+        ("a: " + "[" * MAX_DEPTH + "]" * MAX_DEPTH, "nested more than"),
+        ("#" * (MAX_BYTES + 1), "larger than"),
+        ("a: [", "not YAML"),
+        ("\x00", "not YAML"),
+    ],
+)
+def test_what_is_no_file_of_ours_is_refused(path, text, reason):
+    path.write_text(text)
+    with pytest.raises(YamlFileError, match=reason):
+        read_yaml(path)
+
+
+def test_not_a_number_and_the_deepest_file_are_read(path):
+    path.write_text("[.nan, " + "[" * (MAX_DEPTH - 1) + "]" * (MAX_DEPTH - 1) + "]")
+    assert math.isnan(read_yaml(path)[0])
+
+
+def test_a_missing_file_is_an_error_of_the_system(path):
+    with pytest.raises(FileNotFoundError):
+        read_yaml(path.with_name("missing.yaml"))
