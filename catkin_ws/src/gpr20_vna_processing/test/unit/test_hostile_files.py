@@ -25,8 +25,8 @@ from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 PARTS = ["survey.json", "traces", "survey.bag", "survey.mcap"]
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(3)]
 LIMIT_S = 30.0
-MEMORY_BYTES = 200 << 20
-HUGE_BYTES = 400 << 20
+MEMORY_BYTES = 100 << 20
+HUGE_BYTES = 160 << 20
 # Where what counts ends in a recording of which the index was written.
 RECORDING_ENDS = {
     "survey.mcap": lambda content: content.rindex(struct.pack("<BQ", 0x0F, 4)),  # end of data
