@@ -66,8 +66,16 @@ class Axis:
         return self.finish()
 
     def finish(self):
-        assert self.client.wait_for_result(rospy.Duration(LIMIT_S))
-        return self.client.get_state(), self.client.get_result()
+        """Wait for the end; return (terminal state, result).
+
+        Not by wait_for_result: SimpleActionClient loses a result that comes before it has kept
+        the goal's handle, and would wait for ever.
+        """
+        deadline_s = time.monotonic() + LIMIT_S
+        while self.client.gh.get_comm_state() != actionlib.CommState.DONE:
+            assert time.monotonic() < deadline_s, "the goal never ended"
+            time.sleep(0.005)
+        return self.client.gh.get_goal_status(), self.client.gh.get_result()
 
     @property
     def steps(self):
