@@ -28,11 +28,17 @@ NODES = (
     "main_control",
     "simulator",
 )
+SERVICES = (
+    *("connection", "freq_sweep_setup", "get_freq", "get_data", "get_calibration_status", "get_height"),
+    *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
+    *("list_surveys", "read_survey", "read_traces", "set_survey_parameters", "resume_survey"),
+)
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 LONG = 2_000_000
 MANY = 300_000
 LONGEST_ANSWER = 4000
 ALLOWED_GROWTH_MIB = 200.0
+START_LIMIT_S = 60.0
 TEXTS = (
     "",
     "../../../outside",
@@ -163,8 +169,10 @@ class HostileValuesTest(unittest.TestCase):
         before = processes()
         memory_mib = {node: process.memory_info().rss / 2**20 for node, process in before.items()}
 
-        asked = sum(self.ask_all_about(service) for service in sorted(self.our_services()))
-        self.assertGreater(asked, 300)
+        for name in SERVICES:
+            rospy.wait_for_service(name, START_LIMIT_S)
+        for service in sorted(self.our_services()):
+            self.ask_all_about(service)
         self.ask_while_a_survey_is_open(client)
 
         after = processes()
@@ -204,11 +212,10 @@ class HostileValuesTest(unittest.TestCase):
         self.assertEqual(json_traces(folder)[0]["survey_id"], SURVEY_ID)
 
     def ask_all_about(self, service):
-        """Ask with every hostile value in every field; return how often."""
+        """Ask with every hostile value in every field."""
         kind = rosservice.get_service_class_by_name(service)
         proxy = rospy.ServiceProxy(service, kind)
         usual = usual_request(service, kind._request_class)
-        asked = 0
         for path, field_kind in fields(usual):
             for value in hostile_values(field_kind):
                 begin_s = time.monotonic()
@@ -218,9 +225,7 @@ class HostileValuesTest(unittest.TestCase):
                 self.assertLess(len(answer.message), LONGEST_ANSWER, what)
                 if not answer.success:
                     self.assertTrue(answer.message, what)
-                asked += 1
                 self.close_what_was_opened(service, answer)
-        return asked
 
     def close_what_was_opened(self, service, answer):
         if service.endswith("open_survey") and answer.success:

@@ -74,11 +74,11 @@ class ReplayTest(unittest.TestCase):
         self.assertIn("planned_traces", self.metadata[0])
 
     def test_every_trace_comes_back_from_json_files_alone_at_the_rate(self) -> None:
-        # One trace was taken each second.
+        # One trace was taken each second; without a pace they would come within milliseconds.
         self.replay(self.folder / "traces", "--rate", "20")
         self.assert_same()
         took_s = self.times_s[-1] - self.times_s[0]
-        self.assertGreater(took_s, (len(POINTS) - 1) / 20 - 0.1)
+        self.assertGreater(took_s, (len(POINTS) - 1) / 20 / 2)
 
     def test_the_launch_file_replays_a_folder(self) -> None:
         command = ["roslaunch", "gpr20", "replay.launch", f"survey:={self.folder}", "rate:=100"]
