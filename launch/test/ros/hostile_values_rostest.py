@@ -29,7 +29,8 @@ NODES = (
     "simulator",
 )
 SERVICES = (
-    *("connection", "freq_sweep_setup", "get_freq", "get_data", "get_calibration_status", "get_height"),
+    *("connection", "freq_sweep_setup", "get_freq", "get_data", "get_calibration_status"),
+    "get_height",
     *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
     *("list_surveys", "read_survey", "read_traces", "set_survey_parameters", "resume_survey"),
 )

@@ -16,9 +16,10 @@ from gpr20_common.low.clock import Clock
 from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_main_control.mid.survey_plan import survey_points
 from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid.data_processing import INTERRUPTED, DataProcessing
+from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
 from gpr20_vna_processing.mid.recordings import open_recordings, stored_recordings
+from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"

@@ -15,7 +15,7 @@ from gpr20_vna_processing.low.stored_bag import StoredBag
 from gpr20_vna_processing.low.stored_mcap import StoredMcap
 from gpr20_vna_processing.low.stored_recording import StoredRecording
 from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata, trace_files
-from gpr20_vna_processing.mid.data_processing import INTERRUPTED
+from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 
 FILES = (
     survey_folder.SURVEY_FILE,

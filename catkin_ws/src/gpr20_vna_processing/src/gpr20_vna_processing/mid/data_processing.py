@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence
 
 from gpr20_vna_processing.errors import (
     ProcessingError,
     StorageFailedError,
     SurveyRefusedError,
-    storing,
 )
-from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
-from gpr20_vna_processing.mid.ended_survey import find_ended_survey
+from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
-from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
     Limits,
@@ -25,12 +21,11 @@ from gpr20_vna_processing.mid.processing_records import (
     ReopenedSurvey,
     Storage,
 )
-from gpr20_vna_processing.mid.reopening import Reopening, find_survey, reopened_survey
 from gpr20_vna_processing.mid.storage_thread import StorageThread
+from gpr20_vna_processing.mid.survey_slot import SurveySlot
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 OUTCOMES = ("finished", "stopped", "failed")
-INTERRUPTED = "interrupted"
 MAX_REASON_CHARACTERS = 4096
 
 
@@ -57,19 +52,18 @@ class DataProcessing:
         """
         self._storage = storage
         self._limits = limits
-        self._on_opened = on_opened
-        self._on_stored = on_stored
         self._thread = StorageThread(
             self._write_messages, limits.queues, storage.clock, limits.period_s
         )
         self._latched = LatchedTopics()
-        self._lock = threading.Lock()  # guards the two below
-        self._last_error, self._failing = "", False
         # Changed on the storage thread only.
-        self._survey: Optional[OpenSurvey] = None
-        self._closed: Optional[ClosedSurvey] = None
+        self._slot = SurveySlot(
+            storage, limits.disk_reserve_bytes, self._latched, on_opened, on_stored
+        )
         self._unrecorded = 0
         self._commit_due_s = 0.0
+        self._lock = threading.Lock()  # guards the two below
+        self._last_error, self._failing = "", False
 
     def start(self) -> None:
         """Start the storage thread."""
@@ -98,7 +92,7 @@ class DataProcessing:
         description = new_survey.describe(
             survey_id, started_us, metadata_json, self._storage.revision
         )
-        self._do(lambda: self._open(folder, description, started_us, needed_bytes))
+        self._do(lambda: self._slot.open(folder, description, started_us, needed_bytes))
         return folder
 
     def interrupt_other(self, survey: str) -> str:
@@ -115,7 +109,7 @@ class DataProcessing:
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
         """
-        return self._do(lambda: self._interrupt_other(survey), self._limits.long_timeout_s)
+        return self._do(lambda: self._slot.interrupt_other(survey), self._limits.long_timeout_s)
 
     def reopen_survey(self, survey: str) -> ReopenedSurvey:
         """Open a survey that was cut off or ended early, repaired; may be repeated.
@@ -127,7 +121,7 @@ class DataProcessing:
             SurveyRefusedError: There is no such survey, it is complete, or another is open.
             StorageFailedError: The disk refused; asking again is safe.
         """
-        return self._do(lambda: self._reopen(survey), self._limits.long_timeout_s)
+        return self._do(lambda: self._slot.reopen(survey), self._limits.long_timeout_s)
 
     def report(self, survey_id: str, report_json: str) -> None:
         """Keep a report of the open survey in its survey.json, durably.
@@ -140,7 +134,7 @@ class DataProcessing:
             report_json, "report_json", survey_metadata.MAX_REPORT_BYTES
         )
         survey_folder.check_survey_id(survey_id)
-        self._do(lambda: self._opened_as(survey_id).report(report))
+        self._do(lambda: self._slot.opened_as(survey_id).report(report))
 
     def store(self, trace: TraceRecord) -> Path:
         """Store a trace; return its JSON file when it is durable in all three forms.
@@ -150,7 +144,7 @@ class DataProcessing:
             TraceRefusedError: The open survey does not take the trace.
             StorageFailedError: The disk refused or was too slow; asking again is safe.
         """
-        return self._do(lambda: self._opened().store(trace, self._storage.now_ns()))
+        return self._do(lambda: self._slot.opened().store(trace, self._storage.now_ns()))
 
     def record(self, message: RecordedMessage) -> None:
         """Record a message of another topic; drop it, counted, if the disk is too slow."""
@@ -174,7 +168,7 @@ class DataProcessing:
             )
         survey_folder.check_survey_id(survey_id)
         return self._do(
-            lambda: self._close(survey_id, outcome, reason), self._limits.long_timeout_s
+            lambda: self._slot.close(survey_id, outcome, reason), self._limits.long_timeout_s
         )
 
     def shut_down(self) -> None:
@@ -184,13 +178,13 @@ class DataProcessing:
             StorageFailedError: The disk refused or was too slow.
         """
         try:
-            self._do(self._interrupt)
+            self._do(self._slot.interrupt)
         finally:
             self._thread.stop(self._limits.timeout_s)
 
     def state(self) -> ProcessingState:
         """Return what the operator should know."""
-        survey = self._survey
+        survey = self._slot.current
         with self._lock:
             last_error, failing = self._last_error, self._failing
         return ProcessingState(
@@ -216,119 +210,8 @@ class DataProcessing:
         with self._lock:
             self._last_error, self._failing = error, failing
 
-    def _opened(self) -> OpenSurvey:
-        if self._survey is None:
-            raise SurveyRefusedError("no survey is open; call open_survey first")
-        return self._survey
-
-    def _opened_as(self, survey_id: str) -> OpenSurvey:
-        survey = self._opened()
-        if survey.survey_id != survey_id:
-            raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
-        return survey
-
-    def _open(
-        self, folder: Path, description: Dict[str, Any], started_us: int, needed_bytes: int
-    ) -> None:
-        if self._survey is not None and self._survey.opened_as == description:
-            return  # the answer to the first call may have been lost
-        now_ns = self._storage.now_ns()
-        self._check_can_open(needed_bytes, now_ns)
-        with storing("the survey's folder", folder):
-            new_survey.make_folder(folder)
-            recordings = self._storage.open_recordings(
-                folder, description, started_us * utc_time.NS_PER_US
-            )
-        self._take(
-            OpenSurvey(folder, description, recordings, self._storage.messages, self._on_stored),
-            now_ns,
-        )
-
-    def _reopen(self, name: str) -> ReopenedSurvey:
-        now_ns = self._storage.now_ns()
-        survey = self._survey
-        if survey is not None and name in (survey.survey_id, survey.folder.name):
-            # Whoever filled it has gone, or has not received the first answer.
-            survey.go_on(now_ns)
-            return reopened_survey(survey, ())
-        self._check_can_open(0, now_ns)
-        folder, description = find_survey(self._storage.data, name)
-        reopening = Reopening(folder, description, self._storage)
-        repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
-        survey = OpenSurvey(
-            folder,
-            repaired.description,
-            repaired.recordings,
-            self._storage.messages,
-            self._on_stored,
-            repaired.stored,
-            repaired.last,
-        )
-        self._take(survey, now_ns)
-        return reopened_survey(survey, repaired.repairs)
-
-    def _take(self, survey: OpenSurvey, now_ns: int) -> None:
-        """Begin to record a survey whose files are whole but for what comes now."""
-        content = survey_metadata.encode(survey.description)
-        path = survey.folder / survey_folder.SURVEY_FILE
-        try:
-            self._begin_recording(survey, content.decode("ascii"), now_ns)
-            with storing("the survey's description", path):
-                # Last: a folder with a survey.json is whole.
-                json_trace_file.write_new_file(path, content)
-        except Exception:
-            self._latched.end()
-            survey.abandon()
-            raise
-        self._survey = survey
-        self._on_opened(content.decode("ascii"))
-
-    def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
-        if self._survey is not None:
-            raise SurveyRefusedError(
-                f"survey {self._survey.survey_id} is open in {self._survey.folder}; close it first"
-            )
-        new_survey.check_clock(now_ns)
-        new_survey.check_space(self._storage, needed_bytes, self._limits.disk_reserve_bytes)
-
-    def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
-        # From here on messages queue up behind this job; those before are in the snapshot.
-        latched = self._latched.begin(now_ns)
-        survey.record([self._storage.messages.metadata(text, now_ns), *latched])
-        survey.commit()
-
-    def _close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
-        if self._survey is None and self._closed and self._closed.survey_id == survey_id:
-            return self._closed  # the answer to the first call may have been lost
-        if self._survey is None:
-            before = find_ended_survey(self._storage.data, survey_id, outcome)
-            if before is not None:
-                return before  # by a process that died before it could answer
-        survey = self._opened_as(survey_id)
-        ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
-        survey.close(outcome, reason, ended)
-        if outcome != INTERRUPTED:
-            # It reads the whole survey, for which a shut down leaves no time.
-            survey.write_manifest(self._storage.revision)
-        self._latched.end()
-        self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
-        self._survey = None
-        return self._closed
-
-    def _interrupt(self) -> None:
-        if self._survey is not None:
-            self._close(self._survey.survey_id, INTERRUPTED, "the storage was shut down")
-
-    def _interrupt_other(self, survey: str) -> str:
-        opened = self._survey
-        if opened is None or survey in (opened.survey_id, opened.folder.name):
-            return ""
-        reason = f"left open by the control, which began {survey[:64]}"
-        self._close(opened.survey_id, INTERRUPTED, reason)
-        return opened.folder.name
-
     def _write_messages(self, messages: Sequence[RecordedMessage]) -> None:
-        survey = self._survey
+        survey = self._slot.current
         if survey is None:
             return
         # Nobody waits for an answer here: the operator reads of errors in the diagnostics.

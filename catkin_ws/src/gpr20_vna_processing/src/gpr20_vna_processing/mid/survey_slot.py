@@ -1,0 +1,213 @@
+"""The one survey that is open, as the storage's thread sees it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Callable, Dict, Optional
+
+from gpr20_vna_processing.errors import SurveyRefusedError, storing
+from gpr20_vna_processing.low import json_trace_file
+from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
+from gpr20_vna_processing.mid.ended_survey import find_ended_survey
+from gpr20_vna_processing.mid.latched_topics import LatchedTopics
+from gpr20_vna_processing.mid.open_survey import OpenSurvey
+from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
+from gpr20_vna_processing.mid.reopening import Reopening, find_survey, reopened_survey
+from gpr20_vna_processing.mid.trace_record import TraceRecord
+
+INTERRUPTED = "interrupted"
+
+
+class SurveySlot:
+    """Holds at most one open survey; all but `current` is for the storage's thread alone."""
+
+    def __init__(
+        self,
+        storage: Storage,
+        disk_reserve_bytes: int,
+        latched: LatchedTopics,
+        on_opened: Callable[[str], None],
+        on_stored: Callable[[TraceRecord], None],
+    ) -> None:
+        """Build it empty.
+
+        Args:
+            storage: Files, disk, clock.
+            disk_reserve_bytes: What a new survey must leave free.
+            latched: The last messages of latched topics, with which a recording begins.
+            on_opened: Told the JSON description of a survey that was opened.
+            on_stored: Told of every trace once, when it is durable.
+        """
+        self._storage = storage
+        self._disk_reserve_bytes = disk_reserve_bytes
+        self._latched = latched
+        self._on_opened = on_opened
+        self._on_stored = on_stored
+        self._survey: Optional[OpenSurvey] = None
+        self._closed: Optional[ClosedSurvey] = None
+
+    @property
+    def current(self) -> Optional[OpenSurvey]:
+        """The open survey, if any."""
+        return self._survey
+
+    def opened(self) -> OpenSurvey:
+        """Return the open survey.
+
+        Raises:
+            SurveyRefusedError: None is open.
+        """
+        if self._survey is None:
+            raise SurveyRefusedError("no survey is open; call open_survey first")
+        return self._survey
+
+    def opened_as(self, survey_id: str) -> OpenSurvey:
+        """Return the open survey if it is this one.
+
+        Raises:
+            SurveyRefusedError: It is not.
+        """
+        survey = self.opened()
+        if survey.survey_id != survey_id:
+            raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
+        return survey
+
+    def open(
+        self, folder: Path, description: Dict[str, Any], started_us: int, needed_bytes: int
+    ) -> None:
+        """Make the folder of a survey and begin its recordings; may be repeated.
+
+        Args:
+            folder: The survey's folder, made here.
+            description: Content of survey.json.
+            started_us: When it started [us since 1970, UTC].
+            needed_bytes: Estimate of the whole survey [bytes].
+
+        Raises:
+            SurveyRefusedError: Another survey is open, the clock is wrong or the disk too small.
+            StorageFailedError: The disk refused.
+        """
+        if self._survey is not None and self._survey.opened_as == description:
+            return  # the answer to the first call may have been lost
+        now_ns = self._storage.now_ns()
+        self._check_can_open(needed_bytes, now_ns)
+        with storing("the survey's folder", folder):
+            new_survey.make_folder(folder)
+            recordings = self._storage.open_recordings(
+                folder, description, started_us * utc_time.NS_PER_US
+            )
+        self._take(
+            OpenSurvey(folder, description, recordings, self._storage.messages, self._on_stored),
+            now_ns,
+        )
+
+    def reopen(self, name: str) -> ReopenedSurvey:
+        """Open a survey that was cut off or ended early, repaired; may be repeated.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, it is complete, or another is open.
+            StorageFailedError: The disk refused; asking again is safe.
+        """
+        now_ns = self._storage.now_ns()
+        survey = self._survey
+        if survey is not None and name in (survey.survey_id, survey.folder.name):
+            # Whoever filled it has gone, or has not received the first answer.
+            survey.go_on(now_ns)
+            return reopened_survey(survey, ())
+        self._check_can_open(0, now_ns)
+        folder, description = find_survey(self._storage.data, name)
+        reopening = Reopening(folder, description, self._storage)
+        repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
+        survey = OpenSurvey(
+            folder,
+            repaired.description,
+            repaired.recordings,
+            self._storage.messages,
+            self._on_stored,
+            repaired.stored,
+            repaired.last,
+        )
+        self._take(survey, now_ns)
+        return reopened_survey(survey, repaired.repairs)
+
+    def _take(self, survey: OpenSurvey, now_ns: int) -> None:
+        """Begin to record a survey whose files are whole but for what comes now."""
+        content = survey_metadata.encode(survey.description)
+        path = survey.folder / survey_folder.SURVEY_FILE
+        try:
+            self._begin_recording(survey, content.decode("ascii"), now_ns)
+            with storing("the survey's description", path):
+                # Last: a folder with a survey.json is whole.
+                json_trace_file.write_new_file(path, content)
+        except Exception:
+            self._latched.end()
+            survey.abandon()
+            raise
+        self._survey = survey
+        self._on_opened(content.decode("ascii"))
+
+    def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
+        if self._survey is not None:
+            raise SurveyRefusedError(
+                f"survey {self._survey.survey_id} is open in {self._survey.folder}; close it first"
+            )
+        new_survey.check_clock(now_ns)
+        new_survey.check_space(self._storage, needed_bytes, self._disk_reserve_bytes)
+
+    def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
+        # From here on messages queue up behind this job; those before are in the snapshot.
+        latched = self._latched.begin(now_ns)
+        survey.record([self._storage.messages.metadata(text, now_ns), *latched])
+        survey.commit()
+
+    def close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
+        """Finish the recordings and write how the survey ended; may be repeated.
+
+        Raises:
+            SurveyRefusedError: The survey is not open.
+            StorageFailedError: The disk refused; the survey is still open.
+        """
+        if self._survey is None and self._closed and self._closed.survey_id == survey_id:
+            return self._closed  # the answer to the first call may have been lost
+        if self._survey is None:
+            before = find_ended_survey(self._storage.data, survey_id, outcome)
+            if before is not None:
+                return before  # by a process that died before it could answer
+        survey = self.opened_as(survey_id)
+        ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
+        survey.close(outcome, reason, ended)
+        if outcome != INTERRUPTED:
+            # It reads the whole survey, for which a shut down leaves no time.
+            survey.write_manifest(self._storage.revision)
+        self._latched.end()
+        self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
+        self._survey = None
+        return self._closed
+
+    def interrupt(self) -> None:
+        """Close the open survey, if any, as one that can be resumed.
+
+        Raises:
+            StorageFailedError: The disk refused; the survey is still open.
+        """
+        if self._survey is not None:
+            self.close(self._survey.survey_id, INTERRUPTED, "the storage was shut down")
+
+    def interrupt_other(self, survey: str) -> str:
+        """Close the open survey as interrupted, unless it is this one.
+
+        Args:
+            survey: Id of the survey that shall be opened, or the name of its folder.
+
+        Returns:
+            The name of the folder of the survey that was closed; empty if none was.
+
+        Raises:
+            StorageFailedError: The disk refused; the survey is still open.
+        """
+        opened = self._survey
+        if opened is None or survey in (opened.survey_id, opened.folder.name):
+            return ""
+        reason = f"left open by the control, which began {survey[:64]}"
+        self.close(opened.survey_id, INTERRUPTED, reason)
+        return opened.folder.name
