@@ -71,7 +71,6 @@ class FaultsTest(unittest.TestCase):
         rospy.init_node("faults_rostest")
         cls.client = SurveyClient()
         cls.world = open_world(world_path("/"), {})
-        rospy.wait_for_service("simulator/set_fault", LIMIT_S)
         cls.set_fault = rospy.ServiceProxy("simulator/set_fault", SetFault)
 
     @classmethod

@@ -14,6 +14,14 @@ from gpr20_msgs.msg import ControlStatus, SurveyData, SurveyParameters
 from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
 
 LIMIT_S = 120.0
+# Of all nodes: where these are, every node is there.
+SERVICES = (
+    *(f"{axis}_axis/{name}" for axis in "xyz" for name in ("homing", "stop")),
+    *("connection", "freq_sweep_setup", "get_freq", "get_data", "get_calibration_status"),
+    *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
+    *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
+    *("set_survey_parameters", "start_survey", "stop_survey", "pause_survey", "resume_survey"),
+)
 PARAMETERS = {
     "vna_address": "127.0.0.1",
     "start_frequency_hz": 600.0e6,
@@ -36,7 +44,7 @@ class SurveyClient:
         self._changed = threading.Condition()
         self.statuses = []
         self.progress = []
-        for name in ("set_survey_parameters", "start_survey", "stop_survey", "resume_survey"):
+        for name in SERVICES:
             rospy.wait_for_service(name, LIMIT_S)
         self.pause = rospy.ServiceProxy("pause_survey", Trigger)
         self.set_parameters = rospy.ServiceProxy("set_survey_parameters", SetSurveyParameters)
