@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 
 import numpy as np
+from rpc_wire import wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.antenna_position import AntennaPosition
@@ -109,3 +110,17 @@ def real_numbers(reply):
 
 def complex_numbers(numbers):
     return numbers[0::2] + 1j * numbers[1::2]
+
+
+def new_bench(request, **options):
+    """Return a bench of other options that ends with the test."""
+    one = Bench(**options)
+    request.addfinalizer(one.stop)
+    return one
+
+
+def swept(bench, points=11):
+    """Hold, set the sweep, run it once and return its data in REAL,32."""
+    bench.send(f":INIT:CONT OFF;:SWE:POIN {points};:SENS:TRACE1:SPAR S21;:FORM REAL,32;:INIT:IMM")
+    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
+    return bench.send(":CALC1:DATA? SDAT").answer

@@ -1,0 +1,138 @@
+"""The instrument's sweeps and data, without network; sweeps take no time unless said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rpc_wire import wait_until
+from vna_bench import (
+    HandClock,
+    ascii_numbers,
+    block_content,
+    complex_numbers,
+    new_bench,
+    real_numbers,
+    swept,
+)
+
+from gpr20_simulator.low.message_device import Conduct
+from gpr20_simulator.mid.probe_medium import probed_sweep
+
+
+def test_triggered_sweep_gives_points_of_one_new_sweep(bench):
+    first = complex_numbers(real_numbers(swept(bench)))
+    number = probed_sweep(first[0])
+    assert [probed_sweep(value) for value in first] == [number] * 11
+    second = complex_numbers(real_numbers(swept(bench)))
+    assert [probed_sweep(value) for value in second] == [number + 1] * 11
+
+
+def test_status_bit_is_off_while_a_triggered_sweep_runs(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
+    bench.send(":INIT:CONT OFF;:INIT:IMM")
+    assert bench.ask(":STAT:OPER?") == "0"
+    clock.advance(1.0)
+    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
+    bench.send(":INIT:IMM")
+    assert bench.ask(":STAT:OPER?") == "0"
+
+
+def test_delayed_setting_reads_back_only_when_it_has_taken_effect(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, setting_delay_s=2.0)
+    bench.send(":SWE:POIN 77;:SWE:POIN 1")
+    clock.advance(1.9)
+    assert bench.ask(":SWE:POIN?") == "201"
+    clock.advance(0.2)
+    assert bench.ask(":SWE:POIN?") == "77"
+
+
+def test_delayed_setting_is_forgotten_by_a_preset(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, setting_delay_s=2.0)
+    bench.send(":SWE:POIN 77;:SYST:PRES")
+    clock.advance(3.0)
+    assert bench.ask(":SWE:POIN?") == "201"
+
+
+def test_external_trigger_never_comes(bench):
+    bench.send(":SWE:TYPE EXT;:INIT:IMM")
+    number = bench.sweeper.sweep_number
+    assert not bench.sweeper.is_running
+    assert bench.sweeper.sweep_number == number
+
+
+def test_ascii_and_binary_data_are_the_same_numbers(bench):
+    binary = real_numbers(swept(bench))
+    bench.send("FORM ASC")
+    text = ascii_numbers(bench.send(":CALC1:DATA? SDAT").answer).astype(np.float32)
+    assert text.tobytes() == binary.tobytes()
+    assert bench.send(":TRAC? 1").answer == bench.send(":CALC1:DATA? SDAT").answer
+    bench.send("FORM INT,32")
+    steps = np.frombuffer(block_content(bench.send(":CALC1:DATA? SDAT").answer), "<i4")
+    assert steps == pytest.approx(binary * 1e6, abs=1.0)
+
+
+def test_ascii_ends_with_comma_and_newline_unless_told_otherwise(request):
+    answer = new_bench(request).send(":CALC1:DATA? SDAT").answer
+    assert answer.endswith(b",\n")
+    bench = new_bench(request, trailing_comma=False, trailing_newline=False, header_digits=8)
+    answer = bench.send(":CALC1:DATA? SDAT").answer
+    assert answer.startswith(b"#80000")
+    assert answer[-1:].isdigit()
+    assert len(ascii_numbers(answer)) == 402
+
+
+def test_frequencies_are_those_of_the_sweep(bench):
+    bench.send("FREQ:STAR 600MHZ;:FREQ:STOP 6GHZ;:SWE:POIN 501")
+    expected_hz = np.linspace(600e6, 6e9, 501)
+    assert np.array_equal(ascii_numbers(bench.send("FREQ:DATA?").answer), expected_hz)
+    bench.send("FORM REAL,32")
+    assert real_numbers(bench.send("SENS4:FREQ:DATA?").answer) == pytest.approx(
+        expected_hz, abs=256
+    )
+
+
+def test_s12_is_s21_and_reflections_are_not(bench):
+    transmission = swept(bench)
+    bench.send("TRAC2:SPAR S12;:TRAC3:SPAR S11")
+    assert bench.send(":CALC2:DATA? SDAT").answer == transmission
+    assert bench.send(":CALC3:DATA? SDAT").answer != transmission
+
+
+def test_displayed_data_follow_the_graph_type_and_complex_data_do_not(bench):
+    before = swept(bench)
+    bench.send("CALC1:FORM REAL")
+    assert bench.send(":CALC1:DATA? SDAT").answer == before
+    shown = real_numbers(bench.send(":CALC1:DATA? FDAT").answer)
+    assert list(shown) == list(real_numbers(before)[0::2])
+
+
+def test_preamble_describes_the_sweep(bench):
+    bench.send("FREQ:STAR 600MHZ;:SWE:POIN 501;:SWE:TYPE SING")
+    pairs = dict(
+        pair.split("=")
+        for pair in block_content(bench.send("TRAC:PRE?").answer).decode().split(",")
+    )
+    assert pairs["SN"] == "SIMULATED"
+    assert float(pairs["TRACE_1_START_FREQ"]) == 600.0
+    assert pairs["TRACE_1_DSP_DATA_POINTS"] == "501"
+    assert (pairs["SWEEP_TYPE"], pairs["CAL_CORRECTION"], pairs["RF_SOURCE_POWER"]) == (
+        "0",
+        "0",
+        "1",
+    )
+
+
+def test_reset_loses_the_network(bench):
+    assert not bench.instrument.network_lost
+    assert bench.send("*RST").conduct is Conduct.GO_SILENT
+    assert bench.instrument.network_lost
+
+
+def test_data_replies_are_captured_byte_by_byte(bench):
+    data = swept(bench)
+    bench.ask("*IDN?")
+    frequencies = bench.send("FREQ:DATA?").answer
+    assert bench.capture.saved == [("sdat", data), ("freq", frequencies)]
