@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict
+from typing import Callable, Dict, List, Sequence, Tuple
 
 import xarray as xr
 
-from gpr20_analysis.commands import survey_input
+from gpr20_analysis.commands import outputs, survey_input
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.info_command import status_of
+from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
+from gpr20_analysis.low.whole_output import whole_output
 from gpr20_analysis.mid import dataset, dataset_files
 from gpr20_analysis.mid.formats import (
     group_csv,
@@ -25,52 +27,66 @@ from gpr20_analysis.mid.processing.delay import to_time
 from gpr20_analysis.mid.processing.sweep import Window
 from gpr20_analysis.mid.survey_source import Progress
 
-Writer = Callable[[xr.Dataset, argparse.Namespace], str]
+Writer = Callable[[xr.Dataset, Path, argparse.Namespace], str]
 
 
-def _netcdf(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
-    dataset_files.write_dataset(survey, chosen.output)
+@dataclass(frozen=True)
+class Format:
+    """One format.
+
+    Attributes:
+        write: Writes a survey to a path and says what.
+        ending: What a file's name ends in; empty: a folder of one file per sample.
+        holds: Patterns of the names in the folder.
+    """
+
+    write: Writer
+    ending: str = ""
+    holds: Tuple[str, ...] = ()
+
+
+def _netcdf(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
+    dataset_files.write_dataset(survey, path)
     return "everything"
 
 
-def _group_csv(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
-    return f"{group_csv.write_group_csv(survey, chosen.output, _progress())} files"
+def _group_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
+    return f"{group_csv.write_group_csv(survey, path, _progress())} files"
 
 
-def _merged(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
+def _merged(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> str:
     if chosen.domain == "time" and dataset.A_SCAN not in survey:
         survey = to_time(survey, Window.NONE, padding=1.0)
-    merged_hdf5.write_merged(survey, chosen.output, chosen.output.stem)
+    merged_hdf5.write_merged(survey, path, path.stem)
     return f"A-scans over {chosen.domain}"
 
 
-def _plain_csv(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
-    return f"{plain_csv.write_plain_csv(survey, chosen.output, _progress())} samples"
+def _plain_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
+    return f"{plain_csv.write_plain_csv(survey, path, _progress())} samples"
 
 
-def _segy(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
-    return ", ".join(path.name for path in segy.write_segy(survey, chosen.output))
+def _segy(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
+    return f"{segy.write_segy(survey, path, _progress())} traces"
 
 
-def _touchstone(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
-    return f"{touchstone.write_touchstone(survey, chosen.output, _progress())} files"
+def _touchstone(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
+    return f"{touchstone.write_touchstone(survey, path, _progress())} files"
 
 
-def _original(survey: xr.Dataset, chosen: argparse.Namespace) -> str:
-    return f"{original_json.write_original(survey, chosen.output, _progress())} files"
+def _original(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
+    return f"{original_json.write_original(survey, path, _progress())} files"
 
 
-FORMATS: Dict[str, Writer] = {
-    "netcdf": _netcdf,
-    "zarr": _netcdf,
-    "group-csv": _group_csv,
-    "merged-hdf5": _merged,
-    "csv": _plain_csv,
-    "segy": _segy,
-    "touchstone": _touchstone,
-    "original-json": _original,
+FORMATS: Dict[str, Format] = {
+    "netcdf": Format(_netcdf, dataset_files.NETCDF),
+    "zarr": Format(_netcdf, dataset_files.ZARR),
+    "group-csv": Format(_group_csv, holds=("VNA_X*.csv",)),
+    "merged-hdf5": Format(_merged, ".h5"),
+    "csv": Format(_plain_csv, ".csv"),
+    "segy": Format(_segy, ".sgy"),
+    "touchstone": Format(_touchstone, holds=("[0-9]*_X*_Y*_Z*.s2p",)),
+    "original-json": Format(_original, holds=("X*_Y*_Z*.json",)),
 }
-ENDINGS = {"netcdf": ".nc", "zarr": ".zarr", "merged-hdf5": ".h5", "csv": ".csv", "segy": ".sgy"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "output",
         type=Path,
         help="file, ending in "
-        + ", ".join(f"{ending} ({name})" for name, ending in ENDINGS.items())
+        + ", ".join(f"{one.ending} ({name})" for name, one in FORMATS.items() if one.ending)
         + "; a new folder for the formats of one file per sample",
     )
     parser.add_argument("--format", choices=FORMATS, required=True, help="what to write")
@@ -90,24 +106,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="frequency",
         help="merged-hdf5: A-scans over frequency or, by inverse Fourier transform, over time",
     )
+    outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Write the survey; return the exit status."""
-    _check_output(chosen)
+    _check([chosen.output], chosen)
     survey = survey_input.load(chosen)
-    chosen.output.parent.mkdir(parents=True, exist_ok=True)
-    written = FORMATS[chosen.format](survey, chosen)
-    print(f"{chosen.output}: {written}")
-    return status_of(survey)
+    if chosen.format == "segy":
+        for turn, path in enumerate(_segy_files(survey, chosen)):
+            _write(survey.isel({dataset.POLARIZATION: [turn]}), path, chosen)
+    else:
+        _write(survey, chosen.output, chosen)
+    return survey_input.status_of(survey)
 
 
-def _check_output(chosen: argparse.Namespace) -> None:
-    output, ending = chosen.output, ENDINGS.get(chosen.format)
-    if ending is not None and output.suffix != ending:
-        raise ExportError(f"{output} must end in {ending} for {chosen.format}")
-    if output.exists() and not (ending is None and output.is_dir() and not any(output.iterdir())):
-        raise ExportError(f"{output} exists; nothing is overwritten, name another place")
+def _segy_files(survey: xr.Dataset, chosen: argparse.Namespace) -> List[Path]:
+    # One file per polarization, which only the survey tells.
+    turns = survey[dataset.POLARIZATION].values
+    paths = [segy.file_of(chosen.output, turn) for turn in turns]
+    _check(paths, chosen)
+    return paths
+
+
+def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
+    form = FORMATS[chosen.format]
+    for path in paths:
+        if form.ending and path.suffix != form.ending:
+            raise ExportError(f"{path} must end in {form.ending} for {chosen.format}")
+    if form.ending in (dataset_files.NETCDF, dataset_files.ZARR):
+        written = [outputs.dataset_output(path) for path in paths]
+    else:
+        written = [Output(path, form.holds) for path in paths]
+    outputs.check(written, [chosen.survey], chosen.overwrite)
+
+
+def _write(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> None:
+    with whole_output(path) as place:
+        told = FORMATS[chosen.format].write(survey, place, chosen)
+    print(f"{path}: {told}")
 
 
 def _progress() -> Progress:
@@ -115,5 +152,5 @@ def _progress() -> Progress:
 
 
 COMMAND = Command(
-    "Write a survey in a format of others. Nothing is overwritten.", add_arguments, run
+    "Write a survey in a format of others.", add_arguments, run
 )

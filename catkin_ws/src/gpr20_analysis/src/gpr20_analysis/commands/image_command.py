@@ -6,15 +6,18 @@ import argparse
 import dataclasses
 import json
 from pathlib import Path
-from typing import Dict, Optional
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.commands import processing_input, scheduler, survey_input
-from gpr20_analysis.commands.command import DONE, Command
+from gpr20_analysis.commands import outputs, processing_input, scheduler, survey_input
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.low.figure_file import save_figure
+from gpr20_analysis.low.vtk_file import SUFFIX as VTK
+from gpr20_analysis.low.whole_output import whole_output
 from gpr20_analysis.mid.dataset import DEPTH, POLARIZATION
 from gpr20_analysis.mid.dataset_files import NETCDF, ZARR, write_dataset
 from gpr20_analysis.mid.imaging.echoes import FAINTEST_DB, Echo, find_echoes
@@ -30,6 +33,7 @@ from gpr20_analysis.mid.processing.sweep import Window
 
 DEFAULT_STEPS = ("background:method=mean",)
 MOST_DEPTHS = 5000
+FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("permittivity_lowest", "permittivity_highest", "depth_uncertainty")
 
 
@@ -48,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="PNG maximum projections, a slice at each echo",
     )
+    outputs.add_overwrite(parser)
     add("--faintest", type=float, default=FAINTEST_DB, metavar="DB",
         help="faintest echo told, below the brightest")  # fmt: skip
     add("--json", action="store_true", help="for programs: the echoes as JSON")
@@ -75,18 +80,19 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Make the image and return the exit status."""
-    for path in chosen.output:
-        if path.suffix not in (NETCDF, ZARR, ".vtr"):
-            raise ExportError(f"{path.name} must end in {NETCDF}, {ZARR} or .vtr")
     options = options_of(chosen)
+    steps = processing_input.steps_of(chosen)
+    inputs = processing_input.inputs_of(chosen, steps)
+    outputs.check(_outputs(chosen), inputs, chosen.overwrite)
     survey = survey_input.load(chosen)
     default = () if recipe_of(survey) else DEFAULT_STEPS
     with scheduler.workers(chosen) as each:
         steps = processing_input.steps_of(chosen, default)
-        image = image_survey(processing_input.process(survey, steps), options, each)
+        processed, status = processing_input.process(survey, steps)
+        image = image_survey(processed, options, each if chosen.scheduler else _in_turn)
     _write(image, chosen)
     _tell(image, chosen)
-    return DONE
+    return status
 
 
 def options_of(chosen: argparse.Namespace) -> ImageOptions:
@@ -113,23 +119,42 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
     )
 
 
+def _in_turn(function: Callable[[Any], Any], polarizations: Sequence[Any]) -> List[Any]:
+    shown = survey_input.progress_bar("imaging polarizations")(polarizations, len(polarizations))
+    return [function(one) for one in shown]
+
+
+def _outputs(chosen: argparse.Namespace) -> List[Output]:
+    found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
+    for path in chosen.output:
+        if path.suffix not in (NETCDF, ZARR, VTK):
+            raise ExportError(f"{path.name} must end in {NETCDF}, {ZARR} or {VTK}")
+        found.append(Output(path) if path.suffix == VTK else outputs.dataset_output(path))
+    return found
+
+
 def _write(image: xr.Dataset, chosen: argparse.Namespace) -> None:
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
         else:
-            write_volume(image, path)
+            with whole_output(path) as place:
+                write_volume(image, place)
     if chosen.figures:
-        from gpr20_analysis.mid.plotting.scans import c_scan_figure, projection_figure
+        with whole_output(chosen.figures) as folder:
+            _draw(image, folder, chosen.faintest)
 
-        chosen.figures.mkdir(parents=True, exist_ok=True)
-        for turn, degrees in enumerate(image[POLARIZATION].values):
-            figure = projection_figure(image, turn)
-            save_figure(figure, chosen.figures / f"projections_{rotation_word(degrees)}.png")
-        for echo in find_echoes(image, chosen.faintest):
-            depth_mm = round(float(image[DEPTH].sel(depth=echo.depth_m, method="nearest")) * 1000.0)
-            name = f"slice_{depth_mm:04d}mm.png"
-            save_figure(c_scan_figure(image, echo.depth_m), chosen.figures / name)
+
+def _draw(image: xr.Dataset, folder: Path, faintest_db: float) -> None:
+    from gpr20_analysis.mid.plotting.scans import c_scan_figure, projection_figure
+
+    folder.mkdir()
+    for turn, degrees in enumerate(image[POLARIZATION].values):
+        figure = projection_figure(image, turn)
+        save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
+    for echo in find_echoes(image, faintest_db):
+        depth_mm = round(float(image[DEPTH].sel(depth=echo.depth_m, method="nearest")) * 1000.0)
+        save_figure(c_scan_figure(image, echo.depth_m), folder / f"slice_{depth_mm:04d}mm.png")
 
 
 def _tell(image: xr.Dataset, chosen: argparse.Namespace) -> None:

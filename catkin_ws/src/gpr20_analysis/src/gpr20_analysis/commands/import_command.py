@@ -7,9 +7,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from gpr20_analysis.commands import survey_input
+from gpr20_analysis.commands import outputs, survey_input
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.info_command import status_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid import dataset_files
 from gpr20_analysis.mid.formats import gprmax, group_csv, merged_hdf5, original_json
@@ -32,21 +31,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="gprmax: frequencies of the spectra",
     )
     parser.add_argument("--height", type=float, metavar="M", help="gprmax: antenna height [m]")
+    outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Convert the input; return the exit status."""
-    if not dataset_files.is_dataset(chosen.output):
-        raise AnalysisError(f"{chosen.output} must end in .nc or .zarr")
-    if chosen.output.exists():
-        raise AnalysisError(f"{chosen.output} exists; nothing is overwritten, name another place")
+    written = [outputs.dataset_output(chosen.output)]
+    outputs.check(written, [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
         raise AnalysisError(f"{chosen.input} does not exist")
     survey = _read(chosen)
     survey_input.tell(survey)
     dataset_files.write_dataset(survey, chosen.output)
     print(f"{chosen.output}: {dict(survey.sizes)}")
-    return status_of(survey)
+    return survey_input.status_of(survey)
 
 
 def _read(chosen: argparse.Namespace) -> xr.Dataset:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 
-import xarray as xr
-
 from gpr20_analysis.commands import survey_input
-from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE, Command
+from gpr20_analysis.commands.command import Command
 from gpr20_analysis.mid.survey_facts import facts
 
 
@@ -28,14 +26,7 @@ def run(chosen: argparse.Namespace) -> int:
     else:
         for title, text in told.items():
             print(f"{title + ':':20}{text}")
-    return status_of(survey)
-
-
-def status_of(survey: xr.Dataset) -> int:
-    """Return the exit status that says how whole a survey is."""
-    if survey.attrs.get("faults"):
-        return DAMAGED
-    return NOT_COMPLETE if survey.attrs.get("missing") else DONE
+    return survey_input.status_of(survey)
 
 
 COMMAND = Command(

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import traceback
 from typing import List, Optional
 
 from gpr20_analysis import __version__
@@ -11,21 +13,49 @@ from gpr20_analysis.commands import registry
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
 from gpr20_common.errors import Gpr20Error
 
+TRACEBACK = "GPR20_TRACEBACK"
+"""Environment variable: if set, an error that is a fault of the program shows where it arose."""
+
 
 def main(arguments: Optional[List[str]] = None) -> int:
     """Run the subcommand that is named; return the exit status."""
     given = sys.argv[1:] if arguments is None else arguments
     try:
         chosen = _parser(given).parse_args(given)
-        return chosen.run(chosen)
+        status: int = chosen.run(chosen)
+        sys.stdout.flush()
+        return status
     except SystemExit as ending:
         return REFUSED if ending.code else 0
-    except (Gpr20Error, OSError) as error:
-        print(f"gpr20 {given[0]}: {error}", file=sys.stderr)
+    except BrokenPipeError:
+        # Who read it, such as `head`, has enough; the interpreter must not try to write the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
+    except (Gpr20Error, OSError, MemoryError) as error:
+        return _refused(given, _told(error))
     except KeyboardInterrupt:
-        print(f"gpr20 {given[0]}: interrupted", file=sys.stderr)
-        return REFUSED
+        return _refused(given, "interrupted; nothing half written is left")
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            traceback.print_exc()
+        return _refused(
+            given,
+            f"failed by a fault of the program itself ({type(error).__name__}: {error}); please "
+            f"report it with what {TRACEBACK}=1 gpr20 {' '.join(given)} prints",
+        )
+
+
+def _refused(given: List[str], reason: str) -> int:
+    print(f"gpr20 {' '.join(given[:1])}: {reason}", file=sys.stderr)
+    return REFUSED
+
+
+def _told(error: BaseException) -> str:
+    if isinstance(error, MemoryError):
+        return f"the memory does not suffice ({error or 'no more is known'}); use fewer samples"
+    if isinstance(error, OSError) and error.strerror and error.filename:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 def _parser(given: List[str]) -> argparse.ArgumentParser:

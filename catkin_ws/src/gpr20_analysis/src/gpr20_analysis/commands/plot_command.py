@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.commands import processing_input, survey_input
-from gpr20_analysis.commands.command import DONE, Command
+from gpr20_analysis.commands import outputs, processing_input, survey_input
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.low.figure_file import FORMATS, save_figure
+from gpr20_analysis.low.whole_output import whole_output
 from gpr20_analysis.mid.dataset import A_SCAN, DELAY, IMAGE, MM_PER_M, X, Y
 from gpr20_analysis.mid.processing.delay import to_time
 
@@ -39,15 +41,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--until", type=float, metavar="NS", help="last delay of A- and B-scans")
     parser.add_argument("--rotation", type=float, metavar="DEG", help="of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
+    outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Draw the figure and return the exit status."""
     if chosen.output.suffix not in FORMATS:
         raise ExportError(f"{chosen.output.name} must end in {', '.join(FORMATS)}")
-    data = processing_input.process(survey_input.load(chosen), processing_input.steps_of(chosen))
-    save_figure(figure_of(data, chosen), chosen.output)
-    return DONE
+    steps = processing_input.steps_of(chosen)
+    inputs = processing_input.inputs_of(chosen, steps)
+    outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
+    survey = survey_input.load(chosen)
+    data, status = processing_input.process(survey, steps)
+    figure = figure_of(data, chosen)
+    with whole_output(chosen.output) as place:
+        save_figure(figure, place)
+    return status
 
 
 def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:

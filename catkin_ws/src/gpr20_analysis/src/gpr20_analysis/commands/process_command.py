@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis.commands import processing_input, survey_input
-from gpr20_analysis.commands.command import DONE, Command
+from gpr20_analysis.commands import outputs, processing_input, survey_input
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.low.recipe_file import recipe_text
+from gpr20_analysis.low.whole_output import whole_output
 from gpr20_analysis.mid.dataset_files import write_dataset
 from gpr20_analysis.mid.processing.chain import recipe_of
 
@@ -18,19 +20,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     processing_input.add_steps(parser)
     parser.add_argument("--output", "-o", type=Path, required=True, help="result: .nc or .zarr")
     parser.add_argument("--save-recipe", type=Path, help="write the whole recipe to this YAML file")
+    outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Process the survey and return the exit status."""
     steps = processing_input.steps_of(chosen)
     processing_input.require_steps(steps)
-    result = processing_input.process(survey_input.load(chosen), steps)
+    written = [outputs.dataset_output(chosen.output)]
+    written += [Output(chosen.save_recipe)] if chosen.save_recipe else []
+    outputs.check(written, processing_input.inputs_of(chosen, steps), chosen.overwrite)
+    survey = survey_input.load(chosen)
+    result, status = processing_input.process(survey, steps)
     write_dataset(result, chosen.output)
     recipe = recipe_text(recipe_of(result))
     if chosen.save_recipe:
-        chosen.save_recipe.write_text(recipe, encoding="utf-8")
+        with whole_output(chosen.save_recipe) as place:
+            place.write_text(recipe, encoding="utf-8")
     print(f"{chosen.output}, made by\n{recipe}", end="")
-    return DONE
+    return status
 
 
 COMMAND = Command(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import enum
 from pathlib import Path
-from typing import List, Sequence
+from typing import List, Sequence, Tuple
 
 import xarray as xr
 
+from gpr20_analysis.commands import survey_input
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.low.recipe_file import read_recipe
 from gpr20_analysis.mid.loading import load_survey
@@ -45,9 +46,33 @@ def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[St
     return steps or [step_from_text(text) for text in default]
 
 
-def process(survey: xr.Dataset, steps: Sequence[Step]) -> xr.Dataset:
-    """Apply the steps; a survey that one of them names is loaded whole or refused."""
-    return apply_steps(survey, steps, load_survey)
+def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
+    """Return every file and folder that is read, which must not be written."""
+    named = [
+        Path(step.parameters[key])
+        for step in steps
+        for key, (kind, _) in parameters_of(step.name).items()
+        if kind is xr.Dataset
+    ]
+    return [chosen.survey, *([chosen.recipe] if chosen.recipe else []), *named]
+
+
+def process(survey: xr.Dataset, steps: Sequence[Step]) -> Tuple[xr.Dataset, int]:
+    """Apply the steps; return the result and the exit status for the surveys it was made of.
+
+    A survey that a step names is refused if it is damaged, and what it lacks is told.
+    """
+    statuses = [survey_input.status_of(survey)]
+
+    def read(path: str) -> xr.Dataset:
+        reference = load_survey(path, progress=survey_input.progress_bar(f"reading {path}"))
+        survey_input.tell(reference, f" in {path}")
+        statuses.append(survey_input.status_of(reference))
+        return reference
+
+    for step in survey_input.progress_bar("processing")(steps, len(steps)):
+        survey = apply_steps(survey, [step], read)
+    return survey, max(statuses)
 
 
 def require_steps(steps: Sequence[Step]) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis.commands import image_command, processing_input, survey_input
+from gpr20_analysis.commands import image_command, outputs, processing_input, survey_input
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.info_command import status_of
+from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
+from gpr20_analysis.low.whole_output import whole_output
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     processing_input.add_steps(parser)
     parser.add_argument("--output", "-o", type=Path, required=True, help="page to write, .html")
     image_command.add_image_options(parser)
+    outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -27,13 +29,16 @@ def run(chosen: argparse.Namespace) -> int:
     from gpr20_analysis.mid.report.sections import sections_of
 
     options = image_command.options_of(chosen)
-    survey = survey_input.load(chosen)
     steps = processing_input.steps_of(chosen, image_command.DEFAULT_STEPS)
+    inputs = processing_input.inputs_of(chosen, steps)
+    outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
+    survey = survey_input.load(chosen)
     sections = sections_of(survey, chosen.survey, steps, options)
     title = f"GPR-20 survey {survey.attrs.get('survey_id', survey.attrs.get('source', ''))}"
-    chosen.output.write_text(page(title, sections), encoding="utf-8")
+    with whole_output(chosen.output) as place:
+        place.write_text(page(title, sections), encoding="utf-8")
     print(chosen.output)
-    return status_of(survey)
+    return survey_input.status_of(survey)
 
 
 COMMAND = Command(

@@ -10,6 +10,7 @@ from typing import Any, Iterable, Optional
 import xarray as xr
 from tqdm import tqdm
 
+from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
 from gpr20_analysis.mid.loading import load_survey
 
 TOLD = 8
@@ -40,14 +41,21 @@ def load(chosen: argparse.Namespace) -> xr.Dataset:
     return survey
 
 
-def tell(survey: xr.Dataset) -> None:
+def status_of(survey: xr.Dataset) -> int:
+    """Return the exit status that says how whole a survey is, or was before steps filled it."""
+    if survey.attrs.get("faults"):
+        return DAMAGED
+    return NOT_COMPLETE if survey.attrs.get("missing") else DONE
+
+
+def tell(survey: xr.Dataset, where: str = "") -> None:
     """Say on stderr what is missing or damaged in a survey."""
     for key, word in (("faults", "DAMAGED"), ("missing", "NO NUMBERS"), ("notes", "note")):
         sentences = survey.attrs.get(key, [])
         for sentence in sentences[:TOLD]:
-            print(f"{word}: {sentence}", file=sys.stderr)
+            print(f"{word}{where}: {sentence}", file=sys.stderr)
         if len(sentences) > TOLD:
-            print(f"{word}: and {len(sentences) - TOLD} more", file=sys.stderr)
+            print(f"{word}{where}: and {len(sentences) - TOLD} more", file=sys.stderr)
 
 
 def progress_bar(what: str) -> Any:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 from pathlib import Path
 from typing import Any, Dict
 
@@ -15,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, UnreadableFileError
+from gpr20_analysis.low.whole_output import whole_output
 from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
 
 NETCDF, ZARR = ".nc", ".zarr"
@@ -36,7 +36,7 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
 
     Raises:
         AnalysisError: The path ends in something else.
-        OSError: The disk refused.
+        ExportError: The disk refused.
     """
     if not is_dataset(path):
         raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
@@ -45,11 +45,11 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
     with np.errstate(invalid="ignore"):
         if path.suffix == ZARR:
             _zarr_needed()
-            stored.to_zarr(str(path), mode="w", consolidated=True)
-            return
-        beside = path.with_name(f".{path.name}.writing")
-        stored.to_netcdf(str(beside), engine="h5netcdf")
-        os.replace(str(beside), str(path))
+            with whole_output(path) as place:
+                stored.to_zarr(str(place), mode="w", consolidated=True)
+        else:
+            with whole_output(path) as place:
+                stored.to_netcdf(str(place), engine="h5netcdf")
 
 
 def read_dataset(path: Path) -> xr.Dataset:

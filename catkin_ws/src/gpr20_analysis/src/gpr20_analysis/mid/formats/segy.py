@@ -8,7 +8,7 @@ with scalar -1000, that is metres.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, List
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ import xarray as xr
 from gpr20_analysis.errors import ExportError, MissingLibraryError
 from gpr20_analysis.mid import dataset
 from gpr20_analysis.mid.formats.orientation import even_step
+from gpr20_analysis.mid.survey_source import Progress, silent
 
 INTERVAL_PS = 50
 PS_PER_S = 1e12
@@ -24,8 +25,14 @@ IEEE_FLOAT = 5
 CROSSLINE_SORTING = 1
 
 
-def write_segy(survey: xr.Dataset, path: Path) -> List[Path]:
-    """Write one file per polarization, `NAME_000.sgy` and so on, and return them.
+def file_of(path: Path, rotation_deg: float) -> Path:
+    """Return the file of a polarization, such as NAME_090.sgy; NAME_combined.sgy for both."""
+    word = "combined" if np.isnan(rotation_deg) else f"{round(float(rotation_deg)):03d}"
+    return path.with_name(f"{path.stem}_{word}{path.suffix}")
+
+
+def write_segy(survey: xr.Dataset, path: Path, progress: Progress = silent) -> int:
+    """Write the one polarization of a survey and return the number of traces.
 
     A survey over frequency is transformed with a Hann window to steps of 50 ps over the unambiguous
     time; A-scans over time are written as they are. A sample without numbers is a dead trace
@@ -33,10 +40,13 @@ def write_segy(survey: xr.Dataset, path: Path) -> List[Path]:
 
     Raises:
         MissingLibraryError: segyio is not installed.
-        ExportError: The steps of time are no whole picoseconds.
+        ExportError: The steps of time are no whole picoseconds, or there are more polarizations.
         OSError: The disk refused.
     """
     segyio = _segyio()
+    if survey.sizes[dataset.POLARIZATION] != 1:
+        raise ExportError("a SEG-Y file holds one polarization; write each to a file of its own")
+    survey = survey.isel({dataset.POLARIZATION: 0})
     if dataset.A_SCAN in survey:
         delay_s = survey[dataset.DELAY].values
     else:
@@ -47,19 +57,15 @@ def write_segy(survey: xr.Dataset, path: Path) -> List[Path]:
             f"SEG-Y holds up to {MOST_SAMPLES} samples in whole picoseconds, not {len(delay_s)} in "
             f"{interval_ps:g} ps; export the survey over frequency, which is transformed to fit"
         )
-    written = []
-    for turn, rotation_deg in enumerate(survey[dataset.POLARIZATION].values):
-        own = path.with_name(f"{path.stem}_{round(float(rotation_deg)):03d}{path.suffix}")
-        traces = _a_scans(survey.isel({dataset.POLARIZATION: turn}), delay_s)
-        spec = segyio.spec()
-        spec.format, spec.sorting = IEEE_FLOAT, CROSSLINE_SORTING
-        spec.samples = np.arange(len(delay_s)) * round(interval_ps) / 1000.0
-        spec.ilines = np.arange(1, survey.sizes[dataset.Y] + 1)
-        spec.xlines = np.arange(1, survey.sizes[dataset.X] + 1)
-        with segyio.create(str(own), spec) as file:
-            _fill(segyio, file, survey.isel({dataset.POLARIZATION: turn}), traces, interval_ps)
-        written.append(own)
-    return written
+    spec = segyio.spec()
+    spec.format, spec.sorting = IEEE_FLOAT, CROSSLINE_SORTING
+    spec.samples = np.arange(len(delay_s)) * round(interval_ps) / 1000.0
+    spec.ilines = np.arange(1, survey.sizes[dataset.Y] + 1)
+    spec.xlines = np.arange(1, survey.sizes[dataset.X] + 1)
+    traces = _a_scans(survey, delay_s)
+    with segyio.create(str(path), spec) as file:
+        _fill(segyio, file, survey, traces, interval_ps, progress)
+    return survey.sizes[dataset.Y] * survey.sizes[dataset.X]
 
 
 def _segyio() -> Any:
@@ -94,13 +100,19 @@ def _a_scans(survey: xr.Dataset, delay_s: np.ndarray) -> np.ndarray:
 
 
 def _fill(
-    segyio: Any, file: Any, survey: xr.Dataset, traces: np.ndarray, interval_ps: float
+    segyio: Any,
+    file: Any,
+    survey: xr.Dataset,
+    traces: np.ndarray,
+    interval_ps: float,
+    progress: Progress,
 ) -> None:
     field = segyio.TraceField
     file.text[0] = segyio.tools.create_text_header(_text(survey, interval_ps))
     file.bin.update({segyio.BinField.Interval: round(interval_ps), segyio.BinField.Format: 5})
     usable = dataset.usable(survey).transpose(dataset.Y, dataset.X).values
-    for number, (row, column) in enumerate(np.ndindex(*usable.shape)):
+    places = list(np.ndindex(*usable.shape))
+    for number, (row, column) in enumerate(progress(places, len(places))):
         x_mm, y_mm = (
             round(float(survey[axis].values[place]) * dataset.MM_PER_M)
             for axis, place in ((dataset.X, column), (dataset.Y, row))
