@@ -151,6 +151,4 @@ def _progress() -> Progress:
     return survey_input.progress_bar("writing")
 
 
-COMMAND = Command(
-    "Write a survey in a format of others.", add_arguments, run
-)
+COMMAND = Command("Write a survey in a format of others.", add_arguments, run)

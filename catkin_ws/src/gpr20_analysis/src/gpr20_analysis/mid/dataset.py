@@ -79,16 +79,23 @@ def usable(survey: xr.Dataset) -> xr.DataArray:
 
 def missing_samples(survey: xr.Dataset) -> List[str]:
     """Return one phrase for each sample without numbers: its place, rotation and why."""
-    quality = survey[QUALITY].transpose(*SAMPLE_DIMS)
-    found = []
-    for turn, row, column in np.argwhere((quality.values & int(UNUSABLE)) != 0):
-        why = "damaged" if quality.values[turn, row, column] & Quality.DAMAGED else "missing"
-        found.append(
-            f"{why}: x {float(survey[X][column]) * MM_PER_M:g} mm, "
-            f"y {float(survey[Y][row]) * MM_PER_M:g} mm, "
-            f"{float(survey[POLARIZATION][turn]):g} deg"
-        )
-    return found
+    quality = survey[QUALITY].transpose(*SAMPLE_DIMS).values
+    absent = (quality & int(UNUSABLE)) != 0
+    damaged = (quality[absent] & int(Quality.DAMAGED)) != 0
+    return [
+        f"{'damaged' if why else 'missing'}: {place}"
+        for why, place in zip(damaged, samples_at(survey, absent))
+    ]
+
+
+def samples_at(survey: xr.Dataset, chosen: np.ndarray) -> List[str]:
+    """Return the place and rotation of each sample that is chosen, bool (polarization, y, x)."""
+    turns_deg, y_m, x_m = (survey[axis].values for axis in SAMPLE_DIMS)
+    return [
+        f"x {float(x_m[column]) * MM_PER_M:g} mm, y {float(y_m[row]) * MM_PER_M:g} mm, "
+        f"{float(turns_deg[turn]):g} deg"
+        for turn, row, column in np.argwhere(chosen)
+    ]
 
 
 def require(survey: xr.Dataset, variable: str, dims: Sequence[str]) -> xr.DataArray:

@@ -5,7 +5,6 @@ NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from pathlib import Path
 from typing import Any, Dict
@@ -14,12 +13,14 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, UnreadableFileError
+from gpr20_analysis.low.seal import is_intact, seal
 from gpr20_analysis.low.whole_output import whole_output
 from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
 
 NETCDF, ZARR = ".nc", ".zarr"
 REAL, IMAGINARY = "_real", "_imag"
 PART_OF = "complex_part_of"
+NO_SEAL = "carries no checksum of gpr20: if it changed on the disk, that cannot be seen"
 
 
 def is_dataset(path: Path) -> bool:
@@ -42,14 +43,12 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
         raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
     stored = _as_real(data)
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"), whole_output(path) as place:
         if path.suffix == ZARR:
-            _zarr_needed()
-            with whole_output(path) as place:
-                stored.to_zarr(str(place), mode="w", consolidated=True)
+            stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
-            with whole_output(path) as place:
-                stored.to_netcdf(str(place), engine="h5netcdf")
+            stored.to_netcdf(str(place), engine="h5netcdf")
+        seal(place)
 
 
 def read_dataset(path: Path) -> xr.Dataset:
@@ -57,28 +56,44 @@ def read_dataset(path: Path) -> xr.Dataset:
 
     Raises:
         UnreadableFileError: It is damaged, or is something else.
+        MissingLibraryError: zarr is not installed.
         OSError: It cannot be read.
     """
     if not path.exists():
         raise AnalysisError(f"{path} does not exist")
+    sealed = is_intact(path)
     try:
         with np.errstate(invalid="ignore"):
-            return _read(path)
-    except (ValueError, KeyError, RuntimeError, OSError) as error:
+            data = _read(path)
+    except MissingLibraryError:
+        raise
+    # Whatever is changed in such a file, the libraries beneath raise errors of many kinds.
+    except Exception as error:
         raise UnreadableFileError(f"{path} cannot be read as a Dataset: {error}") from error
+    if not sealed:
+        data.attrs["notes"] = [*data.attrs.get("notes", []), f"{path.name} {NO_SEAL}"]
+    return data
 
 
 def _read(path: Path) -> xr.Dataset:
     if path.suffix == ZARR:
-        _zarr_needed()
+        _zarr_version()
         return _as_complex(xr.open_zarr(str(path), chunks=None).load())
     with xr.open_dataset(str(path), engine="h5netcdf") as stored:
         return _as_complex(stored.load())
 
 
-def _zarr_needed() -> None:
-    if importlib.util.find_spec("zarr") is None:
-        raise MissingLibraryError("Zarr needs zarr: pip install 'gpr20_analysis[zarr]'")
+def _zarr_format() -> Dict[str, int]:
+    """Return the arguments by which every zarr writes format 2, which every zarr reads."""
+    return {} if _zarr_version() < 3 else {"zarr_format": 2}
+
+
+def _zarr_version() -> int:
+    try:
+        from zarr import __version__
+    except ImportError as error:
+        raise MissingLibraryError("Zarr needs zarr: pip install 'gpr20_analysis[zarr]'") from error
+    return int(__version__.split(".")[0])
 
 
 def _as_real(data: xr.Dataset) -> xr.Dataset:

@@ -11,6 +11,7 @@ import xarray as xr
 from gpr20_analysis.low.spool import Spool, flush
 from gpr20_analysis.mid import dataset, dataset_files
 from gpr20_analysis.mid.assembly import assemble
+from gpr20_analysis.mid.dataset_check import checked
 from gpr20_analysis.mid.sources import open_source
 from gpr20_analysis.mid.survey_source import Progress, silent
 
@@ -44,7 +45,7 @@ def load_survey(
     """
     found = Path(path)
     if dataset_files.is_dataset(found):
-        return dataset_files.read_dataset(found)
+        return checked(dataset_files.read_dataset(found), found.name, accept_damaged)
     spool = Spool(lazy_bytes)
     survey = assemble(open_source(found), accept_damaged, progress, spool.allocate)
     return _lazy(survey, spool)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -122,9 +123,14 @@ def _read(path: Path, points: int) -> np.ndarray:
         header = stream.readline().decode("ascii", "replace").strip()
         if header != HEADER:
             raise UnreadableFileError(f"{path.name} begins with {header[:40]!r}, not {HEADER!r}")
+        content = stream.read()
+        if not content.endswith(b"\n"):
+            raise UnreadableFileError(
+                f"{path.name} does not end with the end of a line: its last number may be cut off"
+            )
         try:
             found = pd.read_csv(
-                stream, header=None, dtype=np.float64, float_precision="round_trip"
+                io.BytesIO(content), header=None, dtype=np.float64, float_precision="round_trip"
             ).to_numpy()
         except ValueError as error:
             raise UnreadableFileError(f"{path.name} is damaged: {error}") from error

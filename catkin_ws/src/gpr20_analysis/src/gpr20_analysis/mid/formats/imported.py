@@ -8,8 +8,11 @@ from typing import List, Optional, Sequence
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.mid import dataset
 from gpr20_analysis.mid.dataset import Quality
+
+HIGHEST_M = 10.0
 
 
 @dataclass
@@ -46,7 +49,16 @@ def as_dataset(found: Imported) -> xr.Dataset:
     """Return the Dataset of what was imported, missing samples marked and named.
 
     What only the robot's own surveys have (names, times, remarks) is empty.
+
+    Raises:
+        UnreadableFileError: A height cannot be one.
     """
+    wrong = found.height_m[(found.height_m < 0.0) | (found.height_m > HIGHEST_M)]
+    if wrong.size:
+        raise UnreadableFileError(
+            f"{found.source} tells {wrong.size} antenna heights that cannot be, e.g. "
+            f"{wrong[0]:g} m; 0..{HIGHEST_M:g} m are allowed, NaN if not measured"
+        )
     shape = found.values.shape[:3]
     # A sample without any number is one that is not there; one with some NaN is damaged.
     bad = ~np.isfinite(found.values)

@@ -9,7 +9,8 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.low.seal import is_intact, seal
 from gpr20_analysis.mid import dataset
 from gpr20_analysis.mid.formats.imported import Imported, as_dataset
 from gpr20_analysis.mid.formats.orientation import DEGREES, even_step, letters
@@ -19,6 +20,7 @@ GROUP = {dataset.S21: "Frequency", dataset.A_SCAN: "Time"}
 QUANTITY = {dataset.S21: "S21", dataset.A_SCAN: "A-Scan"}
 RANGE = {dataset.S21: ("f0", "ff", "df"), dataset.A_SCAN: ("t0", "tf", "dt")}
 LAST = {dataset.S21: dataset.FREQUENCY, dataset.A_SCAN: dataset.DELAY}
+AMOUNT = "Total Amount of A-Scans"
 HZ_PER_MHZ = 1e6
 LARGEST_MHZ = 1e6  # a start frequency below it is taken for MHz, as the guide prints it
 
@@ -42,7 +44,7 @@ def write_merged(survey: xr.Dataset, path: Path, title: str) -> None:
     heights = survey[dataset.HEIGHT].transpose(*dataset.SAMPLE_DIMS).values
     with h5py.File(str(path), "x") as file:
         file.attrs["Title"] = title
-        file.attrs["Total Amount of A-Scans"] = len(turns) * len(x_m) * len(y_m)
+        file.attrs[AMOUNT] = len(turns) * len(x_m) * len(y_m)
         file.attrs["Original extension of A-Scans"] = ".csv"
         place = file.create_group("Position")
         place.attrs.update(x0=x_m[0], y0=y_m[0], xf=x_m[-1], yf=y_m[-1], **spacing)
@@ -60,6 +62,7 @@ def write_merged(survey: xr.Dataset, path: Path, title: str) -> None:
                 scans.create_dataset(
                     f"{word}{{{QUANTITY[kind]} {pol}}}", data=part.astype(np.float32), **COMPRESSION
                 )
+    seal(path)
 
 
 def read_merged(path: Path) -> xr.Dataset:
@@ -68,12 +71,14 @@ def read_merged(path: Path) -> xr.Dataset:
     Raises:
         UnreadableFileError: It is damaged, or its scans cannot be placed.
     """
+    is_intact(path)  # only gpr20's own files have a checksum
     try:
         with h5py.File(str(path), "r") as file:
             return _read(file, path.name)
-    except (KeyError, OSError, RuntimeError, ValueError) as error:
-        if isinstance(error, UnreadableFileError):
-            raise
+    except AnalysisError:
+        raise
+    # Whatever is changed in such a file, HDF5 and numpy raise errors of many kinds.
+    except Exception as error:
         raise UnreadableFileError(f"{path.name} is no whole merged file: {error}") from error
 
 
@@ -86,6 +91,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
     if not turns:
         raise UnreadableFileError(f"{name} holds no {_scan('X', 'Re', kind)} nor the one of y-pol")
     shape = (len(turns), len(x_m), len(y_m))
+    _check_amount(file, name, int(np.prod(shape)))
     ordered = np.empty((len(turns), len(y_m), len(x_m), len(axis)), np.complex128)
     values = ordered.swapaxes(1, 2)  # as the scans run
     height_m = np.full(shape, np.nan)
@@ -93,7 +99,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
         real = _scans(file, _scan(letter, "Re", kind), name, shape[1:], len(axis))
         values[turn].real = real
         imaginary = _scan(letter, "Im", kind)
-        if imaginary in file["A-Scan"]:
+        if imaginary in file["A-Scan"] or kind == dataset.S21:
             values[turn].imag = _scans(file, imaginary, name, shape[1:], len(axis))
         else:
             values[turn].imag = 0.0
@@ -114,17 +120,31 @@ def _read(file: Any, name: str) -> xr.Dataset:
     )
 
 
+def _check_amount(file: Any, name: str, found: int) -> None:
+    told = file.attrs.get(AMOUNT)
+    if told is not None and int(told) != found:
+        raise UnreadableFileError(
+            f"{name} tells of {told} A-scans, but its places and polarizations make {found}"
+        )
+
+
 def _scan(letter: str, word: str, kind: str) -> str:
     return f"{word}{{{QUANTITY[kind]} {letter.lower()}-pol}}"
 
 
 def _axis(file: Any, kind: str, notes: List[str]) -> np.ndarray:
     described = file[GROUP[kind]].attrs
-    start, stop = (float(described[one]) for one in RANGE[kind][:2])
+    start, stop, step = (float(described[one]) for one in RANGE[kind])
+    count = int(described["q"])
+    # The guide divides by the number of points where its program divides by one less.
+    if not (count > 1 and step > 0.0 and abs(start + (count - 1) * step - stop) <= 1.01 * step):
+        raise UnreadableFileError(
+            f"its {count} points from {start:g} to {stop:g} are not in steps of {step:g}"
+        )
     if kind == dataset.S21 and start < LARGEST_MHZ:
         notes.append("its frequencies were taken for MHz")
         start, stop = start * HZ_PER_MHZ, stop * HZ_PER_MHZ
-    return np.linspace(start, stop, int(described["q"]))
+    return np.linspace(start, stop, count)
 
 
 def _places(file: Any, name: str, axis: str) -> np.ndarray:
