@@ -163,6 +163,16 @@ def test_a_file_that_was_added_is_named(copy):
     assert verify(copy).faults == ["traces/note.txt is not in the manifest"]
 
 
+def test_a_name_that_is_no_text_is_told(copy):
+    with open(os.fsencode(str(copy)) + b"/traces/\xff.json", "wb"):
+        pass
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
+    command = [sys.executable, "-m", "gpr20_analysis.verify", str(copy)]
+    told = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=False)
+    assert told.returncode == 2
+    assert rb"FAULT: traces/\xff.json is not in the manifest" in told.stdout
+
+
 def test_a_link_in_the_place_of_a_file_is_not_followed(copy, tmp_path):
     path = sorted((copy / "traces").iterdir())[0]
     path.rename(tmp_path / "elsewhere.json")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.mid.verification import verify
+from gpr20_vna_processing.errors import printable
 
 FAULTS_TOLD = 50
 
@@ -22,7 +23,7 @@ def run(chosen: argparse.Namespace) -> int:
     found = verify(chosen.folder)
     told = found.faults if chosen.all else found.faults[:FAULTS_TOLD]
     for fault in told:
-        print(f"FAULT: {fault}")
+        print(f"FAULT: {printable(fault)}")
     if len(told) < len(found.faults):
         print(f"... and {len(found.faults) - len(told)} more; --all tells them")
     for note in found.notes:

@@ -8,7 +8,8 @@ from typing import Any, Dict, List
 
 from gpr20_vna_processing.errors import SurveyRefusedError
 from gpr20_vna_processing.low import file_sums
-from gpr20_vna_processing.mid import manifest, survey_metadata
+from gpr20_vna_processing.low.regular_file import open_regular
+from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata
 
 MAX_BYTES = 512 << 20  # a million traces
 
@@ -35,10 +36,14 @@ def check_files(folder: Path, survey_id: str) -> List[str]:
 
 
 def _differences(path: Path, name: str, listed: Any) -> List[str]:
+    if listed is None and name.startswith(f"{survey_folder.DAMAGED_FOLDER}/"):
+        return []  # never data, and it could not be read
     try:
         sha256, size = file_sums.sha256_and_size(path)
     except OSError as error:
         return [f"{name} cannot be read: {error.strerror}"]
+    if listed is None:
+        return [f"{name} has no SHA-256 in the manifest: it could not be read when it was written"]
     if listed != {"sha256": sha256, "size": size}:
         return [f"{name} is not the file of the manifest: its size or SHA-256 differs"]
     return []
@@ -46,7 +51,9 @@ def _differences(path: Path, name: str, listed: Any) -> List[str]:
 
 def _listed_files(path: Path, survey_id: str) -> Dict[str, Any]:
     try:
-        values = survey_metadata.parse_object(path.read_text("ascii"), path.name, MAX_BYTES)
+        with open(open_regular(path), "rb") as stream:
+            text = stream.read(MAX_BYTES + 1).decode("ascii")
+        values = survey_metadata.parse_object(text, path.name, MAX_BYTES)
     except (UnicodeDecodeError, json.JSONDecodeError, SurveyRefusedError) as error:
         raise ValueError(str(error)) from error
     files = values.get("files")

@@ -6,6 +6,7 @@ import itertools
 import os
 import secrets
 from pathlib import Path
+from typing import Iterator
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
@@ -105,10 +106,12 @@ def is_temporary(name: str) -> bool:
 def remove_temporaries(folder: Path) -> int:
     """Remove the files that were being written at a crash; return how many.
 
+    A folder of such a name is somebody else's and is left alone.
+
     Raises:
         OSError: The disk refused.
     """
-    torn = [one for one in folder.iterdir() if is_temporary(one.name)]
+    torn = [one for one in folder.iterdir() if is_temporary(one.name) and not _is_folder(one)]
     for one in torn:
         one.unlink()
     return len(torn)
@@ -121,8 +124,7 @@ def keep_aside(path: Path, folder: Path) -> Path:
         OSError: The disk refused.
     """
     ensure_folder(folder)
-    for number in itertools.count():
-        target = folder / (path.name if not number else f"{path.name}.{number}")
+    for target in _names_for(path, folder):
         try:
             os.link(str(path), str(target), follow_symlinks=False)  # never replaces a file
         except FileExistsError:
@@ -132,14 +134,31 @@ def keep_aside(path: Path, folder: Path) -> Path:
     raise AssertionError("numbers do not end")
 
 
+def _names_for(path: Path, folder: Path) -> Iterator[Path]:
+    yield folder / path.name
+    for number in itertools.count(1):
+        yield folder / f"{path.name}.{number}"
+
+
+def _is_folder(path: Path) -> bool:
+    return path.is_dir() and not path.is_symlink()
+
+
 def move_aside(path: Path, folder: Path) -> Path:
-    """Move a file into a folder under a name that is free; return where it is.
+    """Move a file, or whatever is there, into a folder under a free name; return where it is.
 
     Raises:
         OSError: The disk refused; the file is where it was, or in both places.
     """
-    target = keep_aside(path, folder)
-    path.unlink()
+    try:
+        target = keep_aside(path, folder)
+    except PermissionError:
+        # A folder has no second name, and the system may refuse one for another user's file.
+        target = next(one for one in _names_for(path, folder) if not os.path.lexists(str(one)))
+        os.rename(str(path), str(target))
+        sync_path(folder)
+    else:
+        path.unlink()
     sync_path(path.parent)
     return target
 
@@ -155,11 +174,11 @@ def put_in_place(temporary: Path, path: Path) -> None:
 
 
 def remove_file(path: Path) -> None:
-    """Remove a file, if it is there; return when that is durable.
+    """Remove a file or a link, if it is there; return when that is durable.
 
     Raises:
         OSError: The disk refused.
     """
-    if path.exists():
+    if os.path.lexists(str(path)):
         path.unlink()
         sync_path(path.parent)

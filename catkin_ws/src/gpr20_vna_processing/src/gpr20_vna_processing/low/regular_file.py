@@ -7,6 +7,8 @@ import os
 import stat
 from pathlib import Path
 
+from gpr20_vna_processing.errors import IrregularFileError
+
 
 def open_regular(path: Path, follow_link: bool = False) -> int:
     """Return a descriptor for reading a file; a pipe or a device in its place is never waited for.
@@ -16,11 +18,23 @@ def open_regular(path: Path, follow_link: bool = False) -> int:
         follow_link: Whether the path may be a symbolic link.
 
     Raises:
-        OSError: There is none, it is no regular file, or it cannot be read.
+        IrregularFileError: It is no regular file.
+        OSError: There is none, or it cannot be read.
     """
     flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK
-    descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
+    try:
+        descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            raise _irregular(path, "a symbolic link, which is not followed") from error
+        if error.errno == errno.ENXIO:
+            raise _irregular(path, "no ordinary file") from error
+        raise
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise OSError(errno.EINVAL, "this is no ordinary file; move it away", str(path))
+        raise _irregular(path, "no ordinary file")
     return descriptor
+
+
+def _irregular(path: Path, kind: str) -> IrregularFileError:
+    return IrregularFileError(errno.EINVAL, f"this is {kind}; move it away", str(path))

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Iterator
+from typing import Any, Dict, Iterator, Optional
 
 from gpr20_vna_processing.low import file_sums, json_trace_file
-from gpr20_vna_processing.mid import survey_metadata
+from gpr20_vna_processing.mid import survey_folder, survey_metadata
 
 MANIFEST_FILE = "manifest.json"
 FORMAT = "gpr20-manifest/1"
+DATA_FILES = (survey_folder.SURVEY_FILE, survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
 
 
 def write_manifest(folder: Path, survey_id: str, revision: str, written: str) -> None:
     """Write the checksums of every file of a survey; return when they are durable.
+
+    What is no data of the survey and cannot be read, such as a link in `damaged/`, is listed
+    without a checksum: it must not keep a survey from being closed.
 
     Args:
         folder: The survey's folder; nothing in it may change any more.
@@ -22,12 +26,18 @@ def write_manifest(folder: Path, survey_id: str, revision: str, written: str) ->
         written: When, as ISO 8601 text.
 
     Raises:
-        OSError: A file cannot be read, or the disk refused.
+        OSError: A file of the survey's data cannot be read, or the disk refused.
     """
-    files = {}
+    files: Dict[str, Optional[Dict[str, Any]]] = {}
     for name in file_names(folder):
-        sha256, size = file_sums.sha256_and_size(folder / name)
-        files[name] = {"sha256": sha256, "size": size}
+        try:
+            sha256, size = file_sums.sha256_and_size(folder / name)
+        except OSError:
+            if is_data(name):
+                raise
+            files[name] = None
+        else:
+            files[name] = {"sha256": sha256, "size": size}
     values = {
         "format": FORMAT,
         "survey_id": survey_id,
@@ -36,6 +46,11 @@ def write_manifest(folder: Path, survey_id: str, revision: str, written: str) ->
         "files": files,
     }
     json_trace_file.replace_file(folder / MANIFEST_FILE, survey_metadata.encode(values))
+
+
+def is_data(name: str) -> bool:
+    """Say whether a file, named relative to the survey's folder, holds data of the survey."""
+    return name in DATA_FILES or name.startswith(f"{survey_folder.TRACES_FOLDER}/")
 
 
 def file_names(folder: Path) -> Iterator[str]:

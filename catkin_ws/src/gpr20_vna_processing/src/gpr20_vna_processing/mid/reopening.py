@@ -8,7 +8,12 @@ from collections import Counter
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
-from gpr20_vna_processing.errors import SurveyRefusedError, TraceRefusedError, storing
+from gpr20_vna_processing.errors import (
+    SurveyRefusedError,
+    TraceRefusedError,
+    printable,
+    storing,
+)
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.low.recording import Recording
 from gpr20_vna_processing.mid import (
@@ -102,7 +107,7 @@ class Reopening:
         self._truth: Dict[int, bytes] = {}
         self._last: Optional[TraceRecord] = None
         started_ns = _started_us(description) * utc_time.NS_PER_US
-        with storing("the survey, which is read again,", folder):
+        with storing("the survey", folder, "be read again from"):
             self._files = trace_files.read_all(self._traces, self._survey_id)
             self._recorded = [
                 RecordedTraces(one, storage.messages, self._survey_id)
@@ -190,7 +195,10 @@ class Reopening:
         # In this order: a manifest beside a survey that has not ended is known to be old.
         path = self._folder / survey_folder.SURVEY_FILE
         json_trace_file.replace_file(path, survey_metadata.encode(self._description))
-        json_trace_file.remove_file(self._folder / manifest.MANIFEST_FILE)
+        old = self._folder / manifest.MANIFEST_FILE
+        if old.is_dir() and not old.is_symlink():
+            self._set_aside(old, "this is a folder, no file")
+        json_trace_file.remove_file(old)
 
     def _remove_torn(self) -> None:
         removed = sum(
@@ -215,7 +223,7 @@ class Reopening:
 
     def _set_aside(self, path: Path, reason: str) -> None:
         kept = json_trace_file.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
-        self._repairs.append(f"moved {path.name} to {kept.parent.name}/: {reason}")
+        self._repairs.append(f"moved {printable(path.name)} to {kept.parent.name}/: {reason}")
 
     def _restore(self, trace: TraceRecord) -> None:
         name = survey_folder.trace_file_name(trace)

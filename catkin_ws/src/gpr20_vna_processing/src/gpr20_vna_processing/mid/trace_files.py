@@ -59,7 +59,10 @@ def read_all(folder: Path, survey_id: str) -> TraceFiles:
         try:
             trace = read_trace(path, survey_id)
             _check_unique(trace, found.names.get(trace.index), samples.get(trace.sample_id))
-        except (TraceRefusedError, OSError) as error:
+        except OSError as error:
+            found.damaged.append((path, error.strerror or str(error)))
+            continue
+        except TraceRefusedError as error:
             found.damaged.append((path, str(error)))
             continue
         found.prints[trace.index] = trace.fingerprint()
