@@ -5,21 +5,63 @@ from __future__ import annotations
 import threading
 from concurrent.futures import Future
 from concurrent.futures import wait as wait_for_futures
-from typing import Callable, TypeVar
+from dataclasses import dataclass, field
+from typing import Callable, Optional, TypeVar
 
 Result = TypeVar("Result")
 POLL_S = 0.05
 
 
-def in_background(call: Callable[[], Result]) -> Future[Result]:
+class Turns:
+    """Calls of one device, which are never made two at a time.
+
+    A call that was given up may still wait for a node that is being started again, and would
+    undo there what was asked since. So the next one waits for its end, and what was given up
+    while it waited for its turn is not made at all.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+
+    def take(self, call: Callable[[], Result], check: Callable[[], None]) -> Result:
+        """Make a call when those before it have ended, and return its result.
+
+        Args:
+            call: What to call. If the wait for it is given up once it has begun, it goes on in
+                its thread.
+            check: Called again and again meanwhile; what it raises ends the wait.
+        """
+        return result_of(in_background(call, self._lock), check)
+
+
+@dataclass(frozen=True)
+class DeviceTurns:
+    """The turns of the devices on which a call that comes late would change something."""
+
+    analyzer: Turns = field(default_factory=Turns)
+    storage: Turns = field(default_factory=Turns)
+
+
+def in_background(
+    call: Callable[[], Result], turn: Optional[threading.Lock] = None
+) -> Future[Result]:
     """Begin a call in a thread of its own.
 
     The thread is a daemon: a call that hangs in a device outlives the survey that has given
     it up, but not the node.
+
+    Args:
+        call: What to call.
+        turn: Held during the call.
     """
     future: Future[Result] = Future()
 
     def run() -> None:
+        with turn or threading.Lock():
+            if future.set_running_or_notify_cancel():
+                make()
+
+    def make() -> None:
         try:
             future.set_result(call())
         except BaseException as error:
@@ -30,16 +72,6 @@ def in_background(call: Callable[[], Result]) -> Future[Result]:
     return future
 
 
-def interruptible(call: Callable[[], Result], check: Callable[[], None]) -> Result:
-    """Make a call that may take long and return its result, or raise what it raised.
-
-    Args:
-        call: What to call. If the wait for it is given up, it goes on in its thread.
-        check: Called again and again meanwhile; what it raises ends the wait.
-    """
-    return result_of(in_background(call), check)
-
-
 def result_of(future: Future[Result], check: Callable[[], None]) -> Result:
     """Return the result of a call, or raise what it raised.
 
@@ -47,6 +79,9 @@ def result_of(future: Future[Result], check: Callable[[], None]) -> Result:
         future: The call.
         check: Called again and again meanwhile; what it raises ends the wait.
     """
-    while not wait_for_futures([future], POLL_S).done:
-        check()
+    try:
+        while not wait_for_futures([future], POLL_S).done:
+            check()
+    finally:
+        future.cancel()  # what has begun goes on
     return future.result()

@@ -10,6 +10,7 @@ from typing import Callable, Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.background import DeviceTurns
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.preparation import interruption_remark
@@ -60,7 +61,9 @@ class MainControl:
         self._positioner = Positioner(
             self._robot.axes(), self._facts.axes, interruption, surroundings.clock
         )
-        self._factory = SurveyFactory(surroundings, self._positioner, interruption)
+        # Of all surveys: a call that one has given up must not disturb the next.
+        self._turns = DeviceTurns()
+        self._factory = SurveyFactory(surroundings, self._positioner, interruption, self._turns)
 
     def set_parameters(self, parameters: SurveyParameters) -> SurveyEstimate:
         """Check the parameters and keep them for the next survey; nothing moves.
@@ -190,7 +193,8 @@ class MainControl:
                 )
 
     def _resume_from_disk(self, survey: str) -> str:
-        reopened = self._robot.storage.reopen(survey)
+        storage = self._robot.storage
+        reopened = self._turns.storage.take(lambda: storage.reopen(survey), lambda: None)
         try:
             parameters = resumable_parameters(reopened, self._facts)
             check(parameters, self._facts.travel)
@@ -202,7 +206,7 @@ class MainControl:
             self._begin(plan, parameters, reopened)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
-            self._robot.storage.close(reopened.survey_id, "failed", f"not resumed: {error}")
+            storage.close(reopened.survey_id, "failed", f"not resumed: {error}")
             raise
         return (
             f"resuming with {len(plan.pending)} of {len(plan.points)} traces to go"

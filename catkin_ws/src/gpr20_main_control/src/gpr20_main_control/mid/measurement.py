@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
@@ -68,9 +69,7 @@ class PointMeasurement:
         self._interruption.check()
         before = self._positioner.position()
         self._check_position(point, before)
-        height_call, sweep_call = in_background(self._height), in_background(self._sweep)
-        sweep = result_of(sweep_call, self._interruption.check)
-        height_m, remarks = result_of(height_call, self._interruption.check)
+        sweep, height_m, remarks = self._sweep_and_height()
         self._interruption.check()
         if self._positioner.position() != before:
             raise DeviceError(
@@ -88,13 +87,31 @@ class PointMeasurement:
                 f"{point.index}; nobody else may move them during a survey"
             )
 
-    def _sweep(self) -> Sweep:
+    def _sweep_and_height(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
+        given_up = threading.Event()
+
+        def check() -> None:
+            self._interruption.check()
+            if given_up.is_set():
+                raise DeviceError("the measurement was given up")
+
+        height_call = in_background(self._height)
+        sweep_call = in_background(lambda: self._sweep(check))
+        try:
+            sweep = result_of(sweep_call, self._interruption.check)
+            height_m, remarks = result_of(height_call, self._interruption.check)
+        finally:
+            # A sweep that is not waited for must not set up the analyzer beside what follows.
+            given_up.set()
+        return sweep, height_m, remarks
+
+    def _sweep(self, check: Callable[[], None]) -> Sweep:
         for _attempt in range(self._settings.attempts - 1):
             try:
                 return self._robot.analyzer.sweep()
             except DeviceError:
-                self._interruption.check()
-                self._preparation.check_analyzer()
+                check()
+                self._preparation.check_analyzer(check)
         return self._robot.analyzer.sweep()
 
     def _height(self) -> Tuple[float, Tuple[str, ...]]:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import Callable, Optional, Tuple, TypeVar
+from typing import Callable, Optional, Tuple
 
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.background import interruptible
+from gpr20_main_control.mid.background import DeviceTurns, in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord, Sweep, SweepSetting
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
-
-Result = TypeVar("Result")
 
 CALIBRATION_MEANINGS = {
     0: "no calibration",
@@ -54,6 +52,7 @@ class Preparation:
         robot: Robot,
         positioner: Positioner,
         interruption: Interruption,
+        turns: DeviceTurns,
         make_record: Callable[[InstrumentState], SurveyRecord],
         reopened: Optional[ReopenedSurvey] = None,
     ) -> None:
@@ -62,6 +61,7 @@ class Preparation:
         self._robot = robot
         self._positioner = positioner
         self._interruption = interruption
+        self._turns = turns
         self._make_record = make_record
         self._instrument = InstrumentState("", 0, SweepSetting(0.0, 0.0, 0))
         self._recorded = self._instrument
@@ -94,20 +94,26 @@ class Preparation:
         self._positioner.check_alive()
         self.check_analyzer()
         if self._settings.on_height_failure == HeightPolicy.PAUSE.value:
-            self._call(self._robot.height_sensor.height_m)
+            height_call = in_background(self._robot.height_sensor.height_m)
+            result_of(height_call, self._interruption.check)
 
-    def check_analyzer(self) -> None:
+    def check_analyzer(self, check: Optional[Callable[[], None]] = None) -> None:
         """Connect the analyzer, look at its calibration and configure its sweep.
+
+        Args:
+            check: Called again and again meanwhile, instead of the usual look at a stop and
+                at the nodes; what it raises ends the wait.
 
         Raises:
             DeviceError: It is not there, not calibrated, or refuses the sweep.
         """
-        analyzer = self._robot.analyzer
-        identity = self._call(lambda: analyzer.connect(self._parameters.vna_address))
-        calibration = self._call(analyzer.calibration)
+        check = check or self._interruption.check
+        analyzer, turns = self._robot.analyzer, self._turns.analyzer
+        identity = turns.take(lambda: analyzer.connect(self._parameters.vna_address), check)
+        calibration = turns.take(analyzer.calibration, check)
         self._check_calibration(calibration)
-        setting = self._configure()
-        frequencies_hz = self._call(analyzer.frequencies_hz)
+        setting = self._configure(check)
+        frequencies_hz = turns.take(analyzer.frequencies_hz, check)
         if self._frequencies_hz and frequencies_hz != self._frequencies_hz:
             raise DeviceError(
                 "the VNA's frequencies are no longer those of this survey; stop it and start anew"
@@ -132,12 +138,14 @@ class Preparation:
         """
         if self._folder:
             name = PurePosixPath(self._folder).name
-            interruptible(
+            self._turns.storage.take(
                 lambda: self._robot.storage.reopen(name), check or self._interruption.check
             )
             return ""
         record = self._record_now()
-        opened = self._call(lambda: self._robot.storage.open(record))
+        opened = self._turns.storage.take(
+            lambda: self._robot.storage.open(record), self._interruption.check
+        )
         self._folder = opened.folder
         return interruption_remark(opened.interrupted)
 
@@ -170,10 +178,6 @@ class Preparation:
                 f"change accepted_calibrations (now {accepted})"
             )
 
-    def _call(self, call: Callable[[], Result]) -> Result:
-        # One by one: of what was given up, no more than one call still happens.
-        return interruptible(call, self._interruption.check)
-
     def _asked_setting(self) -> SweepSetting:
         return SweepSetting(
             self._parameters.start_frequency_hz,
@@ -181,9 +185,9 @@ class Preparation:
             self._parameters.frequency_points,
         )
 
-    def _configure(self) -> SweepSetting:
+    def _configure(self, check: Callable[[], None]) -> SweepSetting:
         asked = self._asked_setting()
-        accepted = self._call(lambda: self._robot.analyzer.configure(asked))
+        accepted = self._turns.analyzer.take(lambda: self._robot.analyzer.configure(asked), check)
         if accepted != asked:
             raise DeviceError(f"the VNA accepted {accepted} instead of {asked}")
         return accepted

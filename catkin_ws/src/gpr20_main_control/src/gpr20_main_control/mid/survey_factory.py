@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
+from gpr20_main_control.mid.background import DeviceTurns
 from gpr20_main_control.mid.coverage import Coverage
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.measurement import PointMeasurement
@@ -48,11 +49,16 @@ class SurveyFactory:
     """Makes plans and the runs that carry them out."""
 
     def __init__(
-        self, surroundings: Surroundings, positioner: Positioner, interruption: Interruption
+        self,
+        surroundings: Surroundings,
+        positioner: Positioner,
+        interruption: Interruption,
+        turns: DeviceTurns,
     ) -> None:
         self._surroundings = surroundings
         self._positioner = positioner
         self._interruption = interruption
+        self._turns = turns
 
     def plan(self, parameters: SurveyParameters, survey_id: str) -> SurveyPlan:
         """Return the points of a survey and how long each takes."""
@@ -83,6 +89,7 @@ class SurveyFactory:
             self._recovery(),
             around.board,
             self._interruption,
+            self._turns.storage,
             around.clock,
             around.utc_now_ns,
         )
@@ -100,6 +107,7 @@ class SurveyFactory:
             around.robot,
             self._positioner,
             self._interruption,
+            self._turns,
             make_record,
             reopened,
         )

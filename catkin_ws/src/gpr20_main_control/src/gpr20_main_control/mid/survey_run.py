@@ -8,7 +8,7 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested
-from gpr20_main_control.mid.background import interruptible
+from gpr20_main_control.mid.background import Turns
 from gpr20_main_control.mid.control_measurement import compare
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.measurement import PointMeasurement
@@ -42,6 +42,7 @@ class SurveyRun:
         recovery: Recovery,
         board: StatusBoard,
         interruption: Interruption,
+        storage_turns: Turns,
         clock: Clock,
         utc_now_ns: Callable[[], int],
     ) -> None:
@@ -54,6 +55,7 @@ class SurveyRun:
         self._recovery = recovery
         self._board = board
         self._interruption = interruption
+        self._storage_turns = storage_turns
         self._clock = clock
         self._utc_now_ns = utc_now_ns
         self._pause_requested = threading.Event()
@@ -143,7 +145,7 @@ class SurveyRun:
         control = compare(stored, measured.sweep, measured.height_m)
         self._report.note_control(control, self._utc_now_ns())
         report_json = self._report.to_json()
-        interruptible(
+        self._storage_turns.take(
             lambda: self._robot.storage.report(self._plan.survey_id, report_json),
             self._interruption.check,
         )
@@ -264,10 +266,10 @@ class SurveyRun:
         storage, survey_id = self._robot.storage, self._plan.survey_id
         report_json = self._report.to_json()
         if report_json != self._closing_report:
-            interruptible(lambda: storage.report(survey_id, report_json), check)
+            self._storage_turns.take(lambda: storage.report(survey_id, report_json), check)
         # Not twice: a survey that was closed by a call whose answer was lost takes no report.
         self._closing_report = report_json
-        return interruptible(lambda: storage.close(survey_id, outcome, reason), check)
+        return self._storage_turns.take(lambda: storage.close(survey_id, outcome, reason), check)
 
     def _count_stored(self, stored: int, index: int) -> None:
         self._report.note_stored(index)
