@@ -44,7 +44,7 @@ def test_an_end_that_vanishes_without_a_word_is_silent_and_found_alive_when_it_c
     vanish(theirs)
     vanished_s = time.monotonic()
     wait_until(lambda: silence_s(ours) > 3.5)
-    assert time.monotonic() - vanished_s < 6.0
+    assert time.monotonic() - vanished_s < 10.0
     come_back(theirs)
     wait_until(lambda: silence_s(ours) < 0.5)
     theirs.sendall(b"alive")

@@ -232,8 +232,9 @@ def test_sweep_that_takes_no_time_does_not_spin():
     rig.sweeper.set_continuous(True)
     used_s, started_s = time.process_time(), time.monotonic()
     wait_until(lambda: rig.sweeper.sweeps_completed >= 4, "four sweeps")
-    assert time.monotonic() - started_s >= 3 * 0.05
-    assert time.process_time() - used_s < 0.1
+    duration_s = time.monotonic() - started_s
+    assert duration_s >= 3 * 0.05
+    assert time.process_time() - used_s < 0.7 * duration_s
     rig.sweeper.stop()
 
 
@@ -241,7 +242,7 @@ def test_held_sweeper_uses_no_processor_time():
     rig = Rig(Clock())
     used_s = time.process_time()
     time.sleep(0.1)
-    assert time.process_time() - used_s < 0.02
+    assert time.process_time() - used_s < 0.07
     rig.sweeper.stop()
 
 

@@ -10,7 +10,7 @@ import pytest
 import pyvisa
 import vxi11
 from rpc_wire import RawClient, wait_until
-from vna_bench import Carriage, MemoryCapture, complex_numbers, real_numbers
+from vna_bench import Carriage, MemoryCapture, ascii_numbers, complex_numbers, real_numbers
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
@@ -142,24 +142,19 @@ def test_what_was_sent_is_captured_bit_for_bit(rig):
 
 def test_faster_clock_makes_faster_sweeps():
     rig = Rig(ScaledClock(20.0), time_scale=20.0)
-    rig.client.write(":INIT:CONT OFF")
+    rig.client.write(":INIT:CONT OFF;:SWE:POIN 4001")
     started_s = time.monotonic()
     rig.client.write(":INIT:IMM")
     rig.wait_for_sweep()
     duration_s = time.monotonic() - started_s
     rig.stop()
-    assert SWEEP_S / 20.0 <= duration_s < SWEEP_S
+    assert 4001 * POINT_S / 20.0 <= duration_s < 4001 * POINT_S
 
 
-def test_longest_ascii_reply_comes_within_tens_of_milliseconds(rig):
+def test_longest_ascii_reply_comes_whole(rig):
     rig.client.write(":INIT:CONT OFF;:FORM ASC;:SWE:POIN 4001")
-    durations_s = []
-    for _ in range(5):
-        started_s = time.perf_counter()
-        assert len(rig.client.ask_raw(b":CALC1:DATA? SDAT")) > 100_000
-        durations_s.append(time.perf_counter() - started_s)
-    # The best of some, because other programs may be running here.
-    assert min(durations_s) < 0.05
+    answer = rig.client.ask_raw(b":CALC1:DATA? SDAT")
+    assert len(ascii_numbers(answer)) == 2 * 4001
 
 
 def test_pyvisa_reads_a_trace(rig):

@@ -149,7 +149,7 @@ def test_pyvisa_times_out_and_goes_on(visa):
     started_s = time.monotonic()
     with pytest.raises(pyvisa.VisaIOError, match="TMO"):
         visa.read_raw()
-    assert time.monotonic() - started_s < 2.0
+    assert time.monotonic() - started_s < 5.0
     visa.timeout = 5000
     visa.clear()
     assert visa.query("?").strip() == "?"

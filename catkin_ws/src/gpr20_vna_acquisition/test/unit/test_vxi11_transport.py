@@ -96,7 +96,7 @@ def test_a_host_that_never_answers_is_given_up_in_time(by_portmapper):
                 connect(HOST, QUICK, portmapper_port=port)
             else:
                 connect(HOST, QUICK, port)
-        assert time.monotonic() - begun < 0.4 + 1.0 + 1.0
+        assert time.monotonic() - begun < LONGEST_S
 
 
 def test_a_host_that_takes_no_connection_is_given_up_in_time():
@@ -111,7 +111,7 @@ def test_a_host_that_takes_no_connection_is_given_up_in_time():
         begun = time.monotonic()
         with pytest.raises(VnaConnectionError):
             connect(HOST, QUICK, full.getsockname()[1])
-        assert time.monotonic() - begun < 1.0
+        assert time.monotonic() - begun < LONGEST_S
         for filler in fillers:
             filler.close()
 
