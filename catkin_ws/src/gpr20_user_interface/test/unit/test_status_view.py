@@ -71,3 +71,15 @@ def test_health_of_every_node_is_shown_in_its_own_words(window):
 def test_unknown_disk_and_calibration_are_said_to_be_unknown(window):
     window.refresh(snapshot(SurveyState.IDLE))
     assert (window.status.health.disk, window.status.health.calibration) == ("—", "—")
+
+
+def test_line_of_a_node_that_is_cut_is_read_to_its_end_below(window):
+    identity = "Anritsu,MS2026C/2,SIMULATED,1.23" + "X" * 60
+    words = f"connected to {identity}"
+    nodes = (
+        NodeHealth("vna_acquisition", HealthLevel.OK, words, {}),
+        NodeHealth("height_sensor", HealthLevel.OK, "height 0.200 m", {}),
+    )
+    window.refresh(snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+    window.refresh(snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+    assert window.status.health.details == f"vna_acquisition: {words}"

@@ -149,7 +149,7 @@ class StorageThread:
             if job.outcome.cancel():
                 state = "it was not begun"
             else:
-                state = "it may still end; asking again is safe"
+                state = "it may still end, asking again is safe"
             raise StorageFailedError(
                 f"the disk did not finish within {timeout_s:g} s ({state}); check the disk"
             ) from None

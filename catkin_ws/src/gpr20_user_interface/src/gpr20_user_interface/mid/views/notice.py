@@ -10,6 +10,7 @@ from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QPushButton, QVBoxLayout, QW
 
 from gpr20_user_interface.mid.survey_state import Request
 from gpr20_user_interface.mid.views.overlay import Overlay
+from gpr20_user_interface.mid.views.robot_text import robot_text
 
 
 class NoticeKind(enum.Enum):
@@ -69,7 +70,7 @@ class Notice(Overlay):
         kind, reason = self._shown
         title, next_step = self._texts()[kind]
         self.title.setText(title)
-        self.reason.setPlainText(reason)
+        self.reason.setPlainText(robot_text(reason))
         self.next_step.setText(next_step)
 
     def _texts(self) -> Dict[NoticeKind, Tuple[str, str]]:

@@ -11,7 +11,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBox
 
 from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.views.control_text import control_text
+from gpr20_user_interface.mid.views.robot_text import robot_text
 from gpr20_user_interface.mid.views.state_text import state_title
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -61,9 +61,7 @@ class TopBar(TranslatedWidget):
         """Show what is known now."""
         self._snapshot = snapshot
         self.title.setText(self._title(snapshot))
-        self.message.show_text(
-            "" if snapshot.state is None else control_text(snapshot.state.message)
-        )
+        self.message.show_text("" if snapshot.state is None else robot_text(snapshot.state.message))
         self.simulated.setVisible(snapshot.simulated)
         self.alarm.setVisible(snapshot.alarm is not None)
         self.message.setVisible(snapshot.alarm is None)
@@ -100,7 +98,7 @@ class TopBar(TranslatedWidget):
                 "main_control not heard for {seconds} s: the robot may still move. Waiting for it."
             ).format(seconds=int(alarm.silent_s)),
             AlarmKind.ANALYZER_GONE: self.tr("The VNA is in trouble: {detail}").format(
-                detail=alarm.detail
+                detail=robot_text(alarm.detail)
             ),
         }
         return texts[alarm.kind]
@@ -131,6 +129,11 @@ class ElidedLabel(QLabel):
         """The text without anything left out."""
         return self._whole
 
+    @property
+    def is_cut(self) -> bool:
+        """Whether some of the text has no room."""
+        return self.text() != _one_line(self._whole)
+
     def show_text(self, text: str) -> None:
         """Show as much of a text as fits."""
         self._whole = text
@@ -147,6 +150,11 @@ class ElidedLabel(QLabel):
         self._elide()
 
     def _elide(self) -> None:
-        one_line = " ".join(self._whole.split())
         metrics = self.fontMetrics()
-        self.setText(metrics.elidedText(one_line, Qt.TextElideMode.ElideRight, self.width() - 2))
+        room_px = self.width() - 2
+        text = metrics.elidedText(_one_line(self._whole), Qt.TextElideMode.ElideRight, room_px)
+        self.setText(text)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

@@ -14,9 +14,9 @@ from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import a_scan
 from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
-from gpr20_user_interface.mid.views.control_text import control_text
 from gpr20_user_interface.mid.views.map.map_canvas import MapCanvas
 from gpr20_user_interface.mid.views.radar.plots import CurvePlot
+from gpr20_user_interface.mid.views.robot_text import robot_text
 from gpr20_user_interface.mid.views.survey_colours import STOP_COLOURS
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -116,7 +116,7 @@ class MapView(TranslatedWidget):
         for state, label in self.legend.items():
             number = str(numbers[state]) if state in numbers else "—"
             label.setText(f"{self._name(state)}: {number}")
-        self.verdict.setText(control_text(self._model.verdict))
+        self.verdict.setText(robot_text(self._model.verdict))
         self.next_problem.setEnabled(self._model.next_problem(None) is not None)
 
     def _show_stop(self) -> None:
@@ -137,7 +137,7 @@ class MapView(TranslatedWidget):
         has_trace = self._radar.grid is not None and self._radar.has(cell)
         if not has_trace:
             reasons = (*reasons, self._why_no_trace(grid.index(cell)))
-        self.stop_text.setText("\n".join([text, *reasons]))
+        self.stop_text.setText("\n".join([text, *map(robot_text, reasons)]))
         rotation_deg = grid.rotations_deg[cell.polarization]
         self.polarization.setText(self.tr("Antenna {rotation:g}°").format(rotation=rotation_deg))
         curve = a_scan(self._radar, cell, RadarSettings()) if has_trace else None

@@ -9,6 +9,7 @@ from PyQt5.QtWidgets import QGridLayout, QLabel, QPlainTextEdit, QWidget
 
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.survey_state import HealthLevel, NodeHealth
+from gpr20_user_interface.mid.views.robot_text import robot_text
 from gpr20_user_interface.mid.views.style import set_look
 from gpr20_user_interface.mid.views.top_bar import ElidedLabel
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
@@ -45,7 +46,7 @@ class HealthPanel(TranslatedWidget):
         self._grid.addWidget(self._disk, 0, 1, 1, 2)
         self._grid.addWidget(self._calibration_title, 1, 0)
         self._grid.addWidget(self._calibration, 1, 1, 1, 2)
-        # A line has no room for a whole sentence; what is wrong is read to its end here.
+        # A line has no room for a long sentence; what is wrong, or cut, is read to its end here.
         self._details = QPlainTextEdit()
         self._details.setReadOnly(True)
         self._details.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -59,7 +60,7 @@ class HealthPanel(TranslatedWidget):
 
     @property
     def details(self) -> str:
-        """The whole sentences of the nodes that are not well."""
+        """The whole sentences of the nodes that are not well, or whose line is cut."""
         return self._details.toPlainText()
 
     @property
@@ -87,8 +88,8 @@ class HealthPanel(TranslatedWidget):
             row.show(node, self._level_text(node.level), self._words(node))
         details = "\n".join(
             f"{_short_name(node)}: {self._words(node)}"
-            for node in report.nodes
-            if node.level is not HealthLevel.OK
+            for row, node in zip(self._rows, report.nodes)
+            if node.level is not HealthLevel.OK or row.words.is_cut
         )
         if details != self.details:
             self._details.setPlainText(details)
@@ -111,7 +112,7 @@ class HealthPanel(TranslatedWidget):
     def _words(self, node: NodeHealth) -> str:
         if node.level is HealthLevel.STALE:
             return self.tr("not heard")
-        return node.message
+        return robot_text(node.message)
 
     def _level_text(self, level: HealthLevel) -> str:
         return {

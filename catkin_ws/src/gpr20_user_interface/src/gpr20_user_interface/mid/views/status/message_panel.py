@@ -8,7 +8,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.survey_state import ControlState
-from gpr20_user_interface.mid.views.control_text import control_text
+from gpr20_user_interface.mid.views.robot_text import robot_text
 from gpr20_user_interface.mid.views.state_text import state_title
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -52,7 +52,7 @@ class MessagePanel(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        message = "" if self._shown is None else control_text(self._shown.message)
+        message = "" if self._shown is None else robot_text(self._shown.message)
         if message != self._message.toPlainText():
             self._message.setPlainText(message)
         self._title.setText(UNKNOWN if self._shown is None else state_title(self._shown.code))

@@ -19,7 +19,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
-from gpr20_user_interface.mid.views.control_text import control_text
+from gpr20_user_interface.mid.views.robot_text import robot_text
 from gpr20_user_interface.mid.views.style import TOUCH_PX
 from gpr20_user_interface.mid.views.translation import TranslatedWidget
 
@@ -104,13 +104,13 @@ class PastSurveysView(TranslatedWidget):
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
         self.older.setEnabled(self._surveys.more)
         if self._problem:
-            text = self._problem
+            text = robot_text(self._problem)
         elif chosen is None:
             text = self.tr("Touch a survey.")
         else:
             text = (
-                chosen.problem
-                or control_text(chosen.verdict)
+                robot_text(chosen.problem)
+                or robot_text(chosen.verdict)
                 or self.tr("It has not ended properly.")
             )
             text = f"{chosen.folder}: {text}"

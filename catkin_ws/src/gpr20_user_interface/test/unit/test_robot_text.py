@@ -1,0 +1,111 @@
+import string
+
+import pytest
+from said_sentences import said_by_the_robot
+from window_helpers import application, snapshot, window
+
+from gpr20_main_control.mid.coverage import Coverage
+from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.low.translation_file import FOLDER, read_translations
+from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.survey_state import ControlState
+from gpr20_user_interface.mid.views.robot_sentences import SENTENCES
+from gpr20_user_interface.mid.views.robot_text import robot_text
+from gpr20_user_interface.mid.views.translation import Languages
+
+__all__ = ["application", "window"]
+
+
+@pytest.fixture
+def languages(application):
+    languages = Languages(application, Language.SPANISH)
+    yield languages
+    languages.close()
+
+
+@pytest.mark.parametrize(
+    "text, spanish",
+    [
+        ("measuring", "midiendo"),
+        ("pausing after this sample", "pausa tras esta medida"),
+        (
+            "complete: all 18 planned traces are stored",
+            "completa: guardadas las 18 trazas previstas",
+        ),
+        (
+            "INCOMPLETE: 710 of 882 planned traces are stored, 0 failed, 172 not visited",
+            "INCOMPLETA: 710 de 882 trazas previstas guardadas, 0 fallidas, 172 sin visitar",
+        ),
+    ],
+)
+def test_standard_sentence_is_told_in_the_language_of_the_window(languages, text, spanish):
+    assert robot_text(text) == spanish
+    languages.use(Language.ENGLISH)
+    assert robot_text(text) == text
+
+
+@pytest.mark.parametrize(
+    "text, spanish",
+    [
+        (
+            "paused: vna_acquisition went silent and did not come back within 30 s; "
+            "resume when it is mended, or stop",
+            "en pausa: vna_acquisition dejó de responder y no volvió en 30 s; "
+            "siga cuando esté arreglado, o pare",
+        ),
+        (
+            "finished, complete: all 18 planned traces are stored; 18 traces in /data/survey",
+            "terminada, completa: guardadas las 18 trazas previstas; 18 trazas en /data/survey",
+        ),
+        (
+            "/z_axis/homing: the axis is not homed; home it before moving it",
+            "/z_axis/homing: el eje no tiene origen; llévelo a su origen antes de moverlo",
+        ),
+    ],
+)
+def test_sentences_in_a_row_and_within_one_another_are_told_one_by_one(languages, text, spanish):
+    assert robot_text(text) == spanish
+
+
+@pytest.mark.parametrize(
+    "text, told",
+    [
+        ("", ""),
+        ("the moon is full", "the moon is full"),
+        ("measuring; the moon is full", "midiendo; the moon is full"),
+        ("paused: {lost} and {0}", "en pausa: {lost} and {0}"),
+        ("x" * 100_000, "x" * 100_000),
+    ],
+)
+def test_what_is_not_known_stays_in_the_words_of_the_robot(languages, text, told):
+    assert robot_text(text) == told
+
+
+@pytest.mark.parametrize("template", SENTENCES)
+def test_each_sentence_is_recognized_as_itself(languages, template):
+    places = {name for _, name, _, _ in string.Formatter().parse(template) if name}
+    told = robot_text(template.format(**{place: "7" for place in places}))
+    spanish = read_translations(FOLDER / "es.ts")["RobotText", template]
+    assert told == spanish.format(**{place: "7" for place in places})
+
+
+@pytest.mark.parametrize("path, sentence", said_by_the_robot())
+def test_whatever_the_robot_can_say_to_the_operator_is_known(languages, path, sentence):
+    assert robot_text(sentence) != sentence, f"{path}: add it to robot_sentences.py and es.ts"
+
+
+def test_status_and_top_bar_change_their_sentence_with_the_language(window, languages):
+    state = ControlState(SurveyState.SURVEYING, "measuring", "id", True)
+    window.refresh(snapshot(SurveyState.SURVEYING, state=state))
+    assert window.status.message.message == "midiendo"
+    assert window.top_bar.message.whole == "midiendo"
+    languages.use(Language.ENGLISH)
+    window.status.message.retranslate()
+    window.top_bar.retranslate()
+    assert window.status.message.message == "measuring"
+    assert window.top_bar.message.whole == "measuring"
+
+
+@pytest.mark.parametrize("stored, word", [([0, 1], "completa"), ([1], "INCOMPLETA")])
+def test_verdict_as_the_coverage_words_it_is_translated(languages, stored, word):
+    assert robot_text(Coverage(2, stored).verdict().text).startswith(f"{word}: ")
