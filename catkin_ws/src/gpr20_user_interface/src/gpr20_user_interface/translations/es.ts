@@ -922,6 +922,10 @@ lineal</translation>
     <translation>si no, cámbielo</translation>
   </message>
   <message>
+    <source>if the survey's folder was moved or renamed, put it back</source>
+    <translation>si la carpeta de la campaña se movió o cambió de nombre, devuélvala a su sitio</translation>
+  </message>
+  <message>
     <source>it cannot go on with {kind} one</source>
     <translation>no puede seguir con {kind}</translation>
   </message>
@@ -932,6 +936,10 @@ lineal</translation>
   <message>
     <source>it failed before with: {reason}</source>
     <translation>falló antes con: {reason}</translation>
+  </message>
+  <message>
+    <source>it is gone</source>
+    <translation>ya no está</translation>
   </message>
   <message>
     <source>it may still end, asking again is safe</source>
@@ -978,8 +986,8 @@ lineal</translation>
     <translation>haga sitio y guarde otra vez</translation>
   </message>
   <message>
-    <source>make the folder writable for this user</source>
-    <translation>dé a este usuario permiso de escritura en la carpeta</translation>
+    <source>make the folder and what is in it readable and writable for this user</source>
+    <translation>dé a este usuario permiso de lectura y escritura en la carpeta y lo que contiene</translation>
   </message>
   <message>
     <source>measured again as a control, point {index} differs by {difference} dB from the stored trace</source>
@@ -1008,6 +1016,10 @@ lineal</translation>
   <message>
     <source>moderate, the temperature moved by more than 5 degrees</source>
     <translation>media, la temperatura cambió más de 5 grados</translation>
+  </message>
+  <message>
+    <source>move it away</source>
+    <translation>quítelo de ahí</translation>
   </message>
   <message>
     <source>move it out of the survey's folder and store again</source>
@@ -1354,10 +1366,6 @@ lineal</translation>
     <translation>el final de carrera se pulsó en {coordinate} {unit}, donde debe estar abierto: se perdieron pasos o el interruptor está atascado</translation>
   </message>
   <message>
-    <source>the folder must be writable and its file system know hard links</source>
-    <translation>la carpeta debe admitir escritura y su sistema de archivos enlaces duros</translation>
-  </message>
-  <message>
     <source>the former survey has not ended within {limit} s: {reason}</source>
     <translation>la campaña anterior no terminó en {limit} s: {reason}</translation>
   </message>
@@ -1502,6 +1510,14 @@ lineal</translation>
     <translation>no hay nada que parar</translation>
   </message>
   <message>
+    <source>this is a file, no folder</source>
+    <translation>esto es un archivo, no una carpeta</translation>
+  </message>
+  <message>
+    <source>this is a folder, no file</source>
+    <translation>esto es una carpeta, no un archivo</translation>
+  </message>
+  <message>
     <source>trace {index} could not be stored: {reason}</source>
     <translation>la traza {index} no se pudo guardar: {reason}</translation>
   </message>
@@ -1512,6 +1528,10 @@ lineal</translation>
   <message>
     <source>turn the antennas to their mark and call the service set_zero</source>
     <translation>gire las antenas a su marca y llame al servicio set_zero</translation>
+  </message>
+  <message>
+    <source>what is in the folder must belong to this user, and its file system know hard links</source>
+    <translation>lo que hay en la carpeta debe ser de este usuario, y su sistema de archivos admitir enlaces duros</translation>
   </message>
   <message>
     <source>{action} at {address} failed: {reason}</source>
@@ -1584,6 +1604,10 @@ lineal</translation>
   <message>
     <source>{what} could not be written to {path}: {reason}</source>
     <translation>{what} no se pudo escribir en {path}: {reason}</translation>
+  </message>
+  <message>
+    <source>{what} could not {fail} {path}: {reason}</source>
+    <translation>{what}: fallo de disco en {path}: {reason}</translation>
   </message>
 </context>
 <context>
