@@ -1402,6 +1402,10 @@ lineal</translation>
     <translation>el último movimiento se frenó por {count} flancos tardíos, el más tardío de {late} ms: este ordenador hace demasiadas cosas más</translation>
   </message>
   <message>
+    <source>the measurement was given up</source>
+    <translation>se renunció a la medida</translation>
+  </message>
+  <message>
     <source>the parameters cannot be changed</source>
     <translation>los parámetros no se pueden cambiar</translation>
   </message>
@@ -1602,12 +1606,12 @@ lineal</translation>
     <translation>{stored} trazas en {folder}</translation>
   </message>
   <message>
-    <source>{what} could not be written to {path}: {reason}</source>
-    <translation>{what} no se pudo escribir en {path}: {reason}</translation>
+    <source>{what} could not be read again from {path}: {reason}</source>
+    <translation>{what} no se pudo leer otra vez de {path}: {reason}</translation>
   </message>
   <message>
-    <source>{what} could not {fail} {path}: {reason}</source>
-    <translation>{what}: fallo de disco en {path}: {reason}</translation>
+    <source>{what} could not be written to {path}: {reason}</source>
+    <translation>{what} no se pudo escribir en {path}: {reason}</translation>
   </message>
 </context>
 <context>

@@ -197,6 +197,7 @@ SENTENCES: Tuple[str, ...] = (
     QT_TRANSLATE_NOOP("RobotText", "height {height} m"),
     QT_TRANSLATE_NOOP("RobotText", "no height measured yet"),
     QT_TRANSLATE_NOOP("RobotText", "the antenna height could not be measured: {reason}"),
+    QT_TRANSLATE_NOOP("RobotText", "the measurement was given up"),
     QT_TRANSLATE_NOOP("RobotText", "no height: {reason}"),
     QT_TRANSLATE_NOOP(
         "RobotText",
@@ -340,7 +341,7 @@ SENTENCES: Tuple[str, ...] = (
     QT_TRANSLATE_NOOP("RobotText", "messages of other topics were dropped"),
     QT_TRANSLATE_NOOP("RobotText", "the disk is too slow"),
     QT_TRANSLATE_NOOP("RobotText", "{what} could not be written to {path}: {reason}"),
-    QT_TRANSLATE_NOOP("RobotText", "{what} could not {fail} {path}: {reason}"),
+    QT_TRANSLATE_NOOP("RobotText", "{what} could not be read again from {path}: {reason}"),
     QT_TRANSLATE_NOOP(
         "RobotText",
         "make the folder and what is in it readable and writable for this user",
