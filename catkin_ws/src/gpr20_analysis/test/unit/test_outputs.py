@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from survey_kit import POINTS, make_survey
 
-from gpr20_analysis.commands import image_command, process_command
+from gpr20_analysis.commands import process_command
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import ExportError
 from gpr20_analysis.low.whole_output import whole_output
@@ -24,7 +26,7 @@ WRITERS = {
     "original": ("export", "SURVEY", "original", "--format", "original-json"),
     "segy": ("export", "SURVEY", "o_090.sgy", "--format", "segy"),
     "processed": ("process", "SURVEY", "--step", "background", "-o", "p.nc"),
-    "recipe": ("process", "SURVEY", "--step", "background", "-o", "q.nc", "--save-recipe", "r.yaml"),
+    "recipe": ("process", "SURVEY", "--step", "time", "-o", "q.nc", "--save-recipe", "r.yaml"),
     "image": ("image", "SURVEY", *IMAGE, "-o", "i.nc"),
     "vtk": ("image", "SURVEY", *IMAGE, "-o", "i.vtr"),
     "figures": ("image", "SURVEY", *IMAGE, "--figures", "figures"),
@@ -150,9 +152,9 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(folder, tmp_path
 
 
 def test_a_disk_that_refuses_is_told_with_the_outputs_own_name():
-    with pytest.raises(ExportError, match=r"/proc/x\.nc cannot be written"):
-        with whole_output(image_command.Path("/proc/x.nc")) as place:
-            place.write_text("")
+    refused = pytest.raises(ExportError, match=r"/proc/x\.nc cannot be written")
+    with refused, whole_output(Path("/proc/x.nc")) as place:
+        place.write_text("")
 
 
 def test_names_with_spaces_and_accents_are_names(folder, tmp_path, capsys):

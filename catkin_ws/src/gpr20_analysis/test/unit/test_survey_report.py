@@ -6,14 +6,23 @@ import base64
 import math
 import re
 
+import pytest
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.mid.imaging.image import ImageOptions
+from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.mid.report import pictures
 from gpr20_analysis.mid.report.page import Section, page
 
 ALL = len(POINTS)
 OPTIONS = ["--permittivity", "4", "--depth", "0", "0.02", "0.005"]
 LOW = ["--height", "0.03"]  # the sweep of these surveys tells short delays only
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
 
 
 def report(tmp_path, stored, outcome, changes=None, more=LOW):
@@ -50,9 +59,34 @@ def test_words_of_a_survey_are_never_markup(tmp_path):
     assert "<b>" not in page("<b>", [Section("<b>", ["<b>"], ["<b>"], [("<b>",)])])
 
 
-def test_a_report_must_be_html(tmp_path, capsys):
+def test_a_report_must_be_html_or_pdf(tmp_path, capsys):
     assert main(["report", str(tmp_path), "--output", str(tmp_path / "r.txt")]) == 3
-    assert ".html" in capsys.readouterr().err
+    assert "must end in .html or .pdf" in capsys.readouterr().err
+
+
+def test_a_report_as_pdf_has_its_text_and_a_page_for_each_figure(whole, tmp_path):
+    output = tmp_path / "r.pdf"
+    assert main(["report", str(whole), "--output", str(output), *OPTIONS, *LOW]) == 0
+    content = output.read_bytes()
+    assert content.startswith(b"%PDF-")
+    assert len(re.findall(rb"/Type /Page\b", content)) >= 10
+
+
+def test_the_verdict_comes_first_and_how_it_was_measured_is_told(tmp_path):
+    _, text = report(tmp_path, ALL, "finished")
+    assert text.index("<h2>Verdict</h2>") < text.index("<h2>Survey</h2>")
+    assert '<section class="good"><h2>Verdict</h2>' in text
+    for words in ("3 stops from 10.0 to 20.0 mm", "Data after the steps", "gpr20_analysis"):
+        assert words in text
+
+
+def test_views_end_a_little_below_the_image(whole):
+    survey = load_survey(whole)
+    options = ImageOptions(depth_m=(0.0, 0.02), permittivity=4.0)
+    line = pictures.as_measured(survey, options).lines[0]
+    shown_ns = float(re.search(r"up to ([\d.]+) ns", line).group(1))
+    deepest_ns = 2.0 * (0.3 + 0.02 * 2.0) / 0.299792458
+    assert shown_ns <= deepest_ns + 1.0
 
 
 def test_a_survey_without_heights_gets_a_report_that_says_so(tmp_path):

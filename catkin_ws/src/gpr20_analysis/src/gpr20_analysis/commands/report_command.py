@@ -11,21 +11,26 @@ from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
 from gpr20_analysis.low.whole_output import whole_output
 
+HTML, PDF = ".html", ".pdf"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     survey_input.add_survey(parser)
     processing_input.add_steps(parser)
-    parser.add_argument("--output", "-o", type=Path, required=True, help="page to write, .html")
+    parser.add_argument(
+        "--output", "-o", type=Path, required=True, help="report to write: .html or .pdf"
+    )
     image_command.add_image_options(parser)
     outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Write the report; return the exit status."""
-    if chosen.output.suffix != ".html":
-        raise ExportError(f"{chosen.output.name} must end in .html")
+    if chosen.output.suffix not in (HTML, PDF):
+        raise ExportError(f"{chosen.output.name} must end in {HTML} or {PDF}")
     from gpr20_analysis.mid.report.page import page
+    from gpr20_analysis.mid.report.pdf_pages import write_pdf
     from gpr20_analysis.mid.report.sections import sections_of
 
     options = image_command.options_of(chosen)
@@ -33,17 +38,21 @@ def run(chosen: argparse.Namespace) -> int:
     inputs = processing_input.inputs_of(chosen, steps)
     outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
     survey = survey_input.load(chosen)
-    sections = sections_of(survey, chosen.survey, steps, options)
+    progress = survey_input.progress_bar("making the report")
+    sections = sections_of(survey, chosen.survey, steps, options, progress)
     title = f"GPR-20 survey {survey.attrs.get('survey_id', survey.attrs.get('source', ''))}"
     with whole_output(chosen.output) as place:
-        place.write_text(page(title, sections), encoding="utf-8")
+        if chosen.output.suffix == PDF:
+            write_pdf(place, title, sections)
+        else:
+            place.write_text(page(title, sections), encoding="utf-8")
     print(chosen.output)
     return survey_input.status_of(survey)
 
 
 COMMAND = Command(
-    "Write one HTML page with parameters, verdict, quality, views and the image of a survey. The "
-    "page needs nothing else and loads nothing.",
+    "Write one HTML page, or a PDF, with verdict, parameters, quality, views and the image of a "
+    "survey. The page needs nothing else and loads nothing.",
     add_arguments,
     run,
 )

@@ -66,7 +66,10 @@ def draw(
 ) -> Any:
     """Draw values (down, across) as cells; what is NaN is grey."""
     axes.set_facecolor(NOT_MEASURED)
-    return axes.pcolormesh(across, down, np.ma.masked_invalid(values), shading="nearest", **options)
+    # As a picture also in PDF and SVG: viewers draw thin lines between cells that are shapes.
+    return axes.pcolormesh(
+        across, down, np.ma.masked_invalid(values), shading="nearest", rasterized=True, **options
+    )
 
 
 def draw_decibels(axes: Axes, values_db: np.ndarray, across: np.ndarray, down: np.ndarray) -> None:

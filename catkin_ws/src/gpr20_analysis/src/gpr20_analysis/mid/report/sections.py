@@ -1,36 +1,38 @@
-"""What a report tells of a survey."""
+"""The sections of a survey's report, in their order."""
 
 from __future__ import annotations
 
+import datetime
 import platform
+from importlib import metadata
 from pathlib import Path
-from typing import Dict, List, Sequence
+from typing import Callable, Dict, List, Sequence, Tuple
 
 import numpy as np
-import scipy
 import xarray as xr
 
 from gpr20_analysis import __version__
-from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid import dataset
-from gpr20_analysis.mid.imaging.echoes import find_echoes
-from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.mid.imaging.image_output import echo_lines, permittivity_line
-from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
-from gpr20_analysis.mid.plotting import maps, scans
-from gpr20_analysis.mid.processing.chain import Step, apply_steps
-from gpr20_analysis.mid.processing.delay import to_time
+from gpr20_analysis.mid.imaging.image import ImageOptions
+from gpr20_analysis.mid.plotting import maps
+from gpr20_analysis.mid.processing.chain import Step
+from gpr20_analysis.mid.report import pictures
 from gpr20_analysis.mid.report.page import Section, table
+from gpr20_analysis.mid.report.settings import settings_of
 from gpr20_analysis.mid.survey_facts import SIMULATED, facts
-from gpr20_analysis.mid.verification import FILES, verify
+from gpr20_analysis.mid.survey_source import Progress, silent
+from gpr20_analysis.mid.verification import FILES, Verification, verify
 
 TOLD = 50
-SLICES = 3
-PS_PER_S = 1e12
+LIBRARIES = ("numpy", "scipy", "xarray", "h5py", "matplotlib", "rosbags", "mcap")
 
 
 def sections_of(
-    survey: xr.Dataset, path: Path, steps: Sequence[Step], options: ImageOptions
+    survey: xr.Dataset,
+    path: Path,
+    steps: Sequence[Step],
+    options: ImageOptions,
+    progress: Progress = silent,
 ) -> List[Section]:
     """Return the sections of a survey's report.
 
@@ -39,108 +41,74 @@ def sections_of(
         path: Where it was loaded from; the folder of a survey is verified.
         steps: What is done before imaging.
         options: How the image is made.
+        progress: Shows how far it has come.
     """
-    return [
-        _summary(survey),
-        _verification(path),
-        _quality(survey),
-        _views(survey),
-        _image(survey, steps, options),
-        Section("Versions", rows=table(versions())),
+    found: List[Section] = []
+    parts: List[Callable[[], Sequence[Section]]] = [
+        lambda: _checked(survey, path),
+        lambda: [Section("Survey", rows=table(facts(survey)))],
+        lambda: [Section("How it was measured", rows=settings_of(survey))],
+        lambda: [_quality(survey)],
+        lambda: [pictures.as_measured(survey, options)],
+        lambda: pictures.imaged(survey, steps, options),
+        lambda: [Section("Made with", rows=table(versions(survey)))],
     ]
+    for part in progress(parts, len(parts)):
+        found += [one for one in part() if not one.empty]
+    return found
 
 
-def versions() -> Dict[str, str]:
-    """Return what the report was made with."""
+def versions(survey: xr.Dataset) -> Dict[str, str]:
+    """Return what the survey was measured and the report was made with."""
+    now = datetime.datetime.now(datetime.timezone.utc)
     return {
+        "report made": now.isoformat(timespec="seconds"),
+        "robot's software": str(survey.attrs.get("software_revision", "not recorded")),
         "gpr20_analysis": __version__,
         "Python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "xarray": xr.__version__,
+        **{name: metadata.version(name) for name in LIBRARIES},
     }
 
 
-def _summary(survey: xr.Dataset) -> Section:
+def _checked(survey: xr.Dataset, path: Path) -> List[Section]:
+    """Return verdict and verification: what must be known before anything else."""
     warnings = [SIMULATED] if survey.attrs.get("simulated") else []
-    absent = len(dataset.missing_samples(survey))
+    size, absent = survey[dataset.QUALITY].size, len(dataset.missing_samples(survey))
     if absent:
         warnings.append(
-            f"{absent} of {survey[dataset.QUALITY].size} samples have no numbers: the ground "
-            "below them was NOT searched"
+            f"{absent} of {size} samples have no numbers: the ground below them was NOT searched"
         )
-    return Section("Survey", warnings=warnings, rows=table(facts(survey)))
-
-
-def _verification(path: Path) -> Section:
+    good = [] if absent else [f"every one of the {size} samples of the grid is there"]
     if not path.is_dir() or not any((path / name).exists() for name in FILES):
-        return Section("Verification", lines=["Only the folder of a survey can be verified."])
+        lines = ["Only the folder of a survey can be verified against its plan and checksums."]
+        return [Section("Verdict", warnings, [*good, *lines])]
     found = verify(path)
-    warnings = [found.verdict] if found.status else []
-    return Section(
-        "Verification",
-        warnings=warnings + found.faults[:TOLD],
-        lines=([] if warnings else [found.verdict]) + found.notes,
-    )
+    (warnings if found.status else good).append(found.verdict)
+    return [Section("Verdict", warnings, good), _verification(found)]
+
+
+def _verification(found: Verification) -> Section:
+    more = len(found.faults) - TOLD
+    warnings = found.faults[:TOLD] + ([f"and {more} more"] if more > 0 else [])
+    return Section("Verification", warnings, found.notes)
 
 
 def _quality(survey: xr.Dataset) -> Section:
     warnings = [f"DAMAGED: {one}" for one in survey.attrs.get("faults", [])[:TOLD]]
-    warnings += dataset.missing_samples(survey)[:TOLD]
+    absent = dataset.missing_samples(survey)
+    warnings += absent[:TOLD] + ([f"and {len(absent) - TOLD} more"] if len(absent) > TOLD else [])
     remarks = survey["remarks"].values if "remarks" in survey else np.array([])
     lines = [f"note: {one}" for one in survey.attrs.get("notes", [])]
-    lines += [f"remark of the robot: {one}" for one in sorted(set(remarks.ravel())) if one]
+    lines += [
+        f"remark of the robot on {np.count_nonzero(remarks == one)} samples: {one}"
+        for one in sorted(set(remarks.ravel()))
+        if one
+    ]
     figures = [("Coverage", maps.coverage_figure(survey))]
     if np.isfinite(survey[dataset.HEIGHT]).any():
-        figures.append(("Antenna height", maps.height_figure(survey)))
-    return Section("Coverage and quality", warnings, lines, figures=figures)
-
-
-def _views(survey: xr.Dataset) -> Section:
-    in_time = to_time(survey)
-    x_m, y_m = (float(survey[axis][survey.sizes[axis] // 2]) for axis in (dataset.X, dataset.Y))
-    usable = dataset.usable(survey).sel(x=x_m, y=y_m).values.any()
-    figures = []
-    if usable:
-        figures.append(("A-scan in the middle", scans.a_scan_figure(in_time, x_m, y_m)))
-    figures.append(("B-scan along x", scans.b_scan_figure(in_time, dataset.X, y_m)))
-    figures.append(("B-scan along y", scans.b_scan_figure(in_time, dataset.Y, x_m)))
-    heights = survey[dataset.HEIGHT].values
-    if np.isfinite(heights).any():
-        surface_s = 2.0 * float(np.nanmean(heights)) / SPEED_OF_LIGHT_M_S
-        caption = f"C-scan at the surface, {surface_s * PS_PER_S:.0f} ps"
-        figures.append((caption, scans.c_scan_figure(in_time, surface_s)))
-    return Section("Data as measured", figures=figures)
-
-
-def _image(survey: xr.Dataset, steps: Sequence[Step], options: ImageOptions) -> Section:
-    title = "Image of the ground"
-    try:
-        image = image_survey(apply_steps(survey, steps, _no_other_survey), options)
-    except AnalysisError as error:
-        # The report of a survey that cannot be imaged is wanted all the more.
-        return Section(title, warnings=[f"No image was made: {error}"])
-    echoes = find_echoes(image)
-    figures = [
-        (f"Maximum projections at {turn:g} deg", scans.projection_figure(image, number))
-        for number, turn in enumerate(image[dataset.POLARIZATION].values)
+        figures.append(("Antenna height above the ground", maps.height_figure(survey)))
+    rows: List[Tuple[str, ...]] = [
+        (f"{turn:g} deg", f"{int(own.sum())} of {own.size} samples usable")
+        for turn, own in zip(survey[dataset.POLARIZATION].values, dataset.usable(survey).values)
     ]
-    figures += [
-        (
-            f"Slice at {echo.depth_m * dataset.MM_PER_M:.0f} mm",
-            scans.c_scan_figure(image, echo.depth_m),
-        )
-        for echo in echoes[:SLICES]
-    ]
-    lines = [permittivity_line(image), *(echo_lines(echoes) if echoes else ["no echo stands out"])]
-    lines += [f"step: {step}" for step in steps]
-    lines.append(f"method: {image.attrs['method']}")
-    return Section(title, lines=lines, figures=figures)
-
-
-def _no_other_survey(path: str) -> xr.Dataset:
-    raise AnalysisError(f"a report subtracts no other survey, but a step names {path}")
-
-
-def _slice_name(depth_m: float) -> str:
-    return f"Slice at a depth of {depth_m * dataset.MM_PER_M:.0f} mm"
+    return Section("Coverage and quality", warnings, lines, rows, figures=figures)
