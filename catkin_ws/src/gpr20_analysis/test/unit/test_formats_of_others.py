@@ -156,51 +156,6 @@ def test_samples_that_lost_their_imaginary_part_are_told(folder, tmp_path):
     assert any("no phase" in note for note in notes)
 
 
-def make_gprmax(path, position, delay_s, amplitude):
-    step_s, count = 20e-12, 1000
-    time_s = np.arange(count) * step_s
-    pulse = amplitude * np.exp(-(((time_s - delay_s) / 100e-12) ** 2))
-    with h5py.File(path, "w") as file:
-        file.attrs.update(gprMax="3.1.7", Title="t", Iterations=count, dt=step_s, nsrc=1, nrx=1)
-        receiver, source = file.create_group("rxs/rx1"), file.create_group("srcs/src1")
-        receiver.attrs["Position"] = (position[0] + 0.03, position[1], 0.5)
-        source.attrs["Position"] = (position[0] - 0.03, position[1], 0.5)
-        for name in ("Ex", "Ey", "Ez"):
-            receiver[name] = (pulse if name == "Ey" else 0.0 * pulse).astype(np.float32)
-
-
-def test_simulations_of_gprmax_become_spectra_at_the_midpoints(tmp_path):
-    places = [(0.1 + 0.02 * column, 0.2 + 0.02 * row) for row in range(2) for column in range(3)]
-    for number, place in enumerate(places):
-        make_gprmax(tmp_path / f"scan{number + 1}.out", place, 4e-9, 1.0 + number)
-    output = tmp_path / "g.nc"
-    arguments = ["--format", "gprmax", "--height", "0.15", "--band", "1e9", "3e9", "101"]
-    assert main(["import", str(tmp_path), str(output), *arguments]) == 0
-    found = load_survey(output)
-    np.testing.assert_allclose(found.x.values, [0.1, 0.12, 0.14])
-    assert found.polarization.values.tolist() == [90.0]
-    assert found.attrs["simulated"] == 1
-    phase = np.unwrap(np.angle(found.s21.values[0, 1, 2]))
-    slope_s = -np.polyfit(found.frequency.values, phase, 1)[0] / (2 * np.pi)
-    assert slope_s == pytest.approx(4e-9, abs=1e-13)
-    amplitudes = np.abs(found.s21.values[0, :, :, 0]).ravel()
-    np.testing.assert_allclose(amplitudes / amplitudes[0], np.arange(1.0, 7.0), rtol=1e-5)
-
-
-def test_a_time_step_too_coarse_for_the_band_is_refused(tmp_path, capsys):
-    make_gprmax(tmp_path / "a.out", (0.0, 0.0), 1e-9, 1.0)
-    arguments = ["--format", "gprmax", "--band", "1e9", "30e9", "11"]
-    assert main(["import", str(tmp_path), str(tmp_path / "g.nc"), *arguments]) == 3
-    assert "time step" in capsys.readouterr().err
-
-
-def test_nothing_is_overwritten(folder, tmp_path, capsys):
-    (tmp_path / "m.h5").write_text("precious")
-    assert export(folder, tmp_path / "m.h5", "merged-hdf5") == 3
-    assert "exists" in capsys.readouterr().err
-    assert (tmp_path / "m.h5").read_text() == "precious"
-
-
 def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, tmp_path):
     with pytest.raises(ExportError, match="height"):
         group_csv.write_group_csv(survey.assign(height=survey.height * np.nan), tmp_path / "c")

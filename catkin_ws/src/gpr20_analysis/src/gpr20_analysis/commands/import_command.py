@@ -12,6 +12,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid import dataset_files
 from gpr20_analysis.mid.formats import gprmax, group_csv, merged_hdf5, original_json
+from gpr20_analysis.mid.formats.gprmax_source import WAVEFORMS
 
 FORMATS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
 
@@ -31,6 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="gprmax: frequencies of the spectra",
     )
     parser.add_argument("--height", type=float, metavar="M", help="gprmax: antenna height [m]")
+    parser.add_argument(
+        "--source",
+        metavar="SIGNAL",
+        help="gprmax: signal of the source, by which spectra are divided, if the files do not hold "
+        f"it (version 3): {', '.join(WAVEFORMS)} with the frequency in Hz, such as ricker:1.5e9; a "
+        "text file of times [s] and values; or none",
+    )
     outputs.add_overwrite(parser)
 
 
@@ -62,7 +70,7 @@ def _read(chosen: argparse.Namespace) -> xr.Dataset:
             "whole number of at least 2 points"
         )
     band = gprmax.Band(start_hz, stop_hz, int(points))
-    return gprmax.read_gprmax(chosen.input, band, chosen.height, progress)
+    return gprmax.read_gprmax(chosen.input, band, chosen.height, chosen.source, progress)
 
 
 COMMAND = Command(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import h5py
 import numpy as np
@@ -12,15 +12,20 @@ import xarray as xr
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.mid import dataset
+from gpr20_analysis.mid.formats.gprmax_source import NONE, Signal, check_strength, source_of
 from gpr20_analysis.mid.formats.imported import Imported, as_dataset
+from gpr20_analysis.mid.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.mid.survey_grid import grid_of
 from gpr20_analysis.mid.survey_source import Progress, silent
 
 ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
-NO_SOURCE = (
-    "simulated by gprMax; the spectra are of the received field, in V/m per Hz: they hold the "
-    "spectrum of the source, so their amplitudes are not those of S21"
+EXCITATION = "srcs/src1/excitation"
+OFFSET = "TimeSampleOffset"
+DIVIDED = (
+    "simulated by gprMax; the spectra are the received field over the source's signal, so delays "
+    "are true and amplitudes are in V/m for each unit of the source, not those of S21"
 )
+WITH_SOURCE = "the spectra hold the spectrum of the source, so every delay is late by the source's"
 
 
 @dataclass(frozen=True)
@@ -39,77 +44,96 @@ class Band:
 
 @dataclass(frozen=True)
 class _Trace:
-    position_m: Tuple[float, float]
-    step_s: float
-    fields: Dict[str, np.ndarray]
+    name: str
+    position: Tuple[float, float, float]
+    """Rotation [deg], y and x [mm]."""
+    field: Signal
+    source: Optional[Signal]
 
 
 def read_gprmax(
-    path: Path, band: Band, height_m: Optional[float], progress: Progress = silent
+    path: Path,
+    band: Band,
+    height_m: Optional[float],
+    source: Optional[str] = None,
+    progress: Progress = silent,
 ) -> xr.Dataset:
     """Read the A-scans of a folder (or one file) and take their spectra.
 
-    A sample lies halfway between source and receiver. Ex becomes 0 degrees and Ey 90 degrees; a
-    component that is zero throughout the simulation is left out.
+    A sample lies halfway between source and receiver. Ex is 0 degrees and Ey 90 degrees; of a
+    simulation the component along the source is taken, which version 4 tells; of version 3 the
+    strongest.
 
     Args:
         path: Folder of .out or .h5 files, or one of them.
         band: Frequencies of the spectra.
         height_m: Height of the antennas above the ground [m]; None if it is not known.
+        source: What the spectra are divided by, see `source_of`; None: by the source's signal in
+            the files themselves, which version 4 writes.
         progress: Shows how far it has come.
 
     Raises:
-        AnalysisError: There is no such file.
-        UnreadableFileError: One is damaged, or its time step cannot carry the band.
+        AnalysisError: There is no such file, or the source is not known.
+        UnreadableFileError: One is damaged, or its time step or source cannot carry the band.
     """
     paths = [path] if path.is_file() else sorted([*path.glob("*.out"), *path.glob("*.h5")])
     if not paths:
         raise AnalysisError(f"{path} holds no .out or .h5 files of gprMax")
+    given = source_of(source) if source is not None else None
     traces = [_read(one) for one in progress(paths, len(paths))]
-    components = [
-        name for name in ROTATION_DEG if any(trace.fields[name].any() for trace in traces)
-    ]
-    if not components:
-        raise UnreadableFileError(f"{path.name}: Ex and Ey are zero in every file")
-    slowest_s = max(trace.step_s for trace in traces)
+    slowest_s = max(trace.field.step_s for trace in traces)
     if band.stop_hz >= 0.5 / slowest_s:
         raise UnreadableFileError(
             f"{path.name} has a time step of {slowest_s:g} s, which carries frequencies up to "
             f"{0.5 / slowest_s:g} Hz, not {band.stop_hz:g} Hz"
         )
-    return _placed(path, traces, components, band, height_m)
+    spectra = [_spectrum(trace, given, source == NONE, band.frequency_hz) for trace in traces]
+    data = _placed(path, traces, spectra, band, height_m)
+    if source == NONE:
+        data.attrs[DISPLAY_ONLY] = WITH_SOURCE
+    else:
+        data.attrs["notes"] = [DIVIDED, *data.attrs["notes"]]
+    return data
+
+
+def _spectrum(
+    trace: _Trace, given: Optional[Signal], undivided: bool, frequency_hz: np.ndarray
+) -> np.ndarray:
+    spectrum = trace.field.spectrum(frequency_hz)
+    if undivided:
+        return spectrum
+    source = given or trace.source
+    if source is None:
+        raise AnalysisError(
+            f"{trace.name} does not tell the signal of its source (version 4 of gprMax writes it), "
+            "so delays cannot be told: give --source, such as ricker:1.5e9 or a file of times and "
+            f"values, or --source {NONE} for spectra that can be looked at but not imaged"
+        )
+    return spectrum / check_strength(source, frequency_hz, trace.name)
 
 
 def _placed(
     path: Path,
     traces: List[_Trace],
-    components: List[str],
+    spectra: List[np.ndarray],
     band: Band,
     height_m: Optional[float],
 ) -> xr.Dataset:
-    notes = [NO_SOURCE]
-    # All components of a file lie at one place, so the grid is that of one of them.
-    positions = np.array([(0.0, trace.position_m[1], trace.position_m[0]) for trace in traces]) * [
-        1.0,
-        dataset.MM_PER_M,
-        dataset.MM_PER_M,
-    ]
+    notes: List[str] = []
+    positions = np.array([trace.position for trace in traces])
     grid = grid_of(positions, notes)
     cells = grid.places(positions)
     if len(set(cells)) < len(cells):
         raise UnreadableFileError(f"{path.name} holds two simulations of the same place")
-    values = np.full((len(components), grid.cells, band.points), complex(np.nan, np.nan))
-    for cell, trace in zip(cells, traces):
-        for turn, name in enumerate(components):
-            values[turn, cell] = _spectrum(trace.fields[name], trace.step_s, band.frequency_hz)
-    shape = (len(components), *grid.shape[1:])
+    values = np.full((grid.cells, band.points), complex(np.nan, np.nan))
+    values[cells] = spectra
     return as_dataset(
         Imported(
-            values.reshape(*shape, band.points),
-            [ROTATION_DEG[name] for name in components],
+            values.reshape(*grid.shape, band.points),
+            grid.polarization_deg,
             np.array(grid.y_mm) / dataset.MM_PER_M,
             np.array(grid.x_mm) / dataset.MM_PER_M,
-            np.full(shape, np.nan if height_m is None else height_m),
+            np.full(grid.shape, np.nan if height_m is None else height_m),
             path.name,
             frequency_hz=band.frequency_hz,
             simulated=True,
@@ -118,28 +142,69 @@ def _placed(
     )
 
 
-def _spectrum(field: np.ndarray, step_s: float, frequency_hz: np.ndarray) -> np.ndarray:
-    """Return the Fourier transform of a real signal, with the sign that S21 has."""
-    time_s = np.arange(len(field)) * step_s
-    return np.exp(-2j * np.pi * frequency_hz[:, np.newaxis] * time_s) @ field * step_s
-
-
 def _read(path: Path) -> _Trace:
     try:
         with h5py.File(str(path), "r") as file:
-            receiver, source = file["rxs/rx1"], file["srcs/src1"]
-            fields = {
-                name: np.asarray(receiver[name][()] if name in receiver else [0.0], np.float64)
-                for name in ROTATION_DEG
-            }
-            middle = (np.array(receiver.attrs["Position"]) + source.attrs["Position"]) / 2.0
-            step_s, count = float(file.attrs["dt"]), int(file.attrs["Iterations"])
-    except (KeyError, OSError, RuntimeError, ValueError) as error:
+            return _trace(file, path.name)
+    except AnalysisError:
+        raise
+    # Whatever is changed in such a file, HDF5 and numpy raise errors of many kinds.
+    except Exception as error:
         raise UnreadableFileError(f"{path.name} is no whole output of gprMax: {error}") from error
-    for name, field in fields.items():
-        if field.shape not in ((count,), (1,)) or not np.isfinite(field).all():
+
+
+def _trace(file: Any, name: str) -> _Trace:
+    for what, word in (("nsrc", "sources"), ("nrx", "receivers")):
+        if int(file.attrs.get(what, 1)) != 1:
             raise UnreadableFileError(
-                f"{path.name}: {name} has the shape {field.shape} or values that are no numbers; "
-                f"{count} iterations were told"
+                f"{name} has {int(file.attrs[what])} {word}; a sample is one source and one "
+                "receiver, which move together from file to file (#src_steps, #rx_steps)"
             )
-    return _Trace((float(middle[0]), float(middle[1])), step_s, fields)
+    receiver, source = file["rxs/rx1"], file["srcs/src1"]
+    step_s, count = float(file.attrs["dt"]), int(file.attrs["Iterations"])
+    fields = {one: receiver[one] for one in ROTATION_DEG if one in receiver}
+    for one, field in fields.items():
+        if field.shape != (count,) or not np.isfinite(field[()]).all():
+            raise UnreadableFileError(
+                f"{name}: {one} has the shape {field.shape} or values that are no numbers; {count} "
+                "iterations were told (give the single files, not the merged one)"
+            )
+    along = _component(file, fields, name)
+    middle_mm = (np.array(receiver.attrs["Position"]) + source.attrs["Position"]) / 2.0
+    middle_mm = np.round(middle_mm * dataset.MM_PER_M, 6)
+    return _Trace(
+        name,
+        (ROTATION_DEG[along], float(middle_mm[1]), float(middle_mm[0])),
+        Signal(np.asarray(fields[along][()], np.float64), step_s, _offset_s(fields[along])),
+        _excitation(file, step_s, name),
+    )
+
+
+def _component(file: Any, fields: Dict[str, Any], name: str) -> str:
+    """Return the component of the field that lies along the source."""
+    told = file["srcs/src1"].attrs.get("Polarisation")
+    if told is not None:
+        along = f"E{told}"
+    else:
+        strength = {one: float(np.abs(field[()]).max()) for one, field in fields.items()}
+        along = max(strength, key=lambda one: strength[one]) if strength else ""
+    if along not in fields or not np.any(fields[along][()]):
+        raise UnreadableFileError(
+            f"{name}: the field along the source ({along or 'Ex or Ey'}) is not there or zero; the "
+            "source must be polarized along x or y"
+        )
+    return along
+
+
+def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
+    if EXCITATION not in file:
+        return None
+    told = file[EXCITATION]
+    values = np.asarray(told["samples"][()], np.float64)
+    if values.ndim != 1 or not np.isfinite(values).all():
+        raise UnreadableFileError(f"{name}: the samples of its source are no signal")
+    return Signal(values, float(told.attrs.get("SampleInterval", step_s)), _offset_s(told))
+
+
+def _offset_s(held: Any) -> float:
+    return float(held.attrs.get(OFFSET, 0.0))

@@ -1,0 +1,136 @@
+"""Simulations of gprMax become transmissions: their delays do not hold the source's."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.mid.formats.gprmax import Band, read_gprmax
+from gpr20_analysis.mid.formats.gprmax_source import WAVEFORMS, source_of
+from gpr20_analysis.mid.loading import load_survey
+
+STEP_S, COUNT = 20e-12, 1000
+CENTRE_HZ = 2e9
+BAND = ("--band", "1e9", "3e9", "101")
+TIME_S = np.arange(COUNT) * STEP_S
+
+
+def make_gprmax(path, position=(0.1, 0.2), delay_s=4e-9, amplitude=1.0, version=3, along="y"):
+    """Write what gprMax does; version 4 tells the source, whose samples lie between the field's."""
+    ricker = WAVEFORMS["ricker"]
+    with h5py.File(path, "w") as file:
+        file.attrs.update(Title="t", Iterations=COUNT, dt=STEP_S, nsrc=1, nrx=1)
+        receiver, source = file.create_group("rxs/rx1"), file.create_group("srcs/src1")
+        receiver.attrs["Position"] = (position[0] + 0.03, position[1], 0.5)
+        source.attrs["Position"] = (position[0] - 0.03, position[1], 0.5)
+        for name in ("Ex", "Ey", "Ez"):
+            own = amplitude if name == f"E{along}" else 0.01
+            receiver[name] = own * ricker(TIME_S - delay_s, CENTRE_HZ)
+        if version == 4:
+            source.attrs["Polarisation"] = along
+            excitation = source.create_group("excitation")
+            excitation["samples"] = ricker(TIME_S + STEP_S / 2, CENTRE_HZ)
+            excitation.attrs.update(SampleInterval=STEP_S, TimeSampleOffset=STEP_S / 2)
+
+
+def delay_of(survey, place):
+    phase = np.unwrap(np.angle(survey.s21.values[place]))
+    return -np.polyfit(survey.frequency.values, phase, 1)[0] / (2 * np.pi)
+
+
+@pytest.mark.parametrize("version", [3, 4])
+def test_spectra_are_divided_by_the_source(tmp_path, version):
+    places = [(0.1 + 0.02 * column, 0.2 + 0.02 * row) for row in range(2) for column in range(3)]
+    for number, place in enumerate(places):
+        make_gprmax(tmp_path / f"scan{number + 1}.out", place, 4e-9, 1.0 + number, version)
+    output = tmp_path / "g.nc"
+    source = ["--source", f"ricker:{CENTRE_HZ}"] if version == 3 else []
+    arguments = ["--format", "gprmax", "--height", "0.15", *BAND, *source]
+    assert main(["import", str(tmp_path), str(output), *arguments]) == 0
+    found = load_survey(output)
+    np.testing.assert_allclose(found.x.values, [0.1, 0.12, 0.14])
+    assert found.polarization.values.tolist() == [90.0]
+    assert found.attrs["simulated"] == 1
+    assert delay_of(found, (0, 1, 2)) == pytest.approx(4e-9, abs=1e-13)
+    amplitudes = np.abs(found.s21.values[0]).reshape(6, -1)
+    np.testing.assert_allclose(amplitudes, np.arange(1.0, 7.0)[:, None] * np.ones(101), rtol=1e-5)
+
+
+def test_without_its_source_a_simulation_is_refused_or_can_only_be_looked_at(tmp_path, capsys):
+    make_gprmax(tmp_path / "a.out")
+    output = tmp_path / "g.nc"
+    arguments = ["import", str(tmp_path / "a.out"), str(output), "--format", "gprmax", *BAND]
+    assert main(arguments) == 3
+    error = capsys.readouterr().err
+    assert "does not tell the signal of its source" in error and "--source" in error
+    assert main([*arguments, "--height", "0.1", "--source", "none"]) == 0
+    assert main(["image", str(output), "--permittivity", "4"]) == 3
+    assert "every delay is late by the source's" in capsys.readouterr().err
+
+
+def test_the_source_may_be_a_file_of_times_and_values(tmp_path):
+    make_gprmax(tmp_path / "a.out")
+    table = np.stack([TIME_S, WAVEFORMS["ricker"](TIME_S, CENTRE_HZ)], axis=1)
+    np.savetxt(tmp_path / "source.txt", table, header="time value", comments="")
+    band = Band(1e9, 3e9, 101)
+    found = read_gprmax(tmp_path / "a.out", band, 0.1, str(tmp_path / "source.txt"))
+    assert delay_of(found, (0, 0, 0)) == pytest.approx(4e-9, abs=1e-13)
+
+
+def test_two_simulations_of_one_place_by_their_polarization_are_two_samples(tmp_path):
+    make_gprmax(tmp_path / "x.h5", version=4, along="x", delay_s=2e-9)
+    make_gprmax(tmp_path / "y.h5", version=4, along="y", delay_s=3e-9)
+    found = read_gprmax(tmp_path, Band(1e9, 3e9, 101), 0.1)
+    assert found.polarization.values.tolist() == [0.0, 90.0]
+    assert delay_of(found, (0, 0, 0)) == pytest.approx(2e-9, abs=1e-13)
+    assert delay_of(found, (1, 0, 0)) == pytest.approx(3e-9, abs=1e-13)
+
+
+def test_a_band_that_the_source_does_not_reach_is_refused_with_the_one_it_does(tmp_path):
+    make_gprmax(tmp_path / "a.h5", version=4)
+    with pytest.raises(UnreadableFileError, match=r"take --band 1e\+09 [67]\.\d+e\+09 POINTS"):
+        read_gprmax(tmp_path, Band(1e9, 12e9, 101), 0.1)
+
+
+def test_a_time_step_too_coarse_for_the_band_is_refused(tmp_path, capsys):
+    make_gprmax(tmp_path / "a.out")
+    arguments = ["--format", "gprmax", "--band", "1e9", "30e9", "11"]
+    assert main(["import", str(tmp_path), str(tmp_path / "g.nc"), *arguments]) == 3
+    assert "time step" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda file: file.attrs.update(nrx=2), "2 receivers"),
+        (lambda file: file.attrs.update(nsrc=3), "3 sources"),
+        (lambda file: file.attrs.update(Iterations=7), "not the merged one"),
+        (lambda file: file["srcs/src1"].attrs.update(Polarisation="z"), "along x or y"),
+        (lambda file: file["rxs/rx1/Ey"].write_direct(np.full(COUNT, np.nan)), "no numbers"),
+        (lambda file: file["srcs/src1/excitation/samples"].write_direct(np.zeros(COUNT)), "zero"),
+    ],
+)
+def test_files_that_are_no_single_whole_a_scan_are_refused(tmp_path, change, reason):
+    make_gprmax(tmp_path / "a.h5", version=4)
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        change(file)
+    with pytest.raises(UnreadableFileError, match=reason):
+        read_gprmax(tmp_path, Band(1e9, 3e9, 101), 0.1)
+
+
+@pytest.mark.parametrize("text", ["ricker:x", "ricker:0", "ricker:nan", "sinc:1e9", "nowhere.txt"])
+def test_a_source_that_is_none_is_refused_with_what_there_is(text):
+    with pytest.raises(AnalysisError, match=r"--source .*ricker:1\.5e9"):
+        source_of(text)
+
+
+@pytest.mark.parametrize(
+    "content", ["", "1 2 3\n1 2 3\n", "0 1\n1 2\n7 3\n", "0 1\n1 nan\n", "x\n"]
+)
+def test_a_file_that_is_no_source_is_refused(tmp_path, content):
+    (tmp_path / "s.txt").write_text(content)
+    with pytest.raises(UnreadableFileError, match=r"s\.txt|of s"):
+        source_of(str(tmp_path / "s.txt"))
