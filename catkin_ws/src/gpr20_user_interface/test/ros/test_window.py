@@ -154,7 +154,7 @@ class Window(WindowCase):
         reason = self.window.notice.reason.toPlainText()
         self.assertIn("stop_survey", reason)
         for axis in "xyz":
-            self.assertIn(f"{axis} does NOT answer", reason)
+            self.assertIn(f"{axis} axis does NOT answer", reason)
         self.assertIn("power off", self.window.notice.next_step.text())
 
     def test_stop_without_main_control_stops_the_axes(self) -> None:
@@ -173,7 +173,7 @@ class Window(WindowCase):
         wait_until(self.window.notice.isVisible, "a dialog opens")
         self.assertEqual(sorted(stopped), ["x", "y", "z"])
         reason = self.window.notice.reason.toPlainText()
-        self.assertIn("x stopping; y stopping; z stopping", reason)
+        self.assertIn("x axis: stopping; y axis: stopping; z axis: stopping", reason)
         # Nobody has said that the robot stands still.
         self.assertEqual(self.title(), "SURVEYING")
 

@@ -33,6 +33,10 @@ FILES = (
     "gpr20_vna_acquisition/src/gpr20_vna_acquisition/mid/trace_quality.py",
     "gpr20_vna_processing/src/gpr20_vna_processing/errors.py",
     "gpr20_vna_processing/src/gpr20_vna_processing/mid/storage_thread.py",
+    "gpr20_user_interface/src/gpr20_user_interface/high/control_client.py",
+    "gpr20_user_interface/src/gpr20_user_interface/low/profile_folder.py",
+    "gpr20_user_interface/src/gpr20_user_interface/mid/profiles.py",
+    "gpr20_common/src/gpr20_common/low/yaml_file.py",
 )
 # Answers that are not shown, lines of the log, faults of launch files, pieces of sentences.
 NOT_SHOWN = (

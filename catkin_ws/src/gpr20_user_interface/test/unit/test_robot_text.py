@@ -6,8 +6,12 @@ from window_helpers import application, snapshot, window
 
 from gpr20_main_control.mid.coverage import Coverage
 from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.errors import ProfileError
+from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.translation_file import FOLDER, read_translations
 from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_state import ControlState
 from gpr20_user_interface.mid.views.robot_sentences import SENTENCES
 from gpr20_user_interface.mid.views.robot_text import robot_text
@@ -61,10 +65,61 @@ def test_standard_sentence_is_told_in_the_language_of_the_window(languages, text
             "/z_axis/homing: the axis is not homed; home it before moving it",
             "/z_axis/homing: el eje no tiene origen; llévelo a su origen antes de moverlo",
         ),
+        (
+            "no connection to the VNA at 10.0.0.2: [Errno 111] Connection refused; "
+            "check the address, the cable and that it is on",
+            "sin conexión con el VNA en 10.0.0.2: [Errno 111] conexión rechazada; "
+            "compruebe la dirección, el cable y que esté encendido",
+        ),
+        (
+            "service stop_survey did not answer within 2 s; check that its node runs and does "
+            "not hang; the axes were told to stop instead; x axis: stopping; "
+            "y axis does NOT answer: service y_axis/stop could not be called: "
+            "[Errno 111] Connection refused; check that its node runs",
+            "el servicio stop_survey no respondió en 2 s; compruebe que su nodo funciona y no "
+            "está colgado; en su lugar se ordenó parar a los ejes; eje x: parando; "
+            "el eje y NO responde: el servicio y_axis/stop no se pudo llamar: "
+            "[Errno 111] conexión rechazada; compruebe que su nodo funciona",
+        ),
     ],
 )
 def test_sentences_in_a_row_and_within_one_another_are_told_one_by_one(languages, text, spanish):
     assert robot_text(text) == spanish
+
+
+@pytest.mark.parametrize(
+    "content, spanish",
+    [
+        ("x_points: [1", "el perfil {path} no se puede leer: no es YAML: "),
+        ("#" * 70_000, "el perfil {path} no se puede leer: ocupa más de 65536 bytes; guárdelo"),
+        ("[1, 2]", "el perfil field debe ser un grupo de valores, pero es [1, 2]; guárdelo"),
+        ("{a: 1}", "el perfil tiene un valor desconocido, field/a; se conocen "),
+        ("vna_address: 5", "en el perfil, field/vna_address es 5; debe ser de tipo str; guárdelo"),
+        ("x_points: 2.5", "falta en el perfil field/vna_address; guárdelo de nuevo"),
+        (None, "el perfil {path} no se puede leer: [Errno 2] no existe el archivo o la carpeta: "),
+    ],
+)
+def test_fault_of_a_profile_is_told_in_the_language_of_the_window(
+    languages, tmp_path, content, spanish
+):
+    path = tmp_path / "field.yaml"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(ProfileError) as refused:
+        Profiles(ProfileFolder(tmp_path)).load("field")
+    assert robot_text(str(refused.value)).startswith(spanish.format(path=path))
+
+
+def test_profile_that_cannot_be_written_is_told_in_the_language_of_the_window(languages, tmp_path):
+    (tmp_path / "file").write_text("")
+    folder = ProfileFolder(tmp_path / "file")
+    with pytest.raises(ProfileError) as refused:
+        Profiles(folder).save("field", default_parameters())
+    told = robot_text(str(refused.value))
+    assert "no se puede escribir: [Errno 17] el archivo ya existe: " in told
+    assert told.endswith(
+        "libere espacio en el disco o indique otra carpeta con el parámetro `profiles`"
+    )
 
 
 @pytest.mark.parametrize(

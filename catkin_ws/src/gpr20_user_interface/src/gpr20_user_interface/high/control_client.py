@@ -133,7 +133,7 @@ class ControlClient:
         try:
             return self._stop.call(STOP_TIMEOUT_S)
         except ServiceUnavailableError as error:
-            raise ServiceUnavailableError(f"{error}. {self._stop_axes()}") from error
+            raise ServiceUnavailableError(f"{error}; {self._stop_axes()}") from error
 
     def _stop_axes(self) -> str:
         answers: List[str] = []
@@ -145,14 +145,14 @@ class ControlClient:
             thread.start()
         for thread in threads:
             thread.join()
-        return "The axes were told to stop instead: " + "; ".join(sorted(answers))
+        return "; ".join(["the axes were told to stop instead", *sorted(answers)])
 
     def _stop_axis(self, axis: str) -> str:
         try:
             answer = self._axis_stops[axis].call(STOP_TIMEOUT_S)
         except ServiceUnavailableError as error:
-            return f"{axis} does NOT answer ({error})"
-        return f"{axis} {answer.message}"
+            return f"{axis} axis does NOT answer: {error}"
+        return f"{axis} axis: {answer.message}"
 
     def _ask_resume(self, survey_id: str) -> Any:
         # The long limit is for the answer, not for a service that is not there.

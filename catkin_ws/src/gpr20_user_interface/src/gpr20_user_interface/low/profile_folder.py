@@ -32,7 +32,9 @@ class ProfileFolder:
         try:
             return sorted(path.stem for path in self._folder.glob(f"*{SUFFIX}"))
         except OSError as error:
-            raise ProfileError(f"{self._folder} cannot be read: {error}") from error
+            raise ProfileError(
+                f"the profiles in {self._folder} cannot be listed: {error}"
+            ) from error
 
     def read(self, name: str) -> Any:
         """Return what a file holds.
@@ -44,7 +46,9 @@ class ProfileFolder:
         try:
             return read_yaml(path, MAX_BYTES)
         except (OSError, YamlFileError) as error:
-            raise ProfileError(f"{path} cannot be read: {error}; save it again") from error
+            raise ProfileError(
+                f"the profile {path} cannot be read: {error}; save it again"
+            ) from error
 
     def write(self, name: str, values: Mapping[str, Any]) -> None:
         """Write a file; a power cut leaves the former one or the new one.
@@ -66,8 +70,8 @@ class ProfileFolder:
                 raise
         except OSError as error:
             raise ProfileError(
-                f"{self._path(name)} cannot be written: {error}; free space on the disk, or let "
-                "the parameter `profiles` name another folder"
+                f"the profile {self._path(name)} cannot be written: {error}; free space on the "
+                "disk, or let the parameter `profiles` name another folder"
             ) from error
 
     def remove(self, name: str) -> None:
@@ -79,7 +83,9 @@ class ProfileFolder:
         try:
             self._path(name).unlink()
         except OSError as error:
-            raise ProfileError(f"{self._path(name)} cannot be deleted: {error}") from error
+            raise ProfileError(
+                f"the profile {self._path(name)} cannot be deleted: {error}"
+            ) from error
 
     def _path(self, name: str) -> Path:
         return self._folder / f"{name}{SUFFIX}"

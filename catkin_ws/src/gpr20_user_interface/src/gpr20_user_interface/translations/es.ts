@@ -670,8 +670,72 @@ lineal</translation>
     <translation>UN EJE TODAVÍA SE MUEVE: corte la corriente de los motores</translation>
   </message>
   <message>
+    <source>Broken pipe</source>
+    <translation>conexión rota</translation>
+  </message>
+  <message>
+    <source>Connection refused</source>
+    <translation>conexión rechazada</translation>
+  </message>
+  <message>
+    <source>Connection reset by peer</source>
+    <translation>conexión cortada por el otro lado</translation>
+  </message>
+  <message>
+    <source>Connection timed out</source>
+    <translation>tiempo de conexión agotado</translation>
+  </message>
+  <message>
+    <source>Disk quota exceeded</source>
+    <translation>cuota de disco agotada</translation>
+  </message>
+  <message>
+    <source>File exists</source>
+    <translation>el archivo ya existe</translation>
+  </message>
+  <message>
     <source>INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, {missing} not visited</source>
     <translation>INCOMPLETA: {stored} de {planned} trazas previstas guardadas, {failed} fallidas, {missing} sin visitar</translation>
+  </message>
+  <message>
+    <source>Input/output error</source>
+    <translation>error de entrada/salida</translation>
+  </message>
+  <message>
+    <source>Is a directory</source>
+    <translation>es una carpeta</translation>
+  </message>
+  <message>
+    <source>Network is unreachable</source>
+    <translation>red inalcanzable</translation>
+  </message>
+  <message>
+    <source>No route to host</source>
+    <translation>sin ruta hasta el equipo</translation>
+  </message>
+  <message>
+    <source>No space left on device</source>
+    <translation>no queda espacio en el disco</translation>
+  </message>
+  <message>
+    <source>No such file or directory</source>
+    <translation>no existe el archivo o la carpeta</translation>
+  </message>
+  <message>
+    <source>Not a directory</source>
+    <translation>no es una carpeta</translation>
+  </message>
+  <message>
+    <source>Operation not permitted</source>
+    <translation>operación no permitida</translation>
+  </message>
+  <message>
+    <source>Permission denied</source>
+    <translation>permiso denegado</translation>
+  </message>
+  <message>
+    <source>Read-only file system</source>
+    <translation>el sistema de archivos es de solo lectura</translation>
   </message>
   <message>
     <source>S21 is strong: up to {level} dB, expected are {limit} dB at most</source>
@@ -694,6 +758,18 @@ lineal</translation>
     <translation>el robot SIMULADO funciona</translation>
   </message>
   <message>
+    <source>[Errno {number}] {reason}</source>
+    <translation>[Errno {number}] {reason}</translation>
+  </message>
+  <message>
+    <source>[Errno {number}] {reason}: '{path}'</source>
+    <translation>[Errno {number}] {reason}: '{path}'</translation>
+  </message>
+  <message>
+    <source>[Errno {number}] {reason}: '{path}' -&gt; '{other}'</source>
+    <translation>[Errno {number}] {reason}: '{path}' -&gt; '{other}'</translation>
+  </message>
+  <message>
     <source>a file of this name exists with other content and was left alone</source>
     <translation>ya existe un archivo de este nombre con otro contenido y no se tocó</translation>
   </message>
@@ -708,6 +784,10 @@ lineal</translation>
   <message>
     <source>a survey is {state}: {reason}</source>
     <translation>una campaña está en {state}: {reason}</translation>
+  </message>
+  <message>
+    <source>allowed are 1 to {most} letters, digits, blanks, - and _, with a letter or digit first and no blank last</source>
+    <translation>se permiten de 1 a {most} letras, cifras, espacios, - y _, con una letra o cifra al principio y sin espacio al final</translation>
   </message>
   <message>
     <source>another request is still being carried out after {limit} s (opening a large survey again takes long)</source>
@@ -874,6 +954,10 @@ lineal</translation>
     <translation>terminada, {verdict}</translation>
   </message>
   <message>
+    <source>free space on the disk, or let the parameter `profiles` name another folder</source>
+    <translation>libere espacio en el disco o indique otra carpeta con el parámetro `profiles`</translation>
+  </message>
+  <message>
     <source>height {height} m</source>
     <translation>altura {height} m</translation>
   </message>
@@ -942,6 +1026,18 @@ lineal</translation>
     <translation>ya no está</translation>
   </message>
   <message>
+    <source>it is larger than {most} bytes</source>
+    <translation>ocupa más de {most} bytes</translation>
+  </message>
+  <message>
+    <source>it is nested more than {most} levels deep</source>
+    <translation>tiene más de {most} niveles de anidamiento</translation>
+  </message>
+  <message>
+    <source>it is not YAML: {details}</source>
+    <translation>no es YAML: {details}</translation>
+  </message>
+  <message>
     <source>it may still end, asking again is safe</source>
     <translation>aún puede terminar, se puede pedir otra vez sin riesgo</translation>
   </message>
@@ -950,12 +1046,36 @@ lineal</translation>
     <translation>mide de {lowest} a {highest} m</translation>
   </message>
   <message>
+    <source>it must be a list</source>
+    <translation>debe ser una lista</translation>
+  </message>
+  <message>
+    <source>it must be a number of type {kind_of}</source>
+    <translation>debe ser un número de tipo {kind_of}</translation>
+  </message>
+  <message>
+    <source>it must be more than zero</source>
+    <translation>debe ser mayor que cero</translation>
+  </message>
+  <message>
+    <source>it must be of type {kind_of}</source>
+    <translation>debe ser de tipo {kind_of}</translation>
+  </message>
+  <message>
+    <source>it must lie between {lowest} and {highest}</source>
+    <translation>debe estar entre {lowest} y {highest}</translation>
+  </message>
+  <message>
     <source>it takes longer than {limit} s in all</source>
     <translation>tarda en total más de {limit} s</translation>
   </message>
   <message>
     <source>it was not begun</source>
     <translation>no se empezó</translation>
+  </message>
+  <message>
+    <source>known are {names}</source>
+    <translation>se conocen {names}</translation>
   </message>
   <message>
     <source>launch with the former parameters, or start a new survey</source>
@@ -1138,6 +1258,22 @@ lineal</translation>
     <translation>permiso denegado</translation>
   </message>
   <message>
+    <source>profile {place} is missing</source>
+    <translation>falta en el perfil {place}</translation>
+  </message>
+  <message>
+    <source>profile {place} is unknown</source>
+    <translation>el perfil tiene un valor desconocido, {place}</translation>
+  </message>
+  <message>
+    <source>profile {place} is {found}</source>
+    <translation>en el perfil, {place} es {found}</translation>
+  </message>
+  <message>
+    <source>profile {place} must be a group of values, but is {found}</source>
+    <translation>el perfil {place} debe ser un grupo de valores, pero es {found}</translation>
+  </message>
+  <message>
     <source>pulses without real-time scheduling, refused: {refused}</source>
     <translation>pulsos sin planificación de tiempo real, rechazado: {refused}</translation>
   </message>
@@ -1164,6 +1300,14 @@ lineal</translation>
   <message>
     <source>resuming with {pending} of {planned} traces to go</source>
     <translation>se sigue con {pending} de {planned} trazas por medir</translation>
+  </message>
+  <message>
+    <source>save it again</source>
+    <translation>guárdelo de nuevo</translation>
+  </message>
+  <message>
+    <source>service [{service}] unavailable</source>
+    <translation>el servicio [{service}] no está disponible</translation>
   </message>
   <message>
     <source>service {service} could not be called: {error}</source>
@@ -1280,6 +1424,10 @@ lineal</translation>
   <message>
     <source>the axes stand at {position} instead of {planned} before the sweep at point {index}</source>
     <translation>los ejes están en {position} en vez de {planned} antes del barrido en el punto {index}</translation>
+  </message>
+  <message>
+    <source>the axes were told to stop instead</source>
+    <translation>en su lugar se ordenó parar a los ejes</translation>
   </message>
   <message>
     <source>the axis is busy with another motion</source>
@@ -1418,6 +1566,22 @@ lineal</translation>
     <translation>el proceso que hace los pulsos no dio ningún paso en {limit} s y se terminó</translation>
   </message>
   <message>
+    <source>the profile {path} cannot be deleted: {error}</source>
+    <translation>el perfil {path} no se puede eliminar: {error}</translation>
+  </message>
+  <message>
+    <source>the profile {path} cannot be read: {error}</source>
+    <translation>el perfil {path} no se puede leer: {error}</translation>
+  </message>
+  <message>
+    <source>the profile {path} cannot be written: {error}</source>
+    <translation>el perfil {path} no se puede escribir: {error}</translation>
+  </message>
+  <message>
+    <source>the profiles in {path} cannot be listed: {error}</source>
+    <translation>los perfiles en {path} no se pueden listar: {error}</translation>
+  </message>
+  <message>
     <source>the real</source>
     <translation>el robot real</translation>
   </message>
@@ -1522,6 +1686,14 @@ lineal</translation>
     <translation>esto es una carpeta, no un archivo</translation>
   </message>
   <message>
+    <source>timed out</source>
+    <translation>tiempo agotado</translation>
+  </message>
+  <message>
+    <source>timeout exceeded while waiting for service {service}</source>
+    <translation>tiempo agotado esperando el servicio {service}</translation>
+  </message>
+  <message>
     <source>trace {index} could not be stored: {reason}</source>
     <translation>la traza {index} no se pudo guardar: {reason}</translation>
   </message>
@@ -1534,6 +1706,10 @@ lineal</translation>
     <translation>gire las antenas a su marca y llame al servicio set_zero</translation>
   </message>
   <message>
+    <source>unable to connect to service: {reason}</source>
+    <translation>no se puede conectar con el servicio: {reason}</translation>
+  </message>
+  <message>
     <source>what is in the folder must belong to this user, and its file system know hard links</source>
     <translation>lo que hay en la carpeta debe ser de este usuario, y su sistema de archivos admitir enlaces duros</translation>
   </message>
@@ -1544,6 +1720,14 @@ lineal</translation>
   <message>
     <source>{action} failed: the link to {address} is closed</source>
     <translation>{action} falló: la conexión con {address} está cerrada</translation>
+  </message>
+  <message>
+    <source>{axis} axis does NOT answer: {reason}</source>
+    <translation>el eje {axis} NO responde: {reason}</translation>
+  </message>
+  <message>
+    <source>{axis} axis: stopping</source>
+    <translation>eje {axis}: parando</translation>
   </message>
   <message>
     <source>{count} jobs were waiting for the disk for {limit} s</source>
@@ -1572,6 +1756,10 @@ lineal</translation>
   <message>
     <source>{missing} of {all} numbers of the instrument are not finite</source>
     <translation>{missing} de {all} números del instrumento no son finitos</translation>
+  </message>
+  <message>
+    <source>{name} cannot be the name of a profile</source>
+    <translation>{name} no puede ser el nombre de un perfil</translation>
   </message>
   <message>
     <source>{nodes} do not answer</source>

@@ -13,7 +13,7 @@ from gpr20_user_interface.mid.views.robot_sentences import SENTENCES
 
 BETWEEN_SENTENCES = "; "
 # Places that hold another sentence; all others hold a value, which stays as it is.
-SENTENCE_PLACES = frozenset(("reason", "verdict", "lost", "meaning", "kind"))
+SENTENCE_PLACES = frozenset(("reason", "error", "verdict", "lost", "meaning", "kind"))
 VALUE_PATTERNS = {"service": r"[\w/]+"}
 # The robot says few different things at a time, and each is shown again several times a second.
 REMEMBERED_TEXTS = 256
