@@ -66,6 +66,7 @@ class StoredBag:
             return [], len(content)  # the index of the whole file; nothing comes behind it
         if chunk.kind != bag_format.CHUNK or chunk.number("size") != len(chunk.data):
             raise BagFormatError("a chunk is not whole")
+        _check_form(content, place, chunk, bag_format.chunk_record(chunk.data))
         messages, expected = self._content(chunk.data)
         place = chunk.end
         found: Dict[int, List[Entry]] = {}
@@ -73,7 +74,9 @@ class StoredBag:
             index = bag_format.read_record(content, place)
             if index.kind != bag_format.INDEX:
                 raise BagFormatError("a chunk has no index")
-            found[index.number("conn")] = bag_format.read_index(index)
+            number, entries = index.number("conn"), bag_format.read_index(index)
+            _check_form(content, place, index, bag_format.index_record(number, entries))
+            found[number] = entries
             place = index.end
         if found != {number: sorted(entries) for number, entries in expected.items()}:
             raise BagFormatError("a chunk and its index contradict each other")
@@ -87,12 +90,14 @@ class StoredBag:
             one = bag_format.read_record(data, place)
             if one.kind == bag_format.CONNECTION:
                 connection = bag_format.read_connection(one)
+                _check_form(data, place, one, bag_format.connection_record(connection))
                 if self._connections.setdefault(connection.number, connection) != connection:
                     raise BagFormatError("a connection is told twice")
             elif one.kind == bag_format.MESSAGE:
-                messages.append(self._message(one))
-                entry = (one.time_ns("time"), place)
-                entries.setdefault(one.number("conn"), []).append(entry)
+                message, number = self._message(one), one.number("conn")
+                _check_form(data, place, one, bag_format.message_record(number, message))
+                messages.append(message)
+                entries.setdefault(number, []).append((message.time_ns, place))
             else:
                 raise BagFormatError("a chunk holds a strange record")
             place = one.end
@@ -123,6 +128,12 @@ class StoredBag:
             if _is_chunk(content, start):
                 self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
                 return start
+
+
+def _check_form(content: bytes, place: int, one: Record, written: bytes) -> None:
+    """Refuse a record that is not as `BagFile` writes it: other readers stumble over less."""
+    if content[place : one.end] != written:
+        raise BagFormatError("a record has another form than the storage writes")
 
 
 def _is_chunk(content: bytes, place: int) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import struct
 import zlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, Tuple
 
@@ -12,9 +13,20 @@ import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Message, MessageIndex, Schema
+from mcap.records import (
+    Attachment,
+    Channel,
+    Chunk,
+    DataEnd,
+    Header,
+    McapRecord,
+    Message,
+    MessageIndex,
+    Metadata,
+    Schema,
+)
 
-from gpr20_vna_processing.low.mcap_file import MAGIC, McapFile, McapTypes
+from gpr20_vna_processing.low.mcap_file import MAGIC, McapFile, McapTypes, packed
 from gpr20_vna_processing.low.recording import MAX_RECORD_BYTES, RecordedMessage
 from gpr20_vna_processing.low.stored_recording import mapped
 
@@ -23,6 +35,12 @@ COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
 
 # Makes an empty file of the same survey at a path.
 McapFactory = Callable[[Path], McapFile]
+# What stands before the chunks; the attachment has a checksum, which its form contains.
+HEAD_RECORDS = {
+    Opcode.HEADER: Header,
+    Opcode.METADATA: Metadata,
+    Opcode.ATTACHMENT: Attachment,
+}
 
 _TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
 
@@ -40,10 +58,12 @@ class StoredMcap:
         self._types = McapTypes()
         self._end = 0
         self._crc = 0
+        self._chunks = 0
 
     def messages(self) -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file."""
-        self.faults, self._types, self._end, self._crc = [], McapTypes(), 0, 0
+        self.faults, self._types = [], McapTypes()
+        self._end = self._crc = self._chunks = 0
         content = mapped(self.path)
         place = len(MAGIC)
         if content[:place] != MAGIC and len(content) >= place:
@@ -63,8 +83,8 @@ class StoredMcap:
 
     def resume(self) -> McapFile:
         """Cut off what follows the last whole chunk and go on there."""
-        if not self._end:
-            # Killed at its very beginning: not even the head is there.
+        if not self._chunks:
+            # Killed at its very beginning: perhaps not even the head is there.
             self.path.unlink(missing_ok=True)
             return self._create(self.path)
         return McapFile.resumed(self.path, self._end, self._types, self._crc)
@@ -81,22 +101,33 @@ class StoredMcap:
         """Return the messages of the record at a place and where the next step begins."""
         opcode, data, end = _record(content, place)
         if opcode == Opcode.DATA_END:
+            self._check_sum(data)
             return [], place
-        if opcode in (Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT):
+        if opcode in HEAD_RECORDS:
+            _check_form(content[place:end], HEAD_RECORDS[opcode].read(_stream(data)))
             return [], end
         if opcode != Opcode.CHUNK:
             raise ValueError(f"a record of kind {opcode} stands where a chunk should")
         messages, expected = self._content(data)
+        _check_chunk(content[place:end], data, messages)
         found: Dict[int, List[Tuple[int, int]]] = {}
         while len(found) < len(expected):
-            opcode, data, end = _record(content, end)
+            place = end
+            opcode, data, end = _record(content, place)
             if opcode != Opcode.MESSAGE_INDEX:
                 raise ValueError("a chunk has no message index")
-            index = MessageIndex.read(ReadDataStream(io.BytesIO(data)))
+            index = MessageIndex.read(_stream(data))
+            _check_form(content[place:end], index)
             found[index.channel_id] = index.records
         if found != expected:
             raise ValueError("a chunk and its message index contradict each other")
+        self._chunks += 1
         return messages, end
+
+    def _check_sum(self, data: bytes) -> None:
+        expected = DataEnd.read(_stream(data)).data_section_crc
+        if not self.faults and expected not in (0, self._crc):
+            self.faults.append(f"{self.path.name} is damaged: its checksum is another")
 
     def _content(
         self, data: bytes
@@ -107,7 +138,7 @@ class StoredMcap:
         place = 0
         while place < len(content):
             opcode, data, end = _record(content, place)
-            stream = ReadDataStream(io.BytesIO(data))
+            stream = _stream(data)
             if opcode == Opcode.SCHEMA:
                 schema = Schema.read(stream)
                 self._types.schemas[schema.id] = schema
@@ -165,7 +196,7 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
 
 
 def _uncompressed(data: bytes) -> bytes:
-    chunk = Chunk.read(ReadDataStream(io.BytesIO(data)))
+    chunk = Chunk.read(_stream(data))
     # The size is asked of the frame first: a damaged one must not fill the memory.
     if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
         raise ValueError("a chunk is not as the storage writes it")
@@ -175,6 +206,24 @@ def _uncompressed(data: bytes) -> bytes:
     if zlib.crc32(content) != chunk.uncompressed_crc:
         raise ValueError("the checksum of a chunk is wrong")
     return content
+
+
+def _stream(data: bytes) -> ReadDataStream:
+    return ReadDataStream(io.BytesIO(data))
+
+
+def _check_chunk(written: bytes, data: bytes, messages: List[RecordedMessage]) -> None:
+    times = [message.time_ns for message in messages]
+    chunk = replace(
+        Chunk.read(_stream(data)), message_start_time=min(times), message_end_time=max(times)
+    )
+    _check_form(written, chunk)
+
+
+def _check_form(written: bytes, record: McapRecord) -> None:
+    """Refuse a record that is not as `McapFile` writes it: other readers stumble over less."""
+    if written != packed(record):
+        raise ValueError("a record has another form than the storage writes")
 
 
 def _is_chunk(content: bytes, place: int) -> bool:
