@@ -27,6 +27,10 @@ class StorageFailedError(ProcessingError, OSError):
     """The disk did not take something; it is not stored and may be stored again."""
 
 
+class FileReplacedError(ProcessingError, OSError):
+    """An open file is no longer the one of its name: what is written into it is lost."""
+
+
 class IrregularFileError(ProcessingError, OSError):
     """A link, a folder, a pipe or the like is where a file should be."""
 
@@ -41,7 +45,8 @@ _ADVICE = {
     "move it out of the survey's folder and store again",
     errno.EPERM: "not permitted; what is in the folder must belong to this user, and its file "
     "system know hard links",
-    errno.ENOENT: "it is gone; if the survey's folder was moved or renamed, put it back",
+    errno.ENOENT: "it is gone; if the survey's folder was moved or renamed, put it back, "
+    "then resume the survey",
     errno.EISDIR: "this is a folder, no file; move it away",
     errno.ENOTDIR: "this is a file, no folder; move it away",
 }
@@ -74,12 +79,13 @@ def printable(name: str) -> str:
 def _file_of(error: OSError, path: Path) -> str:
     # Of two names the second is the new one, which is what fails most often.
     file = error.filename2 or error.filename
-    if not isinstance(file, str) or file == str(path):
+    # A temporary file has the name of what it shall become within its own.
+    if not isinstance(file, str) or path.name in os.path.basename(file):
         return ""
     return f" (at {printable(file)})"
 
 
 def _advice(error: OSError) -> str:
-    if isinstance(error, IrregularFileError):
+    if isinstance(error, (IrregularFileError, FileReplacedError)):
         return error.strerror
     return _ADVICE.get(error.errno or 0, f"{error.strerror or error}; check the disk")

@@ -132,6 +132,9 @@ class MemoryRecording:
     def begin_chunk(self) -> None:
         pass
 
+    def in_place(self) -> bool:
+        return True
+
     def commit(self) -> None:
         if self.error is not None:
             raise self.error

@@ -75,6 +75,10 @@ class BagFile:
         """How much waits for a commit [bytes]."""
         return self._file.collected_bytes + len(self._chunk)
 
+    def in_place(self) -> bool:
+        """Say whether the file that is written is still the one of its name."""
+        return self._file.in_place()
+
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""
         connection = self._connections.get(_key(message))

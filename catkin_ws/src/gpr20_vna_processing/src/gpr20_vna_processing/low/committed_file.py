@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Iterable
 
+from gpr20_vna_processing.errors import FileReplacedError
 from gpr20_vna_processing.low.json_trace_file import sync_path
 
 
@@ -28,7 +30,7 @@ class CommittedFile:
             OSError: The file exists or the disk refused.
         """
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
-        self._take(os.open(str(path), flags, 0o666), 0, trailer)
+        self._take(path, os.open(str(path), flags, 0o666), 0, trailer)
         sync_path(path.parent)
 
     @classmethod
@@ -45,10 +47,11 @@ class CommittedFile:
         """
         file = cls.__new__(cls)
         flags = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
-        file._take(os.open(str(path), flags), length, trailer)
+        file._take(path, os.open(str(path), flags), length, trailer)
         return file
 
-    def _take(self, descriptor: int, committed: int, trailer: bytes) -> None:
+    def _take(self, path: Path, descriptor: int, committed: int, trailer: bytes) -> None:
+        self._path = path
         self._descriptor = descriptor
         self._trailer = trailer
         self._committed = committed  # length of what is durable [bytes]
@@ -64,6 +67,14 @@ class CommittedFile:
         """How much is durable, without the trailer [bytes]."""
         return self._committed
 
+    def in_place(self) -> bool:
+        """Say whether the file that is written is still the one of its name."""
+        try:
+            there = os.stat(str(self._path), follow_symlinks=False)
+        except OSError:
+            return False
+        return os.path.samestat(there, os.fstat(self._descriptor))
+
     def write(self, data: bytes) -> None:
         """Collect bytes behind all others."""
         self._collected += data
@@ -72,11 +83,13 @@ class CommittedFile:
         """Write what was collected; return when it is durable.
 
         Raises:
+            FileReplacedError: Somebody moved, removed or replaced the file.
             OSError: The disk refused; everything collected is kept for the next commit.
         """
         if self._collected:
             self._write_at(self._committed, bytes(self._collected) + self._trailer)
             os.fsync(self._descriptor)
+            self._check_in_place()
             self._committed += len(self._collected)
             self._collected.clear()
 
@@ -104,6 +117,7 @@ class CommittedFile:
         Raises:
             OSError: The disk refused.
         """
+        self._check_in_place()
         start = offset = self._committed + len(self._trailer)
         first = b""
         for piece in pieces:
@@ -137,6 +151,15 @@ class CommittedFile:
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
+
+    def _check_in_place(self) -> None:
+        if not self.in_place():
+            raise FileReplacedError(
+                errno.ESTALE,
+                "it was moved, removed or replaced while it was written; if the survey's folder "
+                "was moved, put it back, then resume the survey",
+                str(self._path),
+            )
 
     def _write_at(self, offset: int, data: bytes) -> None:
         rest = memoryview(data)

@@ -48,6 +48,9 @@ class Recording(Protocol):
     def collected_bytes(self) -> int:
         """How much waits for a commit [bytes]."""
 
+    def in_place(self) -> bool:
+        """Say whether the file that is written is still the one of its name."""
+
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""
 

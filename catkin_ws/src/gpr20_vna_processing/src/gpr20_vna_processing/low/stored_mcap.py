@@ -7,7 +7,7 @@ import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 
 import zstandard
 from mcap.data_stream import ReadDataStream
@@ -36,7 +36,7 @@ COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
 # Makes an empty file of the same survey at a path.
 McapFactory = Callable[[Path], McapFile]
 # What stands before the chunks; the attachment has a checksum, which its form contains.
-HEAD_RECORDS = {
+HEAD_RECORDS: Dict[int, Any] = {
     Opcode.HEADER: Header,
     Opcode.METADATA: Metadata,
     Opcode.ATTACHMENT: Attachment,

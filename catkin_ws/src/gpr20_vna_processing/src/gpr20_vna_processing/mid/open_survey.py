@@ -208,6 +208,10 @@ class OpenSurvey:
                 self.folder, self.survey_id, revision, self.description["ended"]
             )
 
+    def in_place(self) -> bool:
+        """Say whether what is written comes into the survey's folder."""
+        return self._traces.is_dir() and all(one.in_place() for one in self._unfinished)
+
     def abandon(self) -> None:
         """Leave the files as they are on the disk."""
         for recording in self._unfinished:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
-from gpr20_vna_processing.errors import SurveyRefusedError, storing
+from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_vna_processing.low import json_trace_file
 from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
 from gpr20_vna_processing.mid.ended_survey import find_ended_survey
@@ -110,7 +110,10 @@ class SurveySlot:
         """
         now_ns = self._storage.now_ns()
         survey = self._survey
-        if survey is not None and name in (survey.survey_id, survey.folder.name):
+        if survey is not None and not survey.in_place():
+            # Somebody moved, removed or replaced its files: those on the disk are what counts.
+            self._abandon()
+        elif survey is not None and name in (survey.survey_id, survey.folder.name):
             # Whoever filled it has gone, or has not received the first answer.
             survey.go_on(now_ns)
             return reopened_survey(survey, ())
@@ -209,5 +212,17 @@ class SurveySlot:
         if opened is None or survey in (opened.survey_id, opened.folder.name):
             return ""
         reason = f"left open by the control, which began {survey[:64]}"
-        self.close(opened.survey_id, INTERRUPTED, reason)
+        try:
+            self.close(opened.survey_id, INTERRUPTED, reason)
+        except StorageFailedError:
+            if opened.in_place():
+                raise
+            # Its files are gone from where they were: no reason to refuse every other survey.
+            self._abandon()
         return opened.folder.name
+
+    def _abandon(self) -> None:
+        assert self._survey is not None
+        self._survey.abandon()
+        self._latched.end()
+        self._survey = None
