@@ -32,6 +32,8 @@ FILES = (
     "gpr20_height_sensor/src/gpr20_height_sensor/mid/height_driver.py",
     "gpr20_vna_acquisition/src/gpr20_vna_acquisition/mid/trace_quality.py",
     "gpr20_vna_processing/src/gpr20_vna_processing/errors.py",
+    "gpr20_vna_processing/src/gpr20_vna_processing/low/committed_file.py",
+    "gpr20_vna_processing/src/gpr20_vna_processing/low/regular_file.py",
     "gpr20_vna_processing/src/gpr20_vna_processing/mid/storage_thread.py",
     "gpr20_user_interface/src/gpr20_user_interface/high/control_client.py",
     "gpr20_user_interface/src/gpr20_user_interface/low/profile_folder.py",

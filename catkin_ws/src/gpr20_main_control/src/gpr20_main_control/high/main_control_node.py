@@ -99,7 +99,6 @@ class MainControlNode:
             lambda coverage: self._topics.publish_coverage(coverage, self._board.status.survey_id),
         )
         self._control = MainControl(surroundings, self._topics.publish_parameters)
-        self._topics.publish_status(self._board.status)
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
@@ -107,6 +106,8 @@ class MainControlNode:
             advertise("stop_survey", Trigger, self._stop),
             advertise("resume_survey", ResumeSurvey, self._resume),
         ]
+        # Now: who hears of a control asks it something.
+        self._topics.publish_status(self._board.status)
         self._periodics = [
             Periodic(1.0 / COORDINATE_RATE_HZ, lambda: self._topics.publish_current(robot)),
             Periodic(

@@ -1006,8 +1006,20 @@ lineal</translation>
     <translation>si no, cámbielo</translation>
   </message>
   <message>
-    <source>if the survey's folder was moved or renamed, put it back</source>
-    <translation>si la carpeta de la campaña se movió o cambió de nombre, devuélvala a su sitio</translation>
+    <source>if the survey's folder was moved or renamed, put it back, then resume the survey</source>
+    <translation>si la carpeta de la campaña se movió o cambió de nombre, devuélvala a su sitio y reanude la campaña</translation>
+  </message>
+  <message>
+    <source>it was moved, removed or replaced while it was written</source>
+    <translation>se movió, se borró o se sustituyó mientras se escribía</translation>
+  </message>
+  <message>
+    <source>this is no ordinary file</source>
+    <translation>esto no es un archivo normal</translation>
+  </message>
+  <message>
+    <source>this is a symbolic link, which is not followed</source>
+    <translation>esto es un enlace simbólico, que no se sigue</translation>
   </message>
   <message>
     <source>it cannot go on with {kind} one</source>

@@ -157,7 +157,7 @@ class CommittedFile:
             raise FileReplacedError(
                 errno.ESTALE,
                 "it was moved, removed or replaced while it was written; if the survey's folder "
-                "was moved, put it back, then resume the survey",
+                "was moved or renamed, put it back, then resume the survey",
                 str(self._path),
             )
 

@@ -9,6 +9,9 @@ from pathlib import Path
 
 from gpr20_vna_processing.errors import IrregularFileError
 
+LINK = "this is a symbolic link, which is not followed; move it away"
+STRANGE = "this is no ordinary file; move it away"
+
 
 def open_regular(path: Path, follow_link: bool = False) -> int:
     """Return a descriptor for reading a file; a pipe or a device in its place is never waited for.
@@ -26,15 +29,15 @@ def open_regular(path: Path, follow_link: bool = False) -> int:
         descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
     except OSError as error:
         if error.errno == errno.ELOOP:
-            raise _irregular(path, "a symbolic link, which is not followed") from error
+            raise _irregular(path, LINK) from error
         if error.errno == errno.ENXIO:
-            raise _irregular(path, "no ordinary file") from error
+            raise _irregular(path, STRANGE) from error
         raise
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise _irregular(path, "no ordinary file")
+        raise _irregular(path, STRANGE)
     return descriptor
 
 
-def _irregular(path: Path, kind: str) -> IrregularFileError:
-    return IrregularFileError(errno.EINVAL, f"this is {kind}; move it away", str(path))
+def _irregular(path: Path, reason: str) -> IrregularFileError:
+    return IrregularFileError(errno.EINVAL, reason, str(path))
