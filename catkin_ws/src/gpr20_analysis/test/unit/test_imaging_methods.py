@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from ground_kit import GRID_MM, point, scene, survey_of
@@ -10,10 +12,13 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.mid.imaging.echoes import find_echoes
 from gpr20_analysis.mid.imaging.gate import gated_sweep
 from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.mid.imaging.records import Ground
 from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S, one_way_delay_s
 from gpr20_analysis.mid.processing.background import remove_background
 from gpr20_analysis.mid.processing.sweep import Sweep
+from gpr20_simulator.mid.ground import Ground as SimulatedGround
 from gpr20_simulator.mid.refraction import refracted_path
+from gpr20_simulator.mid.scene import Surface
 
 TARGETS = (point(173.3, 181.7, 0.1134), point(318.9, 307.4, 0.0711))
 QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
@@ -99,6 +104,46 @@ def test_recorded_heights_undo_a_tilted_scanner(method, limit_mm):
     for target in TARGETS:
         assert np.linalg.norm(error_mm(brightest_near(recorded, target), target)) < limit_mm
         assert np.linalg.norm(error_mm(brightest_near(mean, target), target)) > 10.0
+
+
+@pytest.mark.parametrize("separation_m", [0.0, 0.06])
+@pytest.mark.parametrize(
+    "surface", [Surface(slope_x=0.03), Surface(slope_y=-0.03, wave_amplitude_m=0.003)]
+)
+def test_targets_below_uneven_ground_are_found_where_they_are(surface, separation_m):
+    uneven = replace(scene(TARGETS, separation_m=separation_m, **QUIET), surface=surface)
+    survey = survey_of(uneven, rotations_deg=(0.0,))
+    options = ImageOptions(Method.BACK_PROJECTION, 4.0, separation_m=separation_m)
+    known = image_survey(survey, replace(options, ground=Ground.UNEVEN))
+    taken_as_level = image_survey(survey, options)
+    for target in TARGETS:
+        above_m = SimulatedGround(uneven).surface_height_m(target.x_mm, target.y_mm)
+        below_surface = replace(target, depth_m=target.depth_m + above_m)
+        assert np.linalg.norm(error_mm(brightest_near(known, target), below_surface)) < 2.0
+        assert np.linalg.norm(error_mm(brightest_near(taken_as_level, target), below_surface)) > 4.0
+
+
+def test_level_ground_is_the_same_by_either_way(survey):
+    options = ImageOptions(Method.BACK_PROJECTION, 4.0)
+    level = image_survey(survey, options).image.values
+    uneven = image_survey(survey, replace(options, ground=Ground.UNEVEN)).image.values
+    assert np.allclose(uneven, level, atol=1e-5 * np.abs(level).max())
+
+
+@pytest.mark.parametrize("method", [Method.PHASE_SHIFT, Method.KIRCHHOFF])
+def test_uneven_ground_is_refused_by_methods_that_take_it_as_level(method):
+    with pytest.raises(WrongDatasetError, match="imaged by the back-projection"):
+        ImageOptions(method, 4.0, ground=Ground.UNEVEN)
+
+
+def test_heights_that_differ_much_are_told_with_an_image_of_level_ground(survey):
+    def height_m(x_mm, y_mm):
+        return 0.2 + 0.02 * (x_mm - 240.0) / 360.0
+
+    tilted = survey_of(scene(TARGETS, **QUIET), rotations_deg=(0.0,), height_m=height_m)
+    options = ImageOptions(Method.BACK_PROJECTION, 4.0)
+    assert "differ by 20 mm" in " ".join(image_survey(tilted, options).attrs["notes"])
+    assert image_survey(survey, options).attrs["notes"] == []
 
 
 def test_antennas_apart_are_focused_by_back_projection():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import optimize
 
 from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.ground import Ground
@@ -143,6 +144,42 @@ def test_depth_is_counted_from_the_plane_not_from_the_slope():
     sloped = ground(point(), surface=Surface(slope_x=0.05))
     # At x = 100 mm the surface is 5 mm higher: less air, more soil.
     assert sloped.echoes(OVER).delay_s[2:] == pytest.approx(2.0 * (0.195 + 2.0 * 0.105) / C)
+
+
+def quickest_delay_s(uneven, here, target, permittivity):
+    """Return the shortest time from antenna to point over all points of an uneven surface."""
+    top_m = uneven.antenna_height_m(here.x_mm, here.y_mm)
+    top_m += uneven.surface_height_m(here.x_mm, here.y_mm)
+
+    def time_s(crossing_mm):
+        surface_m = uneven.surface_height_m(*crossing_mm)
+        crossing_m = np.array([*crossing_mm / 1000.0, surface_m])
+        antenna_m = np.array([here.x_mm / 1000.0, here.y_mm / 1000.0, top_m])
+        target_m = np.array([target.x_mm / 1000.0, target.y_mm / 1000.0, -target.depth_m])
+        air_m, soil_m = (np.linalg.norm(crossing_m - end) for end in (antenna_m, target_m))
+        return (air_m + math.sqrt(permittivity) * soil_m) / C * 1e9
+
+    return optimize.minimize(time_s, [target.x_mm, target.y_mm], method="Nelder-Mead",
+                             options={"xatol": 1e-3, "fatol": 1e-9}).fun * 1e-9  # fmt: skip
+
+
+@pytest.mark.parametrize("x_mm, y_mm", [(100.0, 200.0), (20.0, 260.0), (300.0, 100.0)])
+@pytest.mark.parametrize(
+    "surface, steepest",
+    [
+        (Surface(), 0.0),
+        (Surface(slope_x=0.03), 0.03),
+        (Surface(slope_x=-0.05, slope_y=0.05), 0.071),
+        (Surface(slope_y=0.03, wave_amplitude_m=0.003, wave_length_m=0.5), 0.068),
+    ],
+)
+def test_waves_cross_an_uneven_surface_by_the_quickest_way(surface, steepest, x_mm, y_mm):
+    target, here = point(), AntennaPosition(x_mm, y_mm, 0.0)
+    uneven = ground(target, surface=surface)
+    delay_s = np.mean(uneven.echoes(here).delay_s[2:]) / 2.0
+    # The surface is taken as level where it is crossed: its slope counts in its square only.
+    allowed_m = 1e-6 + 0.5 * steepest**2
+    assert delay_s == pytest.approx(quickest_delay_s(uneven, here, target, 4.0), abs=allowed_m / C)
 
 
 @pytest.mark.parametrize(("rotation_deg", "share"), [(0.0, 1.0), (90.0, 0.0), (60.0, 0.25)])

@@ -28,6 +28,7 @@ from gpr20_analysis.mid.imaging.image_output import (
     rotation_word,
     write_volume,
 )
+from gpr20_analysis.mid.imaging.records import Ground
 from gpr20_analysis.mid.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.mid.processing.sweep import Window
 
@@ -76,6 +77,9 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; back-projection uses it")  # fmt: skip
+    add("--ground", choices=[one.value for one in Ground], default=Ground.LEVEL.value,
+        help="uneven: the recorded heights differ because the ground rises and falls, not the "
+        "antennas; back-projection knows it")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -116,6 +120,7 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         window=Window(chosen.window),
         widest_angle_deg=chosen.widest_angle,
         separation_m=chosen.separation,
+        ground=Ground(chosen.ground),
     )
 
 

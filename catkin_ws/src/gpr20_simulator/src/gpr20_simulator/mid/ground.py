@@ -26,6 +26,9 @@ from gpr20_simulator.mid.scene import Scene, amplitude
 # Path at which the strengths of a scene are given.
 REFERENCE_M = 0.1
 SMALLEST_HEIGHT_M = 0.005
+SMALLEST_DEPTH_M = 1e-4
+# Each brings the place where a path meets the surface nearer by the slope, 0.2 at most.
+SURFACE_ROUNDS = 6
 
 
 @dataclass(frozen=True)
@@ -59,11 +62,7 @@ class Ground:
 
     def surface_height_m(self, x_mm: float, y_mm: float) -> float:
         """Return the height of the surface above the plane z = 0 [m]."""
-        surface = self._scene.surface
-        x_m, y_m = x_mm / 1000.0, y_mm / 1000.0
-        turns_per_m = 2.0 * math.pi / surface.wave_length_m
-        wave = math.sin(turns_per_m * x_m) * math.sin(turns_per_m * y_m)
-        return surface.slope_x * x_m + surface.slope_y * y_m + surface.wave_amplitude_m * wave
+        return float(self._surface_m(np.float64(x_mm / 1000.0), np.float64(y_mm / 1000.0)))
 
     def antenna_height_m(self, x_mm: float, y_mm: float) -> float:
         """Return the height of the antennas above the surface below them [m]."""
@@ -141,10 +140,37 @@ class Ground:
         x_m = position.x_mm / 1000.0 + offset_m * math.cos(rotation_rad)
         y_m = position.y_mm / 1000.0 + offset_m * math.sin(rotation_rad)
         distance_m = np.hypot(self._points.x_m - x_m, self._points.y_m - y_m)
-        # The surface is taken as level where the antennas are, at the height it has there.
-        depth_m = self._points.depth_m + self.surface_height_m(position.x_mm, position.y_mm)
         permittivity = self._scene.soil.relative_permittivity
-        return refracted_path(height_m, depth_m, distance_m, permittivity)
+        here_m = self.surface_height_m(position.x_mm, position.y_mm)
+        top_m, surface_m = height_m + here_m, np.full(distance_m.shape, here_m)
+        # By Fermat's principle the delay is right to the first order of the slope if the surface
+        # is taken as level at the height it has where the path meets it.
+        for _ in range(SURFACE_ROUNDS):
+            path = refracted_path(
+                np.maximum(top_m - surface_m, SMALLEST_HEIGHT_M),
+                np.maximum(self._points.depth_m + surface_m, SMALLEST_DEPTH_M),
+                distance_m,
+                permittivity,
+            )
+            share = path.across_air_m / np.maximum(distance_m, SMALLEST_DEPTH_M)
+            before_m, surface_m = (
+                surface_m,
+                self._surface_m(
+                    x_m + share * (self._points.x_m - x_m), y_m + share * (self._points.y_m - y_m)
+                ),
+            )
+            if np.array_equal(before_m, surface_m):
+                break
+        return path
+
+    def _surface_m(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        surface = self._scene.surface
+        turns_per_m = 2.0 * math.pi / surface.wave_length_m
+        wave = np.sin(turns_per_m * x_m) * np.sin(turns_per_m * y_m)
+        rise_m: np.ndarray = (
+            surface.slope_x * x_m + surface.slope_y * y_m + surface.wave_amplitude_m * wave
+        )
+        return rise_m
 
     def _noise(self, count: int) -> np.ndarray:
         parts = self._random.standard_normal((count, 2)) * (self._noise_level / math.sqrt(2.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Union
 
 import numpy as np
 
@@ -20,20 +21,25 @@ class RefractedPath:
         air_m: Length in air [m].
         soil_m: Length in soil [m].
         cos_air: Cosine of the angle to the vertical in air.
+        across_air_m: Horizontal distance to where the path meets the surface [m].
     """
 
     air_m: np.ndarray
     soil_m: np.ndarray
     cos_air: np.ndarray
+    across_air_m: np.ndarray
 
 
 def refracted_path(
-    height_m: float, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: float
+    height_m: Union[float, np.ndarray],
+    depth_m: np.ndarray,
+    distance_m: np.ndarray,
+    permittivity: float,
 ) -> RefractedPath:
     """Find the paths that Snell's law allows through a flat surface.
 
     Args:
-        height_m: Height of the antenna above the surface [m], more than 0.
+        height_m: Height of the antenna above the surface of each point [m], more than 0.
         depth_m: Depth of each point below the surface [m], more than 0.
         distance_m: Horizontal distance of each point [m].
         permittivity: Relative permittivity of the soil, 1 or more.
@@ -50,4 +56,9 @@ def refracted_path(
         tan_air = tan_air + missing_m / (height_m + depth_m * permittivity * under_root**-1.5)
     cos_air = 1.0 / np.sqrt(1.0 + tan_air**2)
     sin_soil_squared = (1.0 - cos_air**2) / permittivity
-    return RefractedPath(height_m / cos_air, depth_m / np.sqrt(1.0 - sin_soil_squared), cos_air)
+    return RefractedPath(
+        height_m / cos_air,
+        depth_m / np.sqrt(1.0 - sin_soil_squared),
+        cos_air,
+        height_m * tan_air,
+    )

@@ -13,7 +13,7 @@ import numpy as np
 from gpr20_analysis.errors import MissingLibraryError, WrongDatasetError
 from gpr20_analysis.mid.imaging.a_scans import gated_a_scans
 from gpr20_analysis.mid.imaging.delay_table import DelayTable, tabulate_delays
-from gpr20_analysis.mid.imaging.records import Focus, Traces
+from gpr20_analysis.mid.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
 
 
@@ -35,7 +35,7 @@ def back_projection_image(
         MissingLibraryError: numba is not installed.
         WrongDatasetError: No trace holds anything.
     """
-    kernel = _kernel()
+    kernel = _kernel(focus.ground)
     x_m = traces.x_m if x_m is None else np.asarray(x_m, dtype=np.float64)
     y_m = traces.y_m if y_m is None else np.asarray(y_m, dtype=np.float64)
     place_m, spectra, height_m = _scattered(traces)
@@ -49,33 +49,40 @@ def back_projection_image(
     table = tabulate_delays(
         height_m, focus.depth_m, float(np.hypot(*spread_m)) + apart_m, focus.permittivity
     )
-    samples, sample_s = gated_a_scans(
-        spectra, traces.sweep, focus.window, 2.0 * float(table.delay_s.max())
-    )
-    parts = kernel(
-        _parts_and_rises(samples),
-        place_m,
-        side_m,
-        *_levels(table, height_m, sample_s),
-        (table.delay_s / sample_s).astype(np.float32),
-        table.distance_step_m,
-        x_m,
-        y_m,
-        _reaches_m(height_m, focus),
-    )
+    lower_s = float(np.ptp(height_m) * np.abs(table.surface_s_per_m).max())
+    longest_s = 2.0 * (float(table.delay_s.max()) + lower_s)
+    samples, sample_s = gated_a_scans(spectra, traces.sweep, focus.window, longest_s)
+    delays = (table.delay_s / sample_s).astype(np.float32)
+    image_at = (table.distance_step_m, x_m, y_m, _reaches_m(height_m, focus))
+    if focus.ground is Ground.LEVEL:
+        levels = _levels(table, height_m, sample_s)
+        parts = kernel(_parts_and_rises(samples), place_m, side_m, *levels, delays, *image_at)
+    else:
+        column_m = _heights_at(traces, x_m, y_m)
+        parts = kernel(
+            _parts_and_rises(samples),
+            place_m,
+            side_m,
+            height_m.astype(np.float32),
+            column_m.astype(np.float32),
+            *_levels(table, column_m, sample_s),
+            delays,
+            (table.surface_s_per_m / sample_s).astype(np.float32),
+            *image_at,
+        )
     image = parts[:, :, 0] + 1j * parts[:, :, 1]
     return np.moveaxis(image, 2, 0) / np.float32(traces.height_m.size)
 
 
-def _kernel():  # type: ignore[no-untyped-def]
+def _kernel(ground: Ground):  # type: ignore[no-untyped-def]
     try:
-        from gpr20_analysis.mid.imaging.back_projection_kernel import project
+        from gpr20_analysis.mid.imaging.back_projection_kernel import project, project_uneven
     except ImportError as error:
         raise MissingLibraryError(
             "back-projection needs numba: pip install 'gpr20_analysis[compiled]'; the phase shift "
             "(--method phase-shift) does without"
         ) from error
-    return project
+    return project if ground is Ground.LEVEL else project_uneven
 
 
 def _scattered(traces: Traces) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -98,10 +105,17 @@ def _parts_and_rises(samples: np.ndarray) -> np.ndarray:
 def _levels(
     table: DelayTable, height_m: np.ndarray, sample_s: float
 ) -> Tuple[np.ndarray, np.ndarray]:
-    """Return the table's height nearest to each trace's, and what is more, in samples."""
+    """Return the table's height nearest to each height, and what is more, in samples."""
     level = np.rint((height_m - table.lowest_m) / table.height_step_m).astype(np.int64)
     more_m = height_m - table.lowest_m - table.height_step_m * level
     return level, (more_m / SPEED_OF_LIGHT_M_S / sample_s).astype(np.float32)
+
+
+def _heights_at(traces: Traces, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    """Return the height of the antennas' plane above the surface at each place (y, x) [m]."""
+    along_x = [np.interp(x_m, traces.x_m, row) for row in traces.height_m]
+    along_y = [np.interp(y_m, traces.y_m, column) for column in np.transpose(along_x)]
+    return np.transpose(along_y)
 
 
 def _reaches_m(height_m: np.ndarray, focus: Focus) -> np.ndarray:

@@ -44,6 +44,67 @@ def _add_apart(voxels, samples, delays, out, back, more, first):  # type: ignore
         imaginary[k] += samples[1, index] + share * samples[3, index]
 
 
+@numba.njit(cache=True, fastmath=True, error_model="numpy")
+def _add_over_uneven(  # type: ignore[no-untyped-def]
+    voxels, samples, delays, surface, out, back, more, lower_m, first
+):
+    """The same where the surface lies lower below the antennas than at the voxels."""
+    i, j = int(out), int(back)
+    out_part, back_part = np.float32(out - i), np.float32(back - j)
+    real, imaginary = voxels[0], voxels[1]
+    for k in range(first, real.size):
+        place = np.float32(2.0) * more
+        place += delays[i, k] + out_part * (delays[i + 1, k] - delays[i, k])
+        place += delays[j, k] + back_part * (delays[j + 1, k] - delays[j, k])
+        place += lower_m * (surface[i, k] + surface[j, k])
+        index = np.int32(place)
+        share = place - np.float32(index)
+        real[k] += samples[0, index] + share * samples[2, index]
+        imaginary[k] += samples[1, index] + share * samples[3, index]
+
+
+@numba.njit(cache=True, fastmath=True, parallel=True)
+def project_uneven(  # type: ignore[no-untyped-def]
+    samples, place_m, side_m, height_m, column_m, level, more, table, surface, step_m, x_m, y_m,
+    reach_m,
+):  # fmt: skip
+    """Return the image of uneven ground (y, x, 2: real and imaginary, depth), float32.
+
+    Args:
+        samples: As for `project`, and likewise all that is not described here.
+        place_m: Middle of the antennas (trace, 2: x, y) [m].
+        side_m: From the middle to the transmitter (2) [m].
+        height_m: Height of the antennas above the surface below them (trace) [m], float32.
+        column_m: The same if they stood over each column of the image (y, x) [m], float32.
+        level: Index of the table's height nearest to each column's (y, x).
+        more: What its own height adds to the one-way delay, in samples (y, x), float32.
+        table: One-way delays in samples (height, distance, depth), float32.
+        surface: What is added per metre that the surface is lower below the antennas than at
+            the voxel, in samples (distance, depth), float32.
+        step_m: Step of the table's distances [m].
+        x_m: Positions of the image along X [m].
+        y_m: The same along Y.
+        reach_m: Largest distance that is taken (trace, depth) [m], ascending with depth.
+    """
+    image = np.zeros((y_m.size, x_m.size, 2, table.shape[2]), dtype=np.float32)
+    for row in numba.prange(y_m.size):
+        for trace in range(samples.shape[0]):
+            for column in range(x_m.size):
+                dx = x_m[column] - place_m[trace, 0]
+                dy = y_m[row] - place_m[trace, 1]
+                first = np.searchsorted(reach_m[trace], math.hypot(dx, dy))
+                if first == table.shape[2]:
+                    continue
+                out = math.hypot(dx - side_m[0], dy - side_m[1]) / step_m
+                back = math.hypot(dx + side_m[0], dy + side_m[1]) / step_m
+                lower_m = height_m[trace] - column_m[row, column]
+                _add_over_uneven(
+                    image[row, column], samples[trace], table[level[row, column]], surface,
+                    out, back, more[row, column], lower_m, first,
+                )  # fmt: skip
+    return image
+
+
 @numba.njit(cache=True, fastmath=True, parallel=True)
 def project(  # type: ignore[no-untyped-def]
     samples, place_m, side_m, level, more, table, step_m, x_m, y_m, reach_m

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gpr20_analysis.mid.imaging.refraction import one_way_delay_s
+from gpr20_analysis.mid.imaging.refraction import one_way_delay_s, surface_delay_s_per_m
 
 # Linear interpolation over the distance is off by less than step^2 / 8 times the second
 # derivative of the delay: 0.5 mrad at 6 GHz and 0.1 m of height.
@@ -27,12 +27,15 @@ class DelayTable:
         lowest_m: First height [m].
         height_step_m: Distance of two heights [m].
         distance_step_m: Distance of two distances, which start at 0 [m].
+        surface_s_per_m: What is added per metre that the surface is lower below the antenna than
+            at the point (distance, depth), at the mean height [s/m].
     """
 
     delay_s: np.ndarray
     lowest_m: float
     height_step_m: float
     distance_step_m: float
+    surface_s_per_m: np.ndarray
 
 
 def tabulate_delays(
@@ -51,10 +54,14 @@ def tabulate_delays(
     heights = 1 + math.ceil(range_m / step_m)
     # Two beyond the furthest, so that its right neighbour is there.
     distances = 3 + math.ceil(furthest_m / DISTANCE_STEP_M)
+    distance_m = (DISTANCE_STEP_M * np.arange(distances))[:, None]
     delay_s = one_way_delay_s(
         (lowest_m + step_m * np.arange(heights))[:, None, None],
         depth_m[None, None, :],
-        (DISTANCE_STEP_M * np.arange(distances))[None, :, None],
+        distance_m[None, :, :],
         permittivity,
     )
-    return DelayTable(delay_s, lowest_m, step_m, DISTANCE_STEP_M)
+    surface_s_per_m = surface_delay_s_per_m(
+        float(np.mean(height_m)), depth_m[None, :], distance_m, permittivity
+    )
+    return DelayTable(delay_s, lowest_m, step_m, DISTANCE_STEP_M, surface_s_per_m)

@@ -31,13 +31,15 @@ from gpr20_analysis.mid.imaging.back_projection import back_projection_image
 from gpr20_analysis.mid.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.mid.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.mid.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.mid.imaging.records import Focus, Traces
+from gpr20_analysis.mid.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
 from gpr20_analysis.mid.processing.delay import ADVANCE, known_height
 from gpr20_analysis.mid.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.mid.processing.samples import FILLED
 from gpr20_analysis.mid.processing.sweep import Sweep, Window
 
+# Height differences of level ground, by the noise of the height sensor.
+NOTED_RELIEF_M = 0.01
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
 Each = Callable[[Callable[[Traces], Volume], Sequence[Traces]], List[Volume]]
@@ -65,6 +67,7 @@ class ImageOptions:
         window: Weights over the band.
         widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; back-projection alone uses it.
+        ground: Why the recorded heights differ; back-projection alone knows uneven ground.
     """
 
     method: Method = Method.PHASE_SHIFT
@@ -75,6 +78,7 @@ class ImageOptions:
     window: Window = Window.HANN
     widest_angle_deg: float = 70.0
     separation_m: float = 0.0
+    ground: Ground = Ground.LEVEL
 
     def __post_init__(self) -> None:
         """Refuse what no image can be made with.
@@ -92,6 +96,11 @@ class ImageOptions:
         _check("antenna height", self.height_m, 0.001, 10.0)
         _check("widest angle", self.widest_angle_deg, 5.0, 89.0)
         _check("antenna separation", self.separation_m, 0.0, 2.0)
+        if self.ground is Ground.UNEVEN and self.method is not Method.BACK_PROJECTION:
+            raise WrongDatasetError(
+                f"the method {self.method.value} takes the ground as level; uneven ground is "
+                "imaged by the back-projection"
+            )
 
 
 def in_turn(function: Callable[[Traces], Volume], traces: Sequence[Traces]) -> List[Volume]:
@@ -122,6 +131,7 @@ def image_survey(survey: xr.Dataset, options: ImageOptions, each: Each = in_turn
         window=options.window,
         widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
+        ground=options.ground,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
     if options.permittivity is None:
@@ -176,7 +186,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
         Traces(spectra[turn], sweep, x_m, y_m, height_m[turn], float(turns[turn]))
         for turn in range(len(turns))
     ]
-    return traces, _notes(survey, present)
+    return traces, [*_notes(survey, present), *_uneven_notes(height_m, options)]
 
 
 def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:
@@ -220,6 +230,17 @@ def _notes(survey: xr.Dataset, present: np.ndarray) -> List[str]:
     return notes
 
 
+def _uneven_notes(height_m: np.ndarray, options: ImageOptions) -> List[str]:
+    range_m = float(np.ptp(height_m))
+    if options.ground is Ground.UNEVEN or range_m <= NOTED_RELIEF_M:
+        return []
+    return [
+        f"the recorded heights differ by {1e3 * range_m:.0f} mm, and the image takes the ground as "
+        "level; if it is not, echoes lie beside their place: use --method back-projection "
+        "--ground uneven"
+    ]
+
+
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     return {
         "permittivity_source": "estimated by focus",
@@ -236,6 +257,7 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
         "window": focus.window.value,
         "widest_angle_deg": focus.widest_angle_deg,
         "separation_m": focus.separation_m,
+        "ground": focus.ground.value,
         "height_m": options.height_m,
         "leave_out_missing": options.leave_out_missing,
     }

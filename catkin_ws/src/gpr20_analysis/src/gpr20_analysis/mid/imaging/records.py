@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
 
 import numpy as np
 
 from gpr20_analysis.mid.processing.sweep import Sweep, Window
+
+
+class Ground(enum.Enum):
+    """Why the recorded heights differ."""
+
+    LEVEL = "level"
+    """The ground is level, the antennas move up and down."""
+    UNEVEN = "uneven"
+    """The antennas move in a level plane, the ground rises and falls."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +51,8 @@ class Focus:
         widest_angle_deg: Waves that arrive in air at a wider angle to the vertical are left out.
         separation_m: Distance between the two antennas, along their rotation [m]; the phase
             shift and the Kirchhoff method take them as one.
+        ground: Why the recorded heights differ; the back-projection alone knows uneven ground,
+            in which a depth is that below the surface there.
     """
 
     permittivity: float
@@ -48,3 +60,4 @@ class Focus:
     window: Window = Window.HANN
     widest_angle_deg: float = 70.0
     separation_m: float = 0.0
+    ground: Ground = Ground.LEVEL

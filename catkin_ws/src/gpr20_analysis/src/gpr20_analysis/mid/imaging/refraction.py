@@ -36,6 +36,33 @@ def one_way_delay_s(
     return (air_m + np.sqrt(permittivity) * soil_m) / SPEED_OF_LIGHT_M_S
 
 
+def surface_delay_s_per_m(
+    height_m: Floats, depth_m: Floats, distance_m: Floats, permittivity: float
+) -> np.ndarray:
+    """Return what is added per metre that the surface is lower below the antenna [s/m].
+
+    Lower than at the point, that is; between the two it is taken as a plane. By Fermat's
+    principle the path moves along with it without a change of the delay to the first order, so
+    what counts is how much lower the surface lies where the path crosses it: so much more of the
+    way is in air, less in soil.
+
+    Args:
+        height_m: Height of the antenna above the surface at the point [m], more than 0.
+        depth_m: Depth of the point below the surface there [m], 0 or more.
+        distance_m: Horizontal distance of the point [m], 0 or more.
+        permittivity: Relative permittivity of the soil, 1 or more.
+    """
+    height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
+    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
+    # Of the horizontal distance, what lies beyond the crossing.
+    beyond = (depth_m / root) / (height_m + depth_m / root)
+    secant = np.sqrt(1.0 + tangent**2)
+    # The wave number along the vertical is cos(angle) in air, sqrt(permittivity - sin^2) in soil.
+    in_soil = np.sqrt(permittivity - (tangent / secant) ** 2)
+    return beyond * (1.0 / secant - in_soil) / SPEED_OF_LIGHT_M_S
+
+
 def _tangent_in_air(
     height_m: np.ndarray, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: float
 ) -> np.ndarray:
