@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 import json
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Dict, List, Optional
 
 import numpy as np
 import xarray as xr
@@ -90,10 +90,11 @@ def run(chosen: argparse.Namespace) -> int:
     outputs.check(_outputs(chosen), inputs, chosen.overwrite)
     survey = survey_input.load(chosen)
     default = () if recipe_of(survey) else DEFAULT_STEPS
-    with scheduler.workers(chosen) as each:
+    with scheduler.workers(chosen) as workers:
         steps = processing_input.steps_of(chosen, default)
         processed, status = processing_input.process(survey, steps)
-        image = image_survey(processed, options, each if chosen.scheduler else _in_turn)
+        progress = survey_input.progress_bar("imaging polarizations")
+        image = image_survey(processed, options, workers, progress)
     _write(image, chosen)
     _tell(image, chosen)
     return status
@@ -122,11 +123,6 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         separation_m=chosen.separation,
         ground=Ground(chosen.ground),
     )
-
-
-def _in_turn(function: Callable[[Any], Any], polarizations: Sequence[Any]) -> List[Any]:
-    shown = survey_input.progress_bar("imaging polarizations")(polarizations, len(polarizations))
-    return [function(one) for one in shown]
 
 
 def _outputs(chosen: argparse.Namespace) -> List[Output]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-from typing import Any, Callable, Iterator, List, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Sequence
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 TIME_LIMIT_S = 10.0
-
-Each = Callable[[Callable[[Any], Any], Sequence[Any]], List[Any]]
+# Fewer would leave a worker idle while the slowest part is finished.
+PARTS_PER_WORKER = 3
 
 
 def add_scheduler(parser: argparse.ArgumentParser) -> None:
@@ -23,23 +27,38 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def in_turn(function: Callable[[Any], Any], things: Sequence[Any]) -> List[Any]:
-    """Apply a function to one thing after another, in this process."""
-    return [function(one) for one in things]
+class Cluster:
+    """The workers of a dask cluster."""
+
+    def __init__(self, client: Client, count: int) -> None:
+        """Take a connection to so many workers."""
+        self.parts = PARTS_PER_WORKER * count
+        self._client = client
+
+    def map(
+        self, function: Callable[[Any, Any], Any], shared: Any, things: Sequence[Any]
+    ) -> List[Any]:
+        """Return function(shared, thing) of each thing, in their order."""
+        # Large arguments are sent once, ahead of the tasks that need them.
+        common = self._client.scatter([shared], broadcast=True, hash=False)[0]
+        sent = self._client.scatter(list(things), hash=False)
+        tasks = [self._client.submit(function, common, one, pure=False) for one in sent]
+        found: List[Any] = self._client.gather(tasks)
+        return found
 
 
 @contextlib.contextmanager
-def workers(chosen: argparse.Namespace) -> Iterator[Each]:
-    """Yield what applies a function to each of several things: here, or on the named cluster.
+def workers(chosen: argparse.Namespace) -> Iterator[Workers]:
+    """Yield who does heavy work: this process, or the named cluster.
 
     While it is open dask computes lazy surveys on the cluster too.
 
     Raises:
         MissingLibraryError: dask's distributed is not installed.
-        AnalysisError: Nobody answers there.
+        AnalysisError: Nobody answers there, or the cluster has no workers.
     """
     if not chosen.scheduler:
-        yield in_turn
+        yield THIS_PROCESS
         return
     try:
         from distributed import Client
@@ -54,10 +73,10 @@ def workers(chosen: argparse.Namespace) -> Iterator[Each]:
             f"no dask scheduler answers at {chosen.scheduler} within {TIME_LIMIT_S:g} s: {error}"
         ) from error
     with client:
-
-        def on_cluster(function: Callable[[Any], Any], things: Sequence[Any]) -> List[Any]:
-            # Large arguments are sent once, ahead of the task that needs them.
-            sent = client.scatter(list(things))
-            return client.gather(client.map(function, sent, pure=False))
-
-        yield on_cluster
+        count = len(client.scheduler_info()["workers"])
+        if count == 0:
+            raise AnalysisError(
+                f"the cluster at {chosen.scheduler} has no workers; start some with "
+                f"'dask worker {chosen.scheduler}'"
+            )
+        yield Cluster(client, count)

@@ -6,7 +6,7 @@ heights may be any; the two antennas may stand apart. It needs numba.
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from gpr20_analysis.mid.imaging.a_scans import gated_a_scans
 from gpr20_analysis.mid.imaging.delay_table import DelayTable, tabulate_delays
 from gpr20_analysis.mid.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers, slices
 
 
 def back_projection_image(
@@ -22,6 +23,7 @@ def back_projection_image(
     focus: Focus,
     x_m: Optional[np.ndarray] = None,
     y_m: Optional[np.ndarray] = None,
+    workers: Workers = THIS_PROCESS,
 ) -> np.ndarray:
     """Return the complex image (depth, y, x).
 
@@ -30,12 +32,13 @@ def back_projection_image(
         focus: How to focus.
         x_m: Positions of the image along X [m]; default those of the traces.
         y_m: The same along Y.
+        workers: Who adds up the voxels, in slabs of rows.
 
     Raises:
         MissingLibraryError: numba is not installed.
         WrongDatasetError: No trace holds anything.
     """
-    kernel = _kernel(focus.ground)
+    _kernel(focus.ground)
     x_m = traces.x_m if x_m is None else np.asarray(x_m, dtype=np.float64)
     y_m = traces.y_m if y_m is None else np.asarray(y_m, dtype=np.float64)
     place_m, spectra, height_m = _scattered(traces)
@@ -53,25 +56,40 @@ def back_projection_image(
     longest_s = 2.0 * (float(table.delay_s.max()) + lower_s)
     samples, sample_s = gated_a_scans(spectra, traces.sweep, focus.window, longest_s)
     delays = (table.delay_s / sample_s).astype(np.float32)
-    image_at = (table.distance_step_m, x_m, y_m, _reaches_m(height_m, focus))
+    held = (_parts_and_rises(samples), place_m, side_m)
+    reaches_m = _reaches_m(height_m, focus)
+    # What is needed throughout, and what each slab of rows needs of its own.
+    shared: Tuple[Any, ...]
     if focus.ground is Ground.LEVEL:
         levels = _levels(table, height_m, sample_s)
-        parts = kernel(_parts_and_rises(samples), place_m, side_m, *levels, delays, *image_at)
+        shared = (*held, *levels, delays, table.distance_step_m, x_m, reaches_m)
+        slabs = [(y_m[rows],) for rows in slices(len(y_m), workers.parts)]
+        parts = workers.map(_level_slab, shared, slabs)
     else:
         column_m = _heights_at(traces, x_m, y_m)
-        parts = kernel(
-            _parts_and_rises(samples),
-            place_m,
-            side_m,
-            height_m.astype(np.float32),
-            column_m.astype(np.float32),
-            *_levels(table, column_m, sample_s),
-            delays,
-            (table.surface_s_per_m / sample_s).astype(np.float32),
-            *image_at,
-        )
-    image = parts[:, :, 0] + 1j * parts[:, :, 1]
+        surface = (table.surface_s_per_m / sample_s).astype(np.float32)
+        above = (height_m.astype(np.float32), delays, surface)
+        shared = (*held, *above, table.distance_step_m, x_m, reaches_m)
+        own = (y_m, column_m.astype(np.float32), *_levels(table, column_m, sample_s))
+        slabs = [tuple(one[rows] for one in own) for rows in slices(len(y_m), workers.parts)]
+        parts = workers.map(_uneven_slab, shared, slabs)
+    image = np.concatenate([part[:, :, 0] + 1j * part[:, :, 1] for part in parts])
     return np.moveaxis(image, 2, 0) / np.float32(traces.height_m.size)
+
+
+def _level_slab(shared: Tuple[Any, ...], slab: Tuple[Any, ...]) -> np.ndarray:
+    *first, step_m, x_m, reaches_m = shared
+    found: np.ndarray = _kernel(Ground.LEVEL)(*first, step_m, x_m, *slab, reaches_m)
+    return found
+
+
+def _uneven_slab(shared: Tuple[Any, ...], slab: Tuple[Any, ...]) -> np.ndarray:
+    *held, height_m, delays, surface, step_m, x_m, reaches_m = shared
+    y_m, *column = slab
+    found: np.ndarray = _kernel(Ground.UNEVEN)(
+        *held, height_m, *column, delays, surface, step_m, x_m, y_m, reaches_m
+    )
+    return found
 
 
 def _kernel(ground: Ground):  # type: ignore[no-untyped-def]

@@ -22,6 +22,7 @@ from gpr20_analysis.mid.imaging.echoes import maxima, peak_place
 from gpr20_analysis.mid.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.mid.imaging.records import Focus, Traces
 from gpr20_analysis.mid.imaging.refraction import one_way_delay_s
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 # Soils that such surveys meet, from dry sand to wet clay.
 LOWEST, HIGHEST = 2.0, 16.0
@@ -63,7 +64,9 @@ class PermittivityEstimate:
         )
 
 
-def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> PermittivityEstimate:
+def estimate_permittivity(
+    traces: Sequence[Traces], focus: Focus, workers: Workers = THIS_PROCESS
+) -> PermittivityEstimate:
     """Search the permittivity at which the echoes focus best.
 
     Where echoes are is looked for with the permittivity of the focus first, then with each
@@ -72,31 +75,35 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
     Args:
         traces: One item per polarization, without coupling and surface echo.
         focus: How to focus; its permittivity is only the first guess.
+        workers: Who does parts of the work.
 
     Raises:
         WrongDatasetError: There is no echo, or they focus ever better towards the end of the
             range, so nothing in the data says what the permittivity is.
     """
     optical_m = focus.depth_m * np.sqrt(focus.permittivity)
-    found = _estimate_once(traces, focus)
+    found = _estimate_once(traces, focus, workers)
     for _ in range(MOST_ROUNDS):
         before = found.permittivity
         depth_m = optical_m / np.sqrt(before)
-        found = _estimate_once(traces, replace(focus, permittivity=before, depth_m=depth_m))
+        again = replace(focus, permittivity=before, depth_m=depth_m)
+        found = _estimate_once(traces, again, workers)
         if abs(found.permittivity / before - 1.0) < SETTLED:
             break
     return found
 
 
-def _estimate_once(traces: Sequence[Traces], focus: Focus) -> PermittivityEstimate:
+def _estimate_once(
+    traces: Sequence[Traces], focus: Focus, workers: Workers
+) -> PermittivityEstimate:
     permittivities = np.geomspace(LOWEST, HIGHEST, TRIALS)
     sums = np.zeros(TRIALS)
     count = 0
     for one in traces:
-        echoes = _strongest(one, focus)
+        echoes = _strongest(one, focus, workers)
         count += len(echoes)
         if echoes:
-            sums += _coherent_sums(one, focus, echoes, permittivities)
+            sums += _coherent_sums(one, focus, echoes, permittivities, workers)
     if count == 0:
         raise WrongDatasetError(
             "no echo stands out, so the permittivity cannot be estimated; give it by option"
@@ -118,9 +125,9 @@ def _estimate_once(traces: Sequence[Traces], focus: Focus) -> PermittivityEstima
     )
 
 
-def _strongest(traces: Traces, focus: Focus) -> List[Tuple[float, float, float]]:
+def _strongest(traces: Traces, focus: Focus, workers: Workers) -> List[Tuple[float, float, float]]:
     """Return (x, y, optical depth) of the strongest echoes at the permittivity of the focus [m]."""
-    magnitude = np.abs(phase_shift_image(traces, focus))
+    magnitude = np.abs(phase_shift_image(traces, focus, workers))
     axes = [focus.depth_m, traces.y_m, traces.x_m]
     threshold = float(magnitude.max()) * 10.0 ** (FAINTEST_DB / 20.0)
     if not threshold > 0.0:
@@ -137,6 +144,7 @@ def _coherent_sums(
     focus: Focus,
     echoes: Sequence[Tuple[float, float, float]],
     permittivities: np.ndarray,
+    workers: Workers,
 ) -> np.ndarray:
     """Return the sums of all traces along the echoes' hyperbolas, added up over the echoes."""
     deepest_m = float(focus.depth_m[-1]) * np.sqrt(focus.permittivity) + SHIFTS_M[-1]
@@ -148,18 +156,25 @@ def _coherent_sums(
     )
     spectra = traces.s21.reshape(-1, traces.sweep.count)
     a_scans, sample_s = gated_a_scans(spectra, traces.sweep, focus.window, float(longest_s))
-    height_m = traces.height_m.ravel()
-    sums = np.zeros(len(permittivities))
+    followed = []
     for x_m, y_m, optical_m in echoes:
         distance_m = np.hypot(grid_x - x_m, grid_y - y_m).ravel()
         optical = np.maximum(optical_m + SHIFTS_M, 0.001)
-        for trial, permittivity in enumerate(permittivities):
-            depth_m = optical[None, :] / np.sqrt(permittivity)
-            delay_s = one_way_delay_s(
-                height_m[:, None], depth_m, distance_m[:, None], float(permittivity)
-            )
-            sums[trial] += np.abs(_at_delay(a_scans, 2.0 * delay_s / sample_s)).max()
-    return sums
+        followed += [(distance_m, optical, float(trial)) for trial in permittivities]
+    shared = (a_scans, sample_s, traces.height_m.ravel())
+    largest = workers.map(_largest_sum, shared, followed)
+    return np.sum(np.reshape(largest, (len(echoes), -1)), axis=0)
+
+
+def _largest_sum(
+    shared: Tuple[np.ndarray, float, np.ndarray], echo: Tuple[np.ndarray, np.ndarray, float]
+) -> float:
+    """Return the largest sum along an echo's hyperbola, of some optical depths [m]."""
+    a_scans, sample_s, height_m = shared
+    distance_m, optical_m, permittivity = echo
+    depth_m = optical_m[None, :] / np.sqrt(permittivity)
+    delay_s = one_way_delay_s(height_m[:, None], depth_m, distance_m[:, None], permittivity)
+    return float(np.abs(_at_delay(a_scans, 2.0 * delay_s / sample_s)).max())
 
 
 def _at_delay(a_scans: np.ndarray, place: np.ndarray) -> np.ndarray:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import enum
 import json
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -37,12 +36,13 @@ from gpr20_analysis.mid.processing.delay import ADVANCE, known_height
 from gpr20_analysis.mid.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.mid.processing.samples import FILLED
 from gpr20_analysis.mid.processing.sweep import Sweep, Window
+from gpr20_analysis.mid.survey_source import Progress, silent
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 # Height differences of level ground, by the noise of the height sensor.
 NOTED_RELIEF_M = 0.01
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
-Each = Callable[[Callable[[Traces], Volume], Sequence[Traces]], List[Volume]]
 
 
 class Method(enum.Enum):
@@ -103,18 +103,19 @@ class ImageOptions:
             )
 
 
-def in_turn(function: Callable[[Traces], Volume], traces: Sequence[Traces]) -> List[Volume]:
-    """Return what a function makes of each polarization, one after another."""
-    return [function(one) for one in traces]
-
-
-def image_survey(survey: xr.Dataset, options: ImageOptions, each: Each = in_turn) -> xr.Dataset:
+def image_survey(
+    survey: xr.Dataset,
+    options: ImageOptions,
+    workers: Workers = THIS_PROCESS,
+    progress: Progress = silent,
+) -> xr.Dataset:
     """Return the image of a survey.
 
     Args:
         survey: Dataset with `s21`, coupling and surface echo taken away.
         options: What the user decides.
-        each: Applies a function to each polarization, perhaps on several machines.
+        workers: Who does the heavy parts, perhaps on several machines.
+        progress: Shows which polarization is imaged.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
@@ -135,11 +136,13 @@ def image_survey(survey: xr.Dataset, options: ImageOptions, each: Each = in_turn
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
     if options.permittivity is None:
-        estimate = estimate_permittivity(traces, focus)
+        estimate = estimate_permittivity(traces, focus, workers)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
     _check_unambiguous(traces, focus)
-    volumes = each(partial(_volume, focus=focus, method=options.method), traces)
+    volumes = [
+        _volume(one, focus, options.method, workers) for one in progress(traces, len(traces))
+    ]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
@@ -211,12 +214,13 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
+def _volume(traces: Traces, focus: Focus, method: Method, workers: Workers) -> Volume:
     if method is Method.BACK_PROJECTION:
-        return back_projection_image(traces, focus), focus.depth_m
+        return back_projection_image(traces, focus, workers=workers), focus.depth_m
     if method is Method.PHASE_SHIFT:
-        return phase_shift_image(traces, focus), focus.depth_m
-    return kirchhoff_image(traces, focus, "x" if method is Method.KIRCHHOFF_2D else "xy")
+        return phase_shift_image(traces, focus, workers), focus.depth_m
+    along = "x" if method is Method.KIRCHHOFF_2D else "xy"
+    return kirchhoff_image(traces, focus, along, workers)
 
 
 def _notes(survey: xr.Dataset, present: np.ndarray) -> List[str]:

@@ -12,7 +12,7 @@ everything else take the phase shift or the back-projection.
 
 from __future__ import annotations
 
-from typing import Tuple
+from typing import Any, List, Tuple
 
 import numpy as np
 import scipy.fft
@@ -20,14 +20,16 @@ from scipy.integrate import trapezoid
 
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.mid.imaging.records import Focus, Traces
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 # The rounded value of the group's program.
 SPEED_M_S = 3e8
 ANGLES = 256
+LINES_AT_ONCE = 4
 
 
 def kirchhoff_image(
-    traces: Traces, focus: Focus, along: str = "xy"
+    traces: Traces, focus: Focus, along: str = "xy", workers: Workers = THIS_PROCESS
 ) -> Tuple[np.ndarray, np.ndarray]:
     """Return the image (depth, y, x), real and not negative, and its depths [m].
 
@@ -35,6 +37,7 @@ def kirchhoff_image(
         traces: Traces on a regular grid.
         focus: Permittivity, and the first and last depth; the step follows from the sweep.
         along: "x": lines along X alone (2D); "y": along Y alone; "xy": the product (2.5D).
+        workers: Who migrates the lines, some lines each.
 
     Raises:
         WrongDatasetError: The depth range holds no step of this method.
@@ -50,12 +53,16 @@ def kirchhoff_image(
         )
     height_m = float(np.mean(traces.height_m))
     image = np.ones((len(depth_m), *traces.height_m.shape))
+
+    def lines(a_scans: np.ndarray, place_m: np.ndarray) -> np.ndarray:
+        shared = (place_m, height_m, depth_m, sample_s, focus.permittivity)
+        # Cut alike whoever works: how many lines are added up at once may change the last digit.
+        return np.concatenate(workers.map(_lines, shared, _bundles(a_scans)), axis=1)
+
     if "x" in along:
-        image *= _lines(a_scans, traces.x_m, height_m, depth_m, sample_s, focus.permittivity)
+        image *= lines(a_scans, traces.x_m)
     if "y" in along:
-        turned = np.swapaxes(a_scans, 0, 1)
-        lines = _lines(turned, traces.y_m, height_m, depth_m, sample_s, focus.permittivity)
-        image *= np.swapaxes(lines, 1, 2)
+        image *= np.swapaxes(lines(np.swapaxes(a_scans, 0, 1), traces.y_m), 1, 2)
     return image, depth_m
 
 
@@ -72,15 +79,16 @@ def _real_a_scans(traces: Traces, focus: Focus) -> Tuple[np.ndarray, float]:
     return a_scans * np.sqrt(np.pi * np.abs(misplaced_hz)), sample_s
 
 
-def _lines(
-    a_scans: np.ndarray,
-    place_m: np.ndarray,
-    height_m: float,
-    depth_m: np.ndarray,
-    sample_s: float,
-    permittivity: float,
-) -> np.ndarray:
+def _bundles(a_scans: np.ndarray) -> List[np.ndarray]:
+    return [
+        np.ascontiguousarray(a_scans[first : first + LINES_AT_ONCE])
+        for first in range(0, len(a_scans), LINES_AT_ONCE)
+    ]
+
+
+def _lines(shared: Tuple[Any, ...], a_scans: np.ndarray) -> np.ndarray:
     """Migrate each line (line, place, delay) by itself; return (depth, line, place)."""
+    place_m, height_m, depth_m, sample_s, permittivity = shared
     places = np.arange(len(place_m))
     offset_m = np.abs(place_m[:, None] - place_m[None, :])
     speed_m_s = SPEED_M_S / np.sqrt(permittivity)

@@ -23,20 +23,22 @@ from gpr20_analysis.mid.imaging.gate import gated_sweep
 from gpr20_analysis.mid.imaging.records import Focus, Traces
 from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S, one_way_delay_s
 from gpr20_analysis.mid.processing.sweep import Sweep
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 # Positions are read from axes that count steps of 0.01 mm.
 GRID_TOLERANCE = 0.02
 # Samples of wavenumber and frequency that are moved down together; they fit a processor's cache.
 SAMPLES_AT_ONCE = 60_000
+THREADS = 2
 
 
-def phase_shift_image(traces: Traces, focus: Focus, workers: int = 2) -> np.ndarray:
+def phase_shift_image(traces: Traces, focus: Focus, workers: Workers = THIS_PROCESS) -> np.ndarray:
     """Return the complex image (depth, y, x) at the positions of the traces.
 
     Args:
         traces: Traces on a regular grid.
         focus: How to focus.
-        workers: Threads.
+        workers: Who moves the waves down, in parts of the wavenumbers.
 
     Raises:
         WrongDatasetError: The positions are no regular grid.
@@ -51,16 +53,17 @@ def phase_shift_image(traces: Traces, focus: Focus, workers: int = 2) -> np.ndar
         scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
         for count, step in zip(spectra.shape[1:], step_m)
     )
-    spectra = scipy.fft.fft2(spectra, s=padded, workers=workers, overwrite_x=True)
-    image = np.zeros((len(focus.depth_m), padded[0] * padded[1]), dtype=np.complex64)
+    spectra = scipy.fft.fft2(spectra, s=padded, workers=THREADS, overwrite_x=True)
     air_rad_m = 4.0 * np.pi / SPEED_OF_LIGHT_M_S * sweep.frequency_hz
     waves = PlaneWaves(
         spectra.reshape(sweep.count, -1), air_rad_m, _wavenumbers(padded, step_m), height_m
     )
-    with ThreadPoolExecutor(workers) as pool:
-        for _ in pool.map(lambda part: waves.focus_into(image, part, focus), waves.parts(focus)):
-            pass
-    image = scipy.fft.ifft2(image.reshape(-1, *padded), workers=workers, overwrite_x=True)
+    # Cut by taking turns: most of the work is in the lower wavenumbers, which lie together.
+    cut = [slice(first, None, workers.parts) for first in range(workers.parts)]
+    image = np.empty((len(focus.depth_m), waves.count), dtype=np.complex64)
+    for part, found in zip(cut, workers.map(_focused, focus, [waves.some(part) for part in cut])):
+        image[:, part] = found
+    image = scipy.fft.ifft2(image.reshape(-1, *padded), workers=THREADS, overwrite_x=True)
     return image[:, : len(traces.y_m), : len(traces.x_m)]
 
 
@@ -82,10 +85,22 @@ class PlaneWaves:
         self._across_rad_m = across_rad_m
         self._height_m = height_m
 
+    @property
+    def count(self) -> int:
+        """How many wavenumbers there are."""
+        return len(self._across_rad_m)
+
+    def some(self, part: slice) -> PlaneWaves:
+        """Return those of some wavenumbers."""
+        spectra = np.ascontiguousarray(self._spectra[:, part])
+        return PlaneWaves(spectra, self._air_rad_m, self._across_rad_m[part], self._height_m)
+
     def parts(self, focus: Focus) -> Iterator[np.ndarray]:
         """Yield the indices of wavenumbers to be worked on together."""
         counts = np.count_nonzero(self._taken(focus, slice(None)), axis=0)
         taken = np.flatnonzero(counts)
+        if taken.size == 0:
+            return
         part_of = np.cumsum(counts[taken]) // SAMPLES_AT_ONCE
         yield from np.split(taken, np.flatnonzero(np.diff(part_of)) + 1)
 
@@ -115,6 +130,15 @@ class PlaneWaves:
     def _taken(self, focus: Focus, part: Union[slice, np.ndarray]) -> np.ndarray:
         widest = math.sin(math.radians(focus.widest_angle_deg))
         return self._across_rad_m[part] < self._air_rad_m[:, None] * widest
+
+
+def _focused(focus: Focus, waves: PlaneWaves) -> np.ndarray:
+    """Return the image (depth, wavenumber); no wavenumber depends on another one."""
+    image = np.zeros((len(focus.depth_m), waves.count), dtype=np.complex64)
+    with ThreadPoolExecutor(THREADS) as pool:
+        for _ in pool.map(lambda part: waves.focus_into(image, part, focus), waves.parts(focus)):
+            pass
+    return image
 
 
 def unit_phasor(phase_rad: np.ndarray) -> np.ndarray:
