@@ -17,7 +17,8 @@ from gpr20_analysis.mid.survey_source import Progress, silent
 
 LAZY_BYTES = 1 << 30
 """Above this size of the numbers [bytes] a survey is lazy."""
-CHUNK_BYTES = 64 << 20
+CHUNK_BYTES = 16 << 20
+"""Of a lazy survey in memory at once by each thread; a step may need eight times as much."""
 
 
 def load_survey(

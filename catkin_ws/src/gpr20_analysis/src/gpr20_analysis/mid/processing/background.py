@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.mid import row_blocks
 from gpr20_analysis.mid.dataset import (
     FREQUENCY,
     POLARIZATION,
@@ -19,10 +20,14 @@ from gpr20_analysis.mid.dataset import (
     require,
     require_complete,
 )
+from gpr20_analysis.mid.row_blocks import Array
+from gpr20_analysis.mid.workers import slices
 
 # Of the sweep's step.
 FREQUENCY_TOLERANCE = 1e-3
 ROTATION_TOLERANCE_DEG = 0.5
+# Of a lazy survey, what a median is taken of at once.
+BAND_BYTES = 128 << 20
 
 
 class Background(enum.Enum):
@@ -50,7 +55,7 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
         WrongDatasetError: The reference has another sweep, or lacks a rotation.
     """
     measured = require(survey, S21, S21_DIMS)
-    empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True)
+    empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
     ours, theirs = survey[FREQUENCY].values, reference[FREQUENCY].values
     step_hz = abs(ours[-1] - ours[0]) / max(len(ours) - 1, 1)
     if ours.shape != theirs.shape or np.max(np.abs(ours - theirs)) > FREQUENCY_TOLERANCE * step_hz:
@@ -86,29 +91,41 @@ def remove_background(
         WrongDatasetError: Width or rank do not suit the survey.
         DamagedSurveyError: SVD was asked for and a sample is missing.
     """
-    measured = require(survey, S21, S21_DIMS)
+    measured = row_blocks.in_rows(require(survey, S21, S21_DIMS))
     if method is Background.SVD:
         require_complete(survey, "the background by SVD")
-    estimate = {
-        Background.MEAN: _mean,
-        Background.MEDIAN: _median,
-        Background.MOVING: lambda values: _moving(values, width),
-        Background.SVD: lambda values: _strongest(values, rank),
+    clean = {
+        Background.MEAN: lambda volume: volume - _mean(volume),
+        Background.MEDIAN: lambda volume: volume - _median(volume),
+        Background.MOVING: lambda volume: _without_moving(volume, width),
+        Background.SVD: lambda volume: _without_strongest(volume, rank),
     }[method]
-    cleaned = np.stack([volume - estimate(volume) for volume in measured.values])
+    cleaned = row_blocks.stack([clean(volume) for volume in measured.data])
     return survey.assign({S21: measured.copy(data=cleaned)})
 
 
-def _mean(volume: np.ndarray) -> np.ndarray:
+def _mean(volume: Array) -> np.ndarray:
+    sums, counts = zip(*row_blocks.gather(_sum_and_count, volume))
+    mean: np.ndarray = np.sum(sums, axis=0) / max(sum(counts), 1)
+    return mean
+
+
+def _sum_and_count(volume: np.ndarray) -> Tuple[np.ndarray, int]:
     present = _present(volume)
-    return np.where(present, volume, 0.0).sum(axis=(0, 1)) / max(np.count_nonzero(present), 1)
+    return np.where(present, volume, 0.0).sum(axis=(0, 1)), np.count_nonzero(present)
 
 
-def _median(volume: np.ndarray) -> np.ndarray:
-    traces = volume[_present(volume)[..., 0]]
-    if len(traces) == 0:
-        return np.zeros(volume.shape[-1], dtype=volume.dtype)
-    return np.median(traces.real, axis=0) + 1j * np.median(traces.imag, axis=0)
+def _median(volume: Array) -> np.ndarray:
+    present = np.concatenate(row_blocks.gather(_present, volume))[..., 0]
+    found = np.zeros(volume.shape[-1], dtype=volume.dtype)
+    if not np.any(present):
+        return found
+    # A median needs all traces of a frequency, so lazy ones are gone through band by band.
+    bands = -(-volume.nbytes // BAND_BYTES) if row_blocks.is_lazy(volume) else 1
+    for band in slices(volume.shape[-1], bands):
+        traces = np.asarray(volume[..., band])[present]
+        found[band] = np.median(traces.real, axis=0) + 1j * np.median(traces.imag, axis=0)
+    return found
 
 
 def _present(volume: np.ndarray) -> np.ndarray:
@@ -116,13 +133,19 @@ def _present(volume: np.ndarray) -> np.ndarray:
     return np.all(np.isfinite(volume), axis=-1, keepdims=True)
 
 
-def _moving(volume: np.ndarray, width: int) -> np.ndarray:
+def _without_moving(volume: Array, width: int) -> Array:
     smaller = min(size for size in volume.shape[:2])
     if width < 3 or width % 2 == 0 or width > 2 * smaller + 1:
         raise WrongDatasetError(
             f"the moving window spans {width} positions; it must be odd, 3 or more, and at most "
             f"{2 * smaller + 1} here"
         )
+    return row_blocks.each_with_neighbours(
+        lambda rows: rows - _moving(rows, width), volume, width // 2
+    )
+
+
+def _moving(volume: np.ndarray, width: int) -> np.ndarray:
     present = _present(volume)
     sums = _window_sum(np.where(present, volume, 0.0), width)
     counts = _window_sum(present.astype(np.float64), width)
@@ -144,17 +167,22 @@ def _bounds(count: int, width: int) -> Tuple[np.ndarray, np.ndarray]:
     return np.maximum(places - width // 2, 0), np.minimum(places + width // 2 + 1, count)
 
 
-def _strongest(volume: np.ndarray, rank: int) -> np.ndarray:
-    matrix = volume.reshape(-1, volume.shape[-1])
-    if not 1 <= rank < min(matrix.shape):
+def _without_strongest(volume: Array, rank: int) -> Array:
+    traces, frequencies = volume.shape[0] * volume.shape[1], volume.shape[2]
+    if not 1 <= rank < min(traces, frequencies):
         raise WrongDatasetError(
-            f"the rank is {rank}; it must be 1..{min(matrix.shape) - 1} for {matrix.shape[0]} "
-            f"traces of {matrix.shape[1]} frequencies"
+            f"the rank is {rank}; it must be 1..{min(traces, frequencies) - 1} for {traces} "
+            f"traces of {frequencies} frequencies"
         )
     # The components over frequency are eigenvectors of a matrix as small as the sweep.
-    _, vectors = np.linalg.eigh(matrix.conj().T @ matrix)
+    _, vectors = np.linalg.eigh(np.sum(row_blocks.gather(_products, volume), axis=0))
     strongest = vectors[:, -rank:]
-    return (matrix @ strongest @ strongest.conj().T).reshape(volume.shape)
+    return row_blocks.each(lambda rows: rows - rows @ strongest @ strongest.conj().T, volume)
+
+
+def _products(volume: np.ndarray) -> np.ndarray:
+    matrix = volume.reshape(-1, volume.shape[-1])
+    return matrix.conj().T @ matrix
 
 
 def _range(frequency_hz: np.ndarray) -> str:

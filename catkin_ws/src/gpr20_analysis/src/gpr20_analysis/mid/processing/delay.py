@@ -7,6 +7,7 @@ import scipy.fft
 import xarray as xr
 
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.mid import row_blocks
 from gpr20_analysis.mid.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -46,13 +47,19 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
     """
     if not padding >= 1.0:
         raise WrongDatasetError(f"the padding is {padding:g}; it must be 1 or more")
-    measured = require(survey, S21, S21_DIMS)
+    measured = row_blocks.in_rows(require(survey, S21, S21_DIMS))
     sweep = Sweep.of(survey)
     weights = window.weights(sweep.count)
     count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
     delay_s = np.arange(count) * (sweep.unambiguous_s / count)
-    a_scans = scipy.fft.ifft(measured.values * weights, count, axis=-1, workers=2)
-    a_scans *= count / weights.sum() * np.exp(2j * np.pi * sweep.start_hz * delay_s)
+    turn = count / weights.sum() * np.exp(2j * np.pi * sweep.start_hz * delay_s)
+
+    def transformed(spectra: np.ndarray) -> np.ndarray:
+        a_scans: np.ndarray = scipy.fft.ifft(spectra * weights, count, axis=-1, workers=2)
+        a_scans *= turn
+        return a_scans
+
+    a_scans = row_blocks.each(transformed, measured.data, count)
     in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
     in_time = in_time.assign_coords({DELAY: (DELAY, delay_s, ATTRIBUTES[DELAY])})
     return in_time.assign({A_SCAN: ((*SAMPLE_DIMS, DELAY), a_scans, ATTRIBUTES[A_SCAN])})
@@ -68,11 +75,11 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         WrongDatasetError: It was done before.
         DamagedSurveyError: A usable sample has no height.
     """
-    measured = require(survey, S21, S21_DIMS)
+    measured = row_blocks.in_rows(require(survey, S21, S21_DIMS))
     if ADVANCE in survey:
         raise WrongDatasetError("time zero was set before; a second time would shift it again")
     advance = 2.0 * known_height(survey) / SPEED_OF_LIGHT_M_S
-    phase = 2.0 * np.pi * survey[FREQUENCY] * advance
+    phase = 2.0 * np.pi * survey[FREQUENCY] * row_blocks.beside(advance, measured)
     return survey.assign(
         {
             S21: (measured * np.exp(1j * phase)).transpose(*S21_DIMS),

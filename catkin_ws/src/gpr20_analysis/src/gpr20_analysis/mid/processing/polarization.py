@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import enum
+from functools import partial
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import correlate1d
 
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.mid import row_blocks
 from gpr20_analysis.mid.dataset import (
     A_SCAN,
     DELAY,
@@ -116,10 +119,10 @@ def apply_gain(
     if method is Gain.AGC:
         step_s = float(delay_s[1] - delay_s[0])
         width = max(1, round(window_s / step_s))
-        squares: xr.DataArray = abs(values) ** 2
-        power = squares.rolling({DELAY: width}, center=True, min_periods=1).mean()
-        largest = float(power.max())
-        raised = values / np.sqrt(power + 1e-12 * largest)
+        values = row_blocks.in_rows(values.transpose(*SAMPLE_DIMS, DELAY))
+        power = values.copy(data=row_blocks.each(partial(_mean_power, width=width), values.data))
+        largest = float(power.real.max())
+        raised = values / np.sqrt(power.real + 1e-12 * largest)
     elif method is Gain.EXPONENTIAL:
         raised = values * 10.0 ** (db_per_ns * delay_s * 1e9 / 20.0)
     else:
@@ -127,3 +130,10 @@ def apply_gain(
     result = in_time.assign({A_SCAN: raised.transpose(*values.dims)})
     result.attrs[DISPLAY_ONLY] = f"gain {method.value}"
     return result
+
+
+def _mean_power(values: np.ndarray, width: int) -> np.ndarray:
+    """Return the mean power of so many samples about each, fewer at the ends."""
+    window = np.ones(width)
+    counts = correlate1d(np.ones(values.shape[-1]), window, mode="constant")
+    return correlate1d(np.abs(values) ** 2, window, mode="constant") / counts + 0j

@@ -7,7 +7,17 @@ import xarray as xr
 from scipy.ndimage import convolve
 
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
-from gpr20_analysis.mid.dataset import HEIGHT, QUALITY, S21, S21_DIMS, SAMPLE_DIMS, require, usable
+from gpr20_analysis.mid import row_blocks
+from gpr20_analysis.mid.dataset import (
+    FREQUENCY,
+    HEIGHT,
+    QUALITY,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    require,
+    usable,
+)
 
 FILLED = "filled"
 """Variable: which samples were made from their neighbours, bool (polarization, y, x)."""
@@ -30,22 +40,28 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     """
     if not 0.0 <= most <= 1.0:
         raise WrongDatasetError(f"the share that may be filled is {most:g}; it must be 0..1")
-    measured = require(survey, S21, S21_DIMS).values.copy()
+    measured = row_blocks.in_rows(require(survey, S21, S21_DIMS))
     height_m = require(survey, HEIGHT, SAMPLE_DIMS).values.copy()
-    present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
+    whole = np.isfinite(measured).all(FREQUENCY).values
+    present = usable(survey).transpose(*SAMPLE_DIMS).values & whole
     absent = ~present
     if np.mean(absent) > most:
         raise DamagedSurveyError(
             f"{np.count_nonzero(absent)} of {absent.size} samples are missing, more than the share "
             f"{most:g} that may be filled; measure them, or image with them left out"
         )
-    _fill(measured, present)
+    _check_neighbours(present)
     known = present & np.isfinite(height_m)
-    _fill(height_m[..., None], known)
+    _check_neighbours(known)
+    held = measured.where(row_blocks.beside(measured[..., 0].copy(data=present), measured))
+    volumes = [row_blocks.each_with_neighbours(_filled, volume, 1) for volume in held.data]
+    height_m = np.stack(
+        [_filled(one)[..., 0] for one in np.where(known, height_m, np.nan)[..., None]]
+    )
     quality = survey[QUALITY].transpose(*SAMPLE_DIMS)
     filled = survey.assign(
         {
-            S21: (S21_DIMS, measured, survey[S21].attrs),
+            S21: (S21_DIMS, row_blocks.stack(volumes), survey[S21].attrs),
             HEIGHT: (SAMPLE_DIMS, height_m, survey[HEIGHT].attrs),
             FILLED: (SAMPLE_DIMS, absent),
             # What is filled holds numbers; `filled` says that they were not measured.
@@ -59,15 +75,25 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     return filled
 
 
-def _fill(values: np.ndarray, present: np.ndarray) -> None:
-    """Set what is not present (polarization, y, x, any) to the mean of up to 8 neighbours."""
-    around = np.ones((1, 3, 3))
-    neighbours = convolve(present.astype(np.int64), around.astype(np.int64), mode="constant")
-    for turn, row, column in np.argwhere(~present):
-        if neighbours[turn, row, column] == 0:
-            raise DamagedSurveyError(
-                f"the sample in row {row}, column {column} of polarization {turn} and all of its "
-                "neighbours are missing; there is nothing to fill it from"
-            )
-        window = (turn, slice(max(row - 1, 0), row + 2), slice(max(column - 1, 0), column + 2))
-        values[turn, row, column] = values[window][present[window]].mean(axis=0)
+def _check_neighbours(present: np.ndarray) -> None:
+    around = np.ones((1, 3, 3), dtype=np.int64)
+    neighbours = convolve(present.astype(np.int64), around, mode="constant")
+    alone = np.argwhere(~present & (neighbours == 0))
+    if len(alone):
+        turn, row, column = alone[0]
+        raise DamagedSurveyError(
+            f"the sample in row {row}, column {column} of polarization {turn} and all of its "
+            "neighbours are missing; there is nothing to fill it from"
+        )
+
+
+def _filled(volume: np.ndarray) -> np.ndarray:
+    """Return (y, x, any) with the mean of up to 8 neighbours where a trace is not finite."""
+    present = np.all(np.isfinite(volume), axis=-1)
+    filled = volume.copy()
+    for row, column in np.argwhere(~present):
+        window = (slice(max(row - 1, 0), row + 2), slice(max(column - 1, 0), column + 2))
+        # Rows that are only seen for their neighbours' sake may have none themselves.
+        if np.any(present[window]):
+            filled[row, column] = volume[window][present[window]].mean(axis=0)
+    return filled

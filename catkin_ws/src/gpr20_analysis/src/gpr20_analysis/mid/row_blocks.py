@@ -1,0 +1,78 @@
+"""Work on the numbers of a survey in blocks of whole rows, whether they lie in memory or are lazy.
+
+A lazy survey is a dask array larger than the memory may be: each function sees a few rows of it at
+a time. What is in memory is one block.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Callable, List, Optional, Union
+
+import dask
+import dask.array
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.mid.dataset import POLARIZATION, SAMPLE_DIMS, X
+
+Array = Union[np.ndarray, dask.array.Array]
+COMPLEX = np.dtype(np.complex128)
+
+
+def is_lazy(values: Array) -> bool:
+    """Say whether numbers are computed when they are looked at."""
+    return isinstance(values, dask.array.Array)
+
+
+def in_rows(values: xr.DataArray) -> xr.DataArray:
+    """Return lazy values (polarization, y, x, any) in chunks of whole rows; others as they are."""
+    if values.chunks is None:
+        return values
+    return values.chunk({POLARIZATION: 1, X: -1, values.dims[-1]: -1})
+
+
+def beside(small: xr.DataArray, values: xr.DataArray) -> xr.DataArray:
+    """Return (polarization, y, x) lazy and in the rows of lazy values, so that both meet lazily."""
+    if values.chunks is None:
+        return small
+    return small.chunk({name: values.chunksizes[name] for name in SAMPLE_DIMS})
+
+
+def each(
+    function: Callable[[np.ndarray], np.ndarray], values: Array, last: Optional[int] = None
+) -> Array:
+    """Return what a function makes of each block.
+
+    Args:
+        function: Takes and returns complex numbers of the same rows.
+        values: (..., y, x, any).
+        last: Length of the last dimension of the result, if it is another one.
+    """
+    if not isinstance(values, dask.array.Array):
+        return function(values)
+    chunks = values.chunks if last is None else (*values.chunks[:-1], (last,))
+    return values.map_blocks(function, dtype=COMPLEX, chunks=chunks)
+
+
+def each_with_neighbours(
+    function: Callable[[np.ndarray], np.ndarray], volume: Array, rows: int
+) -> Array:
+    """The same for (y, x, any), where the function sees some rows before and after its own too."""
+    if not isinstance(volume, dask.array.Array):
+        return function(volume)
+    return volume.map_overlap(function, depth={0: rows, 1: 0, 2: 0}, boundary="none", dtype=COMPLEX)
+
+
+def gather(function: Callable[[np.ndarray], Any], values: Array) -> List[Any]:
+    """Return the small things that a function makes of each block, computed, in order of rows."""
+    if not isinstance(values, dask.array.Array):
+        return [function(values)]
+    blocks = values.to_delayed().ravel()
+    return list(dask.compute(*[dask.delayed(function)(block) for block in blocks]))
+
+
+def stack(volumes: List[Array]) -> Array:
+    """Return (polarization, y, x, any) of the volumes of all polarizations."""
+    if any(is_lazy(volume) for volume in volumes):
+        return dask.array.stack(volumes)
+    return np.stack(volumes)
