@@ -63,16 +63,17 @@ def back_projection_image(
     if focus.ground is Ground.LEVEL:
         levels = _levels(table, height_m, sample_s)
         shared = (*held, *levels, delays, table.distance_step_m, x_m, reaches_m)
-        slabs = [(y_m[rows],) for rows in slices(len(y_m), workers.parts)]
-        parts = workers.map(_level_slab, shared, slabs)
+        own: Tuple[np.ndarray, ...] = (y_m,)
+        function = _level_slab
     else:
         column_m = _heights_at(traces, x_m, y_m)
         surface = (table.surface_s_per_m / sample_s).astype(np.float32)
         above = (height_m.astype(np.float32), delays, surface)
         shared = (*held, *above, table.distance_step_m, x_m, reaches_m)
         own = (y_m, column_m.astype(np.float32), *_levels(table, column_m, sample_s))
-        slabs = [tuple(one[rows] for one in own) for rows in slices(len(y_m), workers.parts)]
-        parts = workers.map(_uneven_slab, shared, slabs)
+        function = _uneven_slab
+    slabs = [tuple(one[rows] for one in own) for rows in slices(len(y_m), workers.parts)]
+    parts = workers.map(function, shared, slabs)
     image = np.concatenate([part[:, :, 0] + 1j * part[:, :, 1] for part in parts])
     return np.moveaxis(image, 2, 0) / np.float32(traces.height_m.size)
 

@@ -42,7 +42,7 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
         raise WrongDatasetError(f"the share that may be filled is {most:g}; it must be 0..1")
     measured = row_blocks.in_rows(require(survey, S21, S21_DIMS))
     height_m = require(survey, HEIGHT, SAMPLE_DIMS).values.copy()
-    whole = np.isfinite(measured).all(FREQUENCY).values
+    whole = (abs(measured) < np.inf).all(FREQUENCY).values
     present = usable(survey).transpose(*SAMPLE_DIMS).values & whole
     absent = ~present
     if np.mean(absent) > most:
