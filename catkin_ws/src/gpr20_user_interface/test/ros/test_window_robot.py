@@ -3,17 +3,19 @@
 
 from __future__ import annotations
 
+import json
 import os
+import signal
 import subprocess
 import sys
+from typing import Any, Dict
 
-import rosnode
-import rospkg
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
+from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.mid.views.main_window import TabName
 
 
@@ -92,24 +94,29 @@ class WindowOnRobot(WindowCase):
             self.assertTrue(all(axis is not None for axis in axes))
 
     def test_window_that_is_killed_and_started_again_shows_the_survey_that_runs(self) -> None:
-        self.enter("x_points", "4")
+        for name in ("x_points", "y_points"):
+            self.enter(name, "21")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
-        program = self.program()
-        wait_until(lambda: "/other_window" in rosnode.get_node_names(), "a second window runs")
-        seen = self.visited()
-        program.kill()
-        program.wait()
-        wait_until(lambda: self.visited() > seen, "the survey does not notice")
-        mine, first = self.window.control.parameters, self.window
+        entered = str(parameters_message(self.window.control.parameters))
+        # From here on no window is open but those of the processes.
         self.end_interface_early()
-        self.open_window()
-        self.assertIsNot(self.window, first)
-        wait_until(lambda: self.visited() > 0, "the new window hears main_control")
-        wait_until(lambda: self.window.control.parameters == mine, "it shows the parameters")
-        self.assertFalse(self.window.control.form.isEnabled())
-        self.click("stop")
-        wait_until(lambda: self.title() == "STOPPED", "the new window stops the survey")
+        first = WindowProcess()
+        self.addCleanup(first.kill)
+        wait_until(lambda: first.shown()["on_radar"] >= 2, "the first process shows traces")
+        seen = first.shown()["visited"]
+        self.assertEqual(first.kill(), -signal.SIGKILL)
+        second = WindowProcess()
+        self.addCleanup(second.kill)
+        wait_until(lambda: second.shown()["visited"] > seen, "the survey went on without a window")
+        wait_until(lambda: second.shown()["parameters"] == entered, "it shows the parameters")
+        now = second.shown()
+        self.assertEqual((now["title"], now["locked"], now["simulated"]), ("SURVEYING", True, True))
+        # From the second window on traces come by the topic; those before are read back.
+        second.shown("stop")
+        wait_until(lambda: second.shown()["title"] == "STOPPED", "the new window stops the survey")
+        wait_until(lambda: all_are_seen(second.shown()), "all traces so far are on MAP and RADAR")
+        self.assertLess(second.shown()["visited"], 882)
 
     def test_vna_that_is_gone_is_said_and_the_survey_goes_on_when_it_is_back(self) -> None:
         set_fault = ServiceClient("simulator/set_fault", SetFault)
@@ -136,12 +143,35 @@ class WindowOnRobot(WindowCase):
         # What closes a window at the end of the test must do so only once.
         self.doCleanups()
 
-    def program(self) -> subprocess.Popen:
-        folder = rospkg.RosPack().get_path("gpr20_user_interface")
-        path = os.path.join(folder, "nodes", "user_interface")
-        process = subprocess.Popen([sys.executable, path, "__name:=other_window"])
-        self.addCleanup(lambda: process.poll() is None and process.kill())
-        return process
+
+class WindowProcess:
+    """The window in a process of its own; what it shows can be asked for."""
+
+    def __init__(self) -> None:
+        folder = os.path.dirname(os.path.abspath(__file__))
+        self._process = subprocess.Popen(
+            [sys.executable, os.path.join(folder, "window_process.py")],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            universal_newlines=True,
+        )
+
+    def shown(self, line: str = "") -> Dict[str, Any]:
+        """Return what it shows, after it has done what the line says."""
+        assert self._process.stdin is not None and self._process.stdout is not None
+        print(line, file=self._process.stdin, flush=True)
+        return json.loads(self._process.stdout.readline())
+
+    def kill(self) -> int:
+        """End it as a crash does; return how it ended."""
+        self._process.kill()
+        self._process.communicate()
+        return self._process.returncode
+
+
+def all_are_seen(shown: Dict[str, Any]) -> bool:
+    """Return whether every visited trace is on the map and in the radar pictures."""
+    return shown["visited"] == shown["on_map"] == shown["on_radar"] > 0
 
 
 if __name__ == "__main__":

@@ -54,6 +54,7 @@ def test_state_and_progress_are_seen_from_every_tab(window):
         (Alarm(AlarmKind.MASTER_GONE), "ROS master does not answer: the robot may still move"),
         (Alarm(AlarmKind.CONTROL_NEVER_HEARD), "roslaunch gpr20 survey.launch"),
         (Alarm(AlarmKind.CONTROL_SILENT, 7.9), "not heard for 7 s: the robot may still move"),
+        (Alarm(AlarmKind.SURVEY_INTERRUPTED), "the survey is INTERRUPTED. SURVEYS resumes it"),
         (Alarm(AlarmKind.ANALYZER_GONE, detail="no answer"), "VNA is in trouble: no answer"),
     ],
 )

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
+from gpr20_main_control.mid.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
@@ -195,3 +195,23 @@ def test_trouble_of_the_analyzer_is_an_alarm_until_it_is_over(model):
     assert model.snapshot().alarm == Alarm(AlarmKind.ANALYZER_GONE, detail="no answer")
     model.handle(NodeHealth("vna_acquisition", HealthLevel.OK, "connected", {}))
     assert model.snapshot().alarm is None
+
+
+@pytest.mark.parametrize("code", sorted(RUNNING))
+def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_runs(model, code):
+    model.handle(state(code))
+    assert model.snapshot().alarm is None
+    # main_control begins in IDLE and knows nothing of what was.
+    model.handle(state(SurveyState.IDLE, ""))
+    assert model.snapshot().alarm == Alarm(AlarmKind.SURVEY_INTERRUPTED)
+    model.handle(state(SurveyState.CONFIGURED, ""))
+    assert model.snapshot().alarm == Alarm(AlarmKind.SURVEY_INTERRUPTED)
+    model.handle(state(SurveyState.CHECKING, "next"))
+    assert model.snapshot().alarm is None
+
+
+@pytest.mark.parametrize("end", sorted(ENDED))
+def test_survey_that_ended_is_not_called_interrupted(model, end):
+    for code in (SurveyState.SURVEYING, end, SurveyState.CONFIGURED):
+        model.handle(state(code))
+        assert model.snapshot().alarm is None

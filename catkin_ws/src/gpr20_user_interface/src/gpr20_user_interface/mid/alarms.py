@@ -13,6 +13,7 @@ class AlarmKind(enum.Enum):
     MASTER_GONE = "master gone"
     CONTROL_NEVER_HEARD = "control never heard"
     CONTROL_SILENT = "control silent"
+    SURVEY_INTERRUPTED = "survey interrupted"
     ANALYZER_GONE = "analyzer gone"
 
 
@@ -32,7 +33,11 @@ class Alarm:
 
 
 def worst_alarm(
-    master_alive: bool, control_silent_s: Optional[float], limit_s: float, analyzer_trouble: str
+    master_alive: bool,
+    control_silent_s: Optional[float],
+    limit_s: float,
+    interrupted: bool,
+    analyzer_trouble: str,
 ) -> Optional[Alarm]:
     """Return the alarm that explains the others; None if all is well.
 
@@ -40,6 +45,7 @@ def worst_alarm(
         master_alive: Whether the ROS master answers.
         control_silent_s: For how long main_control has been silent [s]; None if it never spoke.
         limit_s: Silence of main_control that is an alarm [s].
+        interrupted: Whether a survey vanished without an end, and none runs since.
         analyzer_trouble: What the VNA's node says is wrong with it; empty if nothing.
     """
     if not master_alive:
@@ -48,6 +54,8 @@ def worst_alarm(
         return Alarm(AlarmKind.CONTROL_NEVER_HEARD)
     if control_silent_s > limit_s:
         return Alarm(AlarmKind.CONTROL_SILENT, control_silent_s)
+    if interrupted:
+        return Alarm(AlarmKind.SURVEY_INTERRUPTED)
     if analyzer_trouble:
         return Alarm(AlarmKind.ANALYZER_GONE, detail=analyzer_trouble)
     return None

@@ -8,7 +8,7 @@ from typing import FrozenSet, Generic, Optional, Set, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters
-from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
+from gpr20_main_control.mid.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.alarms import Alarm, worst_alarm
 from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
 from gpr20_user_interface.mid.survey_state import (
@@ -135,6 +135,7 @@ class SurveyModel:
         self._health = HealthBook(clock)
         self._started_id = ""
         self._started_s = -math.inf
+        self._interrupted = False
 
     def request_sent(self, request: Request) -> None:
         """Take note that main_control was asked and has not answered yet."""
@@ -145,7 +146,7 @@ class SurveyModel:
         if isinstance(event, (ControlState, Progress)):
             self._heard_s = self._clock.now_s()
         if isinstance(event, ControlState):
-            self._state = event
+            self._note_state(event)
         elif isinstance(event, Progress):
             self._progress = event
         elif isinstance(event, CurrentPosition):
@@ -182,9 +183,21 @@ class SurveyModel:
             health=health,
             master_alive=self._limits.master_alive,
             alarm=worst_alarm(
-                self._limits.master_alive, silent_s, CONTROL_SILENCE_S, health.analyzer_trouble
+                self._limits.master_alive,
+                silent_s,
+                CONTROL_SILENCE_S,
+                self._interrupted,
+                health.analyzer_trouble,
             ),
         )
+
+    def _note_state(self, state: ControlState) -> None:
+        if state.code in RUNNING:
+            self._interrupted = False
+        elif self._state is not None and self._state.code in RUNNING and state.code not in ENDED:
+            # No survey leads back to IDLE: main_control was started anew and knows of none.
+            self._interrupted = True
+        self._state = state
 
     def _note_limits(self, limits: AxisLimits) -> None:
         # What was known stays true while the master is away.

@@ -1887,5 +1887,9 @@ lineal</translation>
     <source>main_control not heard for {seconds} s: the robot may still move. Waiting for it.</source>
     <translation>No se oye main_control desde hace {seconds} s: el robot puede seguir moviéndose. Esperándolo.</translation>
   </message>
+  <message>
+    <source>main_control was started anew: the survey is INTERRUPTED. SURVEYS resumes it.</source>
+    <translation>main_control se reinició: la campaña está INTERRUMPIDA. Se reanuda en CAMPAÑAS.</translation>
+  </message>
 </context>
 </TS>

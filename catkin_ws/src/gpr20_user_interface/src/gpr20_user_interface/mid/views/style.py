@@ -96,7 +96,8 @@ QPlainTextEdit {{ border: none; }}
 QListWidget {{ border: {BORDER_PX}px solid {BORDER}; }}
 QListWidget::item {{ min-height: {TOUCH_PX}px; }}
 QListWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
-QScrollBar:vertical {{ width: 28px; }}
+QScrollBar:vertical {{ width: {TOUCH_PX}px; margin: {TOUCH_PX}px 0; }}
+QScrollBar::handle:vertical {{ min-height: {TOUCH_PX}px; }}
 
 QProgressBar {{ {css(TextColours.PROGRESS_EMPTY)} min-height: 32px;
     border: {BORDER_PX}px solid {BORDER}; border-radius: 4px; text-align: center;

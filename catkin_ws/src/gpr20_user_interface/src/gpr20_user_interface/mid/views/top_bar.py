@@ -97,6 +97,9 @@ class TopBar(TranslatedWidget):
             AlarmKind.CONTROL_SILENT: self.tr(
                 "main_control not heard for {seconds} s: the robot may still move. Waiting for it."
             ).format(seconds=int(alarm.silent_s)),
+            AlarmKind.SURVEY_INTERRUPTED: self.tr(
+                "main_control was started anew: the survey is INTERRUPTED. SURVEYS resumes it."
+            ),
             AlarmKind.ANALYZER_GONE: self.tr("The VNA is in trouble: {detail}").format(
                 detail=robot_text(alarm.detail)
             ),

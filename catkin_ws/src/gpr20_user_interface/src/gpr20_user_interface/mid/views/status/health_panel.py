@@ -21,6 +21,8 @@ LOOKS: Dict[HealthLevel, str] = {
     HealthLevel.ERROR: "bad",
     HealthLevel.STALE: "bad",
 }
+# A node that is gone says nothing: its line tells it all.
+TOLD_IN_FULL = (HealthLevel.WARN, HealthLevel.ERROR)
 FIRST_ROW = 2
 # Below everything: takes the room that is left.
 LAST_ROW = 100
@@ -60,7 +62,7 @@ class HealthPanel(TranslatedWidget):
 
     @property
     def details(self) -> str:
-        """The whole sentences of the nodes that are not well, or whose line is cut."""
+        """The whole sentences of the nodes that have trouble, or whose line is cut."""
         return self._details.toPlainText()
 
     @property
@@ -89,7 +91,7 @@ class HealthPanel(TranslatedWidget):
         details = "\n".join(
             f"{_short_name(node)}: {self._words(node)}"
             for row, node in zip(self._rows, report.nodes)
-            if node.level is not HealthLevel.OK or row.words.is_cut
+            if node.level in TOLD_IN_FULL or row.words.is_cut
         )
         if details != self.details:
             self._details.setPlainText(details)
