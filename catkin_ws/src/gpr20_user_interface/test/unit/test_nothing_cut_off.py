@@ -4,6 +4,7 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
 from window_helpers import application, snapshot, window
@@ -25,7 +26,7 @@ from gpr20_user_interface.mid.survey_state import (
 from gpr20_user_interface.mid.views.control.problem_text import allowed_text, field_title
 from gpr20_user_interface.mid.views.main_window import TabName
 from gpr20_user_interface.mid.views.notice import NoticeKind
-from gpr20_user_interface.mid.views.style import BORDER_PX
+from gpr20_user_interface.mid.views.style import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.mid.views.top_bar import ElidedLabel
 from gpr20_user_interface.mid.views.translation import Languages
 
@@ -132,6 +133,16 @@ def test_no_problem_is_cut_off(spoken):
     assert problems.isVisible()
     # What does not fit can be scrolled to.
     assert problems.height() >= 4 * problems.fontMetrics().height()
+
+
+def test_what_is_longer_than_its_place_is_scrolled_with_a_gloved_finger(spoken):
+    spoken.notice.show_notice(NoticeKind.START, LONG * 10)
+    QTest.qWait(1)
+    bar = spoken.notice.reason.verticalScrollBar()
+    assert bar.isVisible()
+    assert bar.width() >= TOUCH_PX
+    QTest.mouseClick(bar, Qt.LeftButton, pos=bar.rect().center() + QPoint(0, bar.height() // 3))
+    assert bar.value() > 0
 
 
 def test_no_number_pad_is_cut_off(spoken):

@@ -92,12 +92,14 @@ QLineEdit {{ min-height: {TOUCH_PX - 2 * BORDER_PX}px; border: {BORDER_PX}px sol
     border-radius: 4px; padding: 0 4px; }}
 QLineEdit[wrong="true"] {{ {css(TextColours.WRONG)} border-color: {TextColours.WRONG.value.ink}; }}
 QLineEdit:disabled {{ {css(TextColours.LOCKED)} }}
-QPlainTextEdit {{ border: none; }}
+QPlainTextEdit {{ border: none; min-height: {TOUCH_PX}px; }}
 QListWidget {{ border: {BORDER_PX}px solid {BORDER}; }}
 QListWidget::item {{ min-height: {TOUCH_PX}px; }}
 QListWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
-QScrollBar:vertical {{ width: {TOUCH_PX}px; margin: {TOUCH_PX}px 0; }}
-QScrollBar::handle:vertical {{ min-height: {TOUCH_PX}px; }}
+QScrollBar:vertical {{ background: {TextColours.DISABLED.value.ground}; width: {TOUCH_PX}px; }}
+QScrollBar::handle:vertical {{ background: {TextColours.BUTTON.value.ground};
+    min-height: {TOUCH_PX}px; border: {BORDER_PX}px solid {BORDER}; border-radius: 6px; }}
+QScrollBar::add-line:vertical, QScrollBar::sub-line:vertical {{ height: 0; }}
 
 QProgressBar {{ {css(TextColours.PROGRESS_EMPTY)} min-height: 32px;
     border: {BORDER_PX}px solid {BORDER}; border-radius: 4px; text-align: center;

@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""A window in a process of its own that tells what it shows: a line of JSON for each line it reads.
+
+The line `stop` touches STOP first.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import rospy
+from PyQt5.QtCore import QSocketNotifier, Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
+from window_case import new_interface
+
+from gpr20_common.low.clock import Clock
+from gpr20_user_interface.high.conversions import parameters_message
+from gpr20_user_interface.high.user_interface import UserInterface
+from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.views.translation import Languages
+
+
+def shown(interface: UserInterface) -> str:
+    """Return what an operator sees."""
+    control, live = interface.window.control, interface.traces.live
+    progress = interface.presenter.snapshot.progress
+    counts = live.map.counts()
+    return json.dumps(
+        {
+            "title": interface.window.status.message.title,
+            "visited": 0 if progress is None else progress.visited_points,
+            "on_radar": live.radar.count,
+            "on_map": 0 if counts is None else 2 * counts.done + counts.partly,
+            "parameters": str(parameters_message(control.parameters)),
+            "locked": not control.form.isEnabled(),
+            "simulated": interface.window.top_bar.simulated.isVisible(),
+        }
+    )
+
+
+def main() -> None:
+    """Show the window until the process is ended."""
+    application = QApplication([])
+    rospy.init_node("window", disable_signals=True)
+    languages = Languages(application, Language.ENGLISH)
+    interface = new_interface(SurveyModel(Clock()), languages)
+    interface.begin()
+
+    def answer() -> None:
+        line = sys.stdin.readline()
+        if not line:
+            application.quit()
+            return
+        if line.strip() == "stop":
+            QTest.mouseClick(interface.window.top_bar.stop, Qt.LeftButton)
+        print(shown(interface), flush=True)
+
+    asked = QSocketNotifier(sys.stdin.fileno(), QSocketNotifier.Read)
+    asked.activated.connect(lambda *_: answer())
+    application.exec_()
+    interface.end()
+    rospy.signal_shutdown("nobody asks any more")
+
+
+if __name__ == "__main__":
+    main()
