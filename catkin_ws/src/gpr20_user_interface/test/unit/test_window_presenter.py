@@ -159,3 +159,24 @@ def assert_within_5_s(condition):
             return
         QTest.qWait(20)
     raise AssertionError("not within 5 s")
+
+
+def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
+    presenter, window, control, _ = parts
+    presenter.on_event(state(SurveyState.CONFIGURED))
+    presenter.refresh()
+    click(window.control.start)
+    presenter.on_event(Answer(Request.START, True, "started", "id"))
+    presenter.on_event(state(SurveyState.CHECKING))
+    assert not window.notice.isVisible()
+    presenter.on_event(
+        ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False)
+    )
+    assert window.notice.isVisible()
+    assert window.notice.title.text() == "The survey was not started."
+    assert "the disk is full" in window.notice.reason.toPlainText()
+    click(window.notice.close_button)
+    presenter.on_event(
+        ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False)
+    )
+    assert not window.notice.isVisible()

@@ -10,9 +10,10 @@ from PyQt5.QtCore import QObject, QTimer, pyqtSignal
 from gpr20_main_control.mid.survey_cost import SurveyCost
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.cost_estimator import CostEstimator
+from gpr20_user_interface.mid.request_outcome import RequestOutcome
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
 from gpr20_user_interface.mid.survey_preview import SurveyPreview, preview
-from gpr20_user_interface.mid.survey_state import Answer, Request
+from gpr20_user_interface.mid.survey_state import Answer, ControlState, Request
 from gpr20_user_interface.mid.views.main_window import MainWindow
 
 # Topics come at up to 50 Hz; nobody reads figures that change more often than this.
@@ -52,6 +53,7 @@ class WindowPresenter(QObject):
         self._preview: Optional[SurveyPreview] = None
         self._estimator = CostEstimator()
         self._estimator.estimated.connect(self._on_estimated)
+        self._outcome = RequestOutcome()
         self._model = model
         self._window = window
         self._snapshot = model.snapshot()
@@ -86,9 +88,12 @@ class WindowPresenter(QObject):
     def on_event(self, event: object) -> None:
         """Take note of an event; tell the operator at once what was refused."""
         self._model.handle(event)  # type: ignore[arg-type]
-        if isinstance(event, Answer) and not event.success:
-            self._window.show_refusal(event.request, event.message)
+        if isinstance(event, ControlState):
+            self._tell_failure(event)
         if isinstance(event, Answer):
+            self._outcome.answered(event)
+            if not event.success:
+                self._window.show_refusal(event.request, event.message)
             self.refresh()
 
     def refresh(self) -> None:
@@ -114,6 +119,11 @@ class WindowPresenter(QObject):
         if self._preview is not None and parameters == self._window.control.parameters:
             self._window.control.show_preview(replace(self._preview, cost=cost))
 
+    def _tell_failure(self, state: ControlState) -> None:
+        failed = self._outcome.failed_request(state)
+        if failed is not None:
+            self._window.show_refusal(failed, state.message)
+
     def _start(self, parameters: SurveyParameters) -> None:
         self._sent(Request.START)
         self._control.start_survey(parameters)
@@ -131,6 +141,7 @@ class WindowPresenter(QObject):
         self._control.resume_survey()
 
     def _sent(self, request: Request) -> None:
+        self._outcome.asked(request)
         self._model.request_sent(request)
         self.refresh()
 

@@ -1,0 +1,43 @@
+import pytest
+
+from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_user_interface.mid.request_outcome import RequestOutcome
+from gpr20_user_interface.mid.survey_state import Answer, ControlState, Request
+
+
+@pytest.fixture
+def outcome():
+    return RequestOutcome()
+
+
+def told(outcome, *codes):
+    return [outcome.failed_request(ControlState(code, "why", "id", False)) for code in codes]
+
+
+@pytest.mark.parametrize("request_", [Request.START, Request.RESUME])
+@pytest.mark.parametrize("end", [SurveyState.FAILED, SurveyState.PAUSED])
+@pytest.mark.parametrize("before", [SurveyState.PAUSED, SurveyState.FAILED, SurveyState.CONFIGURED])
+def test_checks_that_fail_after_the_acceptance_are_told_once(outcome, request_, end, before):
+    outcome.asked(request_)
+    codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
+    assert told(outcome, *codes) == [None, None, None, request_, None]
+
+
+def test_survey_that_came_to_measure_may_fail_later_for_other_reasons(outcome):
+    outcome.asked(Request.START)
+    codes = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
+    assert told(outcome, *codes) == [None] * 4
+
+
+def test_checks_that_are_stopped_have_not_failed(outcome):
+    outcome.asked(Request.START)
+    outcome.failed_request(ControlState(SurveyState.CHECKING, "", "id", False))
+    outcome.asked(Request.STOP)
+    assert told(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
+
+
+def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
+    assert told(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
+    outcome.asked(Request.START)
+    outcome.answered(Answer(Request.START, False, "no"))
+    assert told(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
