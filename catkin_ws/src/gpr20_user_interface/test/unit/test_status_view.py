@@ -1,4 +1,9 @@
 import pytest
+
+pytest.importorskip("PyQt5")
+
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QTextEdit
 from window_helpers import application, snapshot, window
 
 from gpr20_main_control.mid.survey_state import SurveyState
@@ -10,6 +15,7 @@ from gpr20_user_interface.mid.survey_state import (
     Progress,
     TargetPosition,
 )
+from gpr20_user_interface.mid.views.main_window import TabName
 
 __all__ = ["application", "window"]
 
@@ -82,3 +88,14 @@ def test_line_of_a_node_that_is_cut_is_read_to_its_end_below(window):
     window.refresh(snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     window.refresh(snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     assert window.status.health.details == f"vna_acquisition: {words}"
+
+
+def test_scroll_bar_goes_when_a_long_text_gives_way_to_a_short_one(window):
+    window.show_tab(TabName.STATUS)
+    bar = window.status.health.findChild(QTextEdit).verticalScrollBar()
+    for count, needed in ((40, True), (1, False)):
+        words = "the height sensor reads nothing; check it. " * count
+        nodes = (NodeHealth("height_sensor", HealthLevel.ERROR, words, {}),)
+        window.refresh(snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+        QTest.qWait(1)
+        assert bar.isVisible() == needed

@@ -92,7 +92,7 @@ QLineEdit {{ min-height: {TOUCH_PX - 2 * BORDER_PX}px; border: {BORDER_PX}px sol
     border-radius: 4px; padding: 0 4px; }}
 QLineEdit[wrong="true"] {{ {css(TextColours.WRONG)} border-color: {TextColours.WRONG.value.ink}; }}
 QLineEdit:disabled {{ {css(TextColours.LOCKED)} }}
-QPlainTextEdit {{ border: none; min-height: {TOUCH_PX}px; }}
+QPlainTextEdit, QTextEdit {{ border: none; min-height: {TOUCH_PX}px; }}
 QListWidget {{ border: {BORDER_PX}px solid {BORDER}; }}
 QListWidget::item {{ min-height: {TOUCH_PX}px; }}
 QListWidget::item:selected {{ {css(TextColours.CHOSEN)} }}

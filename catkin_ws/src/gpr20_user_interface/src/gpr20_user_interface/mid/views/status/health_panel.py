@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Dict, List, Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QPlainTextEdit, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QTextEdit, QWidget
 
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.survey_state import HealthLevel, NodeHealth
@@ -49,7 +49,7 @@ class HealthPanel(TranslatedWidget):
         self._grid.addWidget(self._calibration_title, 1, 0)
         self._grid.addWidget(self._calibration, 1, 1, 1, 2)
         # A line has no room for a long sentence; what is wrong, or cut, is read to its end here.
-        self._details = QPlainTextEdit()
+        self._details = QTextEdit()
         self._details.setReadOnly(True)
         self._details.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._grid.addWidget(self._details, LAST_ROW, 0, 1, 3)
