@@ -101,8 +101,12 @@ class Window(WindowCase):
         self.assertEqual(self.enabled(), "stop")
         self.keep_picture("control_gone")
         self.fake = FakeMainControl("")
-        wait_until(lambda: not self.window.top_bar.alarm.isVisible(), "the return is told")
+        # The next main_control knows nothing of the survey: the window does not forget it.
+        wait_until(lambda: "INTERRUPTED" in self.window.top_bar.alarm.text(), "the return is told")
+        self.assertEqual(self.title(), "IDLE")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
+        self.click("start")
+        wait_until(lambda: not self.window.top_bar.alarm.isVisible(), "a survey runs again")
 
     def test_survey_of_somebody_else_is_shown(self) -> None:
         self.start()
