@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Callable, Collection, Tuple
 
-import actionlib
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goal_clients import GoalClients
+from gpr20_axis_driver.high.goal_server import GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.process_engine import AxisHardware, ProcessEngine
@@ -41,9 +41,7 @@ class AxisNode:
         self._last_error = ""
         self._ticks = 0
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
-        self._server = actionlib.SimpleActionServer(
-            "axis", AxisAction, execute_cb=self._execute, auto_start=False
-        )
+        self._server = GoalServer("axis", AxisAction, execute_cb=self._execute, auto_start=False)
         self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
         self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
         rospy.on_shutdown(self._shut_down)

@@ -44,11 +44,15 @@ class ServiceClient:
             ServiceUnavailableError: No answer came; the message says why.
         """
         answers: queue.Queue = queue.Queue(maxsize=1)
+        given_up = threading.Event()
         # The thread outlives a call that never returns; being a daemon it ends with the node.
-        threading.Thread(target=self._ask, args=(timeout_s, fields, answers), daemon=True).start()
+        threading.Thread(
+            target=self._ask, args=(timeout_s, fields, answers, given_up), daemon=True
+        ).start()
         try:
             answer = answers.get(timeout=timeout_s)
         except queue.Empty:
+            given_up.set()
             raise ServiceUnavailableError(
                 f"service {self._name} did not answer within {timeout_s:g} s; "
                 "check that its node runs and does not hang"
@@ -59,9 +63,14 @@ class ServiceClient:
             ) from answer
         return answer
 
-    def _ask(self, timeout_s: float, fields: Any, answers: queue.Queue) -> None:
+    def _ask(
+        self, timeout_s: float, fields: Any, answers: queue.Queue, given_up: threading.Event
+    ) -> None:
         try:
+            # By the time of day: it takes longer if the clock is set back meanwhile.
             rospy.wait_for_service(self._name, timeout=min(timeout_s, START_LIMIT_S))
+            if given_up.is_set():
+                return
             proxy = rospy.ServiceProxy(self._name, self._service_class)
             answers.put(proxy(**fields))
         except (rospy.ROSException, rospy.ServiceException, OSError) as error:

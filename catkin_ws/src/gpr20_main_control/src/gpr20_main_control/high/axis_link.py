@@ -11,6 +11,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
@@ -22,9 +23,15 @@ STOP_LIMIT_S = 1.0
 class AxisLink:
     """Action, topic and services of one axis; implements `gpr20_main_control.mid.robot.Axis`."""
 
-    def __init__(self, group: str) -> None:
-        """Connect to the axis whose names begin with `group`, such as x_axis."""
+    def __init__(self, group: str, clock: Clock) -> None:
+        """Connect to the axis whose names begin with `group`, such as x_axis.
+
+        Args:
+            group: Namespace of the axis.
+            clock: Tells how old a reading is; the time of day may be set meanwhile.
+        """
         self._group = group
+        self._clock = clock
         self._lock = threading.Lock()
         self._last: Optional[CurrentCoordinate] = None
         self._heard_s = 0.0
@@ -46,7 +53,7 @@ class AxisLink:
         if last is None:
             return None
         # Age by this machine's clock: the two machines' clocks may differ.
-        age_s = rospy.get_time() - heard_s
+        age_s = self._clock.now_s() - heard_s
         return AxisReading(last.coordinate, last.homed, last.moving, age_s)
 
     def begin_move(self, target: float) -> None:
@@ -103,11 +110,13 @@ class AxisLink:
     def _hear(self, message: CurrentCoordinate) -> None:
         with self._lock:
             self._last = message
-            self._heard_s = rospy.get_time()
+            self._heard_s = self._clock.now_s()
 
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
     result: Optional[AxisResult] = goal.get_result()
+    told = goal.get_goal_status_text()
     if result is None:
-        return MoveOutcome(False, goal.get_goal_status_text() or "it ended without a result")
-    return MoveOutcome(result.success, result.message)
+        return MoveOutcome(False, told or "it ended without a result")
+    # The result of a goal that actionlib itself refused says nothing.
+    return MoveOutcome(result.success, result.message or told)

@@ -185,15 +185,16 @@ def build_main_control_node() -> MainControlNode:
         simulated=_simulated(),
         time_scale=positive_number("time_scale", float(rospy.get_param("time_scale", 1.0))),
     )
+    clock = Clock()
     robot = Robot(
-        x=AxisLink("x_axis"),
-        y=AxisLink("y_axis"),
-        z=AxisLink("z_axis"),
+        x=AxisLink("x_axis", clock),
+        y=AxisLink("y_axis", clock),
+        z=AxisLink("z_axis", clock),
         analyzer=AnalyzerLink(limits.analyzer_limit_s),
         height_sensor=HeightLink(limits.height_limit_s),
         storage=StorageLink(limits.storage_limit_s),
     )
-    return MainControlNode(robot, facts, settings, Clock())
+    return MainControlNode(robot, facts, settings, clock)
 
 
 def _simulated() -> bool:

@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""The computer's clock is set in the middle of a survey: nothing is lost, nothing stalls."""
+
+import json
+import os
+import shutil
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+
+from gpr20_analysis.mid.verification import COMPLETE, verify
+from gpr20_msgs.msg import ControlStatus
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from survey_client import SurveyClient, json_traces
+
+HOUR_S = 3600
+STALL_LIMIT_S = 20.0
+TRACES = 50
+
+
+class ClockSetTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("clock_set_rostest")
+        cls.client = SurveyClient()
+        cls.clock = Path(os.environ["GPR20_CLOCK_OFFSET"])
+        cls.client.data.mkdir(parents=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(str(cls.client.data.parent))
+
+    def setUp(self):
+        self.set_clock(0)
+
+    def set_clock(self, offset_s):
+        temporary = self.clock.with_suffix(".new")
+        temporary.write_text(str(offset_s))
+        temporary.replace(self.clock)  # nobody reads half of it
+
+    def begin(self):
+        survey_id = self.client.begin(x_points=5, y_points=5)
+        self.client.wait_for_visited(5)
+        return survey_id
+
+    def check_complete(self, survey_id):
+        status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        folder = self.client.folder(survey_id)
+        found = verify(folder)
+        self.assertEqual((found.status, found.faults), (COMPLETE, []))
+        for trace in json_traces(folder):
+            self.assertLess(trace["sweep_started"], trace["sweep_ended"])
+        return json_traces(folder)
+
+    def check_clock_set_in_a_survey(self, offset_s):
+        survey_id = self.begin()
+        self.set_clock(offset_s)
+        begun_s = time.monotonic()
+        traces = self.check_complete(survey_id)
+        self.assertLess(time.monotonic() - begun_s, STALL_LIMIT_S)
+        return [trace["timestamp"] for trace in traces]
+
+    def test_01_back_by_an_hour(self):
+        times = self.check_clock_set_in_a_survey(-HOUR_S)
+        # The traces tell the time of day as it was: what was measured last looks oldest.
+        self.assertLess(times[-1], times[0])
+
+    def test_02_forth_by_a_day(self):
+        times = self.check_clock_set_in_a_survey(24 * HOUR_S)
+        self.assertEqual(times, sorted(times))
+
+    def test_03_back_between_a_stop_and_a_resumption(self):
+        survey_id = self.begin()
+        self.assertTrue(self.client.stop().success)
+        self.client.wait_for_status(ControlStatus.STOPPED)
+        self.set_clock(-24 * HOUR_S)
+        self.client.go_on(self.client.folder(survey_id).name)
+        self.check_complete(survey_id)
+        report = json.loads((self.client.folder(survey_id) / "survey.json").read_text())["report"]
+        self.assertEqual(len(report["controls"]), 1)
+
+    def test_04_back_while_paused(self):
+        survey_id = self.begin()
+        self.assertTrue(self.client.pause().success)
+        self.client.wait_for_status(ControlStatus.PAUSED)
+        self.set_clock(-HOUR_S)
+        self.client.go_on(survey_id)
+        self.check_complete(survey_id)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20", "clock_set", ClockSetTest)
