@@ -8,6 +8,7 @@ from typing import ClassVar, Tuple
 import rospy
 
 from gpr20_simulator.high.world_path import world_path
+from gpr20_simulator.low.old_worlds import remove_old_worlds
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.world import World, open_world
 from gpr20_simulator.mid.carriage import start_steps
@@ -43,5 +44,10 @@ def open_simulated_part(robot_namespace: str) -> SimulatedPart:
     """
     scene = read_scene(str(rospy.get_param("~scene", "")))
     clock = ScaledClock(float(rospy.get_param("~time_scale", 1.0)))
-    world = open_world(world_path(robot_namespace), start_steps(scene.robot))
+    path = world_path(robot_namespace)
+    world = open_world(path, start_steps(scene.robot))
+    try:
+        remove_old_worlds(path.parent)
+    except OSError as error:
+        rospy.logwarn("worlds of former launches could not be cleared away: %s", error)
     return SimulatedPart(world, scene, clock)

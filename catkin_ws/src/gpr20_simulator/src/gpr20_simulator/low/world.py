@@ -7,12 +7,13 @@ a reader sees a new value as soon as the writer has stored it, without any messa
 from __future__ import annotations
 
 import enum
+import fcntl
 import mmap
 import os
 import tempfile
 import time
 from pathlib import Path
-from typing import Mapping
+from typing import Mapping, Optional
 
 from gpr20_common.errors import Gpr20Error
 
@@ -145,15 +146,26 @@ def open_world(path: Path, start_steps: Mapping[AxisName, int]) -> World:
         WorldError: The file cannot be made, or is something else.
     """
     try:
-        _make(path, start_steps)
-        with path.open("r+b") as file:
-            memory = mmap.mmap(file.fileno(), 0)
+        memory = _map(path, start_steps)
+        while memory is None:
+            memory = _map(path, start_steps)
     except (OSError, ValueError) as error:
         raise WorldError(f"the simulated world {path} cannot be opened: {error}") from error
     words = memoryview(memory).cast("q")
     if len(words) != len(_Word) or words[_Word.LAYOUT] != LAYOUT:
         raise WorldError(f"{path} is not a simulated world of this version; remove it")
     return World(memory)
+
+
+def _map(path: Path, start_steps: Mapping[AxisName, int]) -> Optional[mmap.mmap]:
+    """Map the file, which is made if it is missing; None if it was cleared away meanwhile."""
+    _make(path, start_steps)
+    with path.open("r+b") as file:
+        # Kept by the map until the process ends: `remove_old_worlds` leaves the world alone.
+        fcntl.flock(file.fileno(), fcntl.LOCK_SH)
+        if not os.fstat(file.fileno()).st_nlink:
+            return None
+        return mmap.mmap(file.fileno(), 0)
 
 
 def _make(path: Path, start_steps: Mapping[AxisName, int]) -> None:
