@@ -11,3 +11,7 @@ class Gpr20Error(Exception):
 
 class InvalidValueError(Gpr20Error, ValueError):
     """A value that came from outside is not allowed."""
+
+
+class NodeSilentError(Gpr20Error, OSError):
+    """A node does not answer."""

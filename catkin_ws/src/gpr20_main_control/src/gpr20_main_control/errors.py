@@ -21,9 +21,5 @@ class NodeLostError(DeviceError):
     """A node is gone, or is another than before; the survey holds until it is back."""
 
 
-class NodeSilentError(SurveyError, OSError):
-    """A node does not answer."""
-
-
 class StopRequested(SurveyError):
     """The survey was told to stop."""

@@ -6,7 +6,8 @@ import pytest
 from fake_clocks import ManualClock
 from fake_robot import LIMIT_S
 
-from gpr20_main_control.errors import NodeLostError, NodeSilentError
+from gpr20_common.errors import NodeSilentError
+from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.mid.node_book import START_LIMIT_S, NodeBook
 from gpr20_main_control.mid.node_watcher import NodeWatcher
 

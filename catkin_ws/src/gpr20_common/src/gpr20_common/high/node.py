@@ -5,19 +5,28 @@ from __future__ import annotations
 import sys
 from typing import Any, Callable
 
+import rosgraph
 import rospy
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.low.node_probe import NodeProbe
+
+# A node of the same name that lives answers within this time [s].
+ANSWER_LIMIT_S = 1.0
 
 
 def run_node(name: str, build: Callable[[], Any]) -> None:
     """Run a node until ROS shuts down.
+
+    A node whose name is taken by one that lives is not started: ROS would end the other one,
+    and of two launches on one master each would end the other's nodes for ever.
 
     Args:
         name: Default name of the node.
         build: Reads the parameters, builds the objects and connects them. What it
             returns is kept for the life of the node.
     """
+    _refuse_second(_full_name(name))
     rospy.init_node(name)
     try:
         kept = build()
@@ -27,3 +36,21 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.spin()
     del kept
+
+
+def _full_name(name: str) -> str:
+    given = rosgraph.names.load_mappings(sys.argv).get("__name", name)
+    return str(rosgraph.names.resolve_name(given, rosgraph.names.get_ros_namespace() + "node"))
+
+
+def _refuse_second(name: str) -> None:
+    probe = NodeProbe(rosgraph.get_master_uri(), name, name, ANSWER_LIMIT_S)
+    try:
+        process = probe.process()
+    except NodeSilentError:
+        return  # there is none, or it has died and left its name behind
+    sys.exit(
+        f"{name} cannot start: it runs already (process {process}); is the robot launched a "
+        "second time? End the first launch, or give this one a namespace of its own, such as "
+        "ns:=robot2"
+    )

@@ -17,6 +17,7 @@ from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_main_control.high.axis_link import AxisLink
 from gpr20_main_control.high.device_links import (
@@ -26,7 +27,6 @@ from gpr20_main_control.high.device_links import (
     utc_now_ns,
 )
 from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.low.node_probe import NodeProbe
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.node_watcher import ANSWER_LIMIT_S, NodeWatcher

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Callable, Dict, List, Mapping, Protocol
 
-from gpr20_main_control.errors import NodeSilentError
+from gpr20_common.errors import NodeSilentError
 
 # A node that dies is noticed after one period, one that hangs after the answer's limit too.
 PERIOD_S = 0.4

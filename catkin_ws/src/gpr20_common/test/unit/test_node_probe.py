@@ -7,8 +7,8 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from gpr20_main_control.errors import NodeSilentError
-from gpr20_main_control.low.node_probe import NodeProbe
+from gpr20_common.errors import NodeSilentError
+from gpr20_common.low.node_probe import NodeProbe
 
 LIMIT_S = 0.5
 

@@ -7,7 +7,7 @@ import xmlrpc.client
 from typing import Any, Optional
 from xml.parsers.expat import ExpatError
 
-from gpr20_main_control.errors import NodeSilentError
+from gpr20_common.errors import NodeSilentError
 
 SUCCESS = 1
 # No connection, no HTTP, no XML, no XML-RPC, or not what ROS answers.
