@@ -382,12 +382,6 @@ def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(kit, fold
     finish(kit, folder, reopened)
 
 
-def test_a_damaged_description_is_refused_and_says_where_a_copy_is(kit, folder):
-    (folder / "survey.json").write_text("{")
-    with pytest.raises(SurveyRefusedError, match="attached to survey.mcap"):
-        kit.processing.reopen_survey(SURVEY)
-
-
 def test_a_report_is_kept_and_survives_everything(kit, folder):
     reopened = kit.processing.reopen_survey(SURVEY)
     kit.processing.report(SURVEY, '{"verdict": "old"}')

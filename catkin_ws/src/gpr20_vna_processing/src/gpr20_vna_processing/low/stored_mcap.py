@@ -7,7 +7,7 @@ import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
 
 import zstandard
 from mcap.data_stream import ReadDataStream
@@ -181,6 +181,28 @@ class StoredMcap:
                 self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
                 return start
             start += 1
+
+
+def read_attachment(path: Path, name: str) -> Optional[bytes]:
+    """Return an attachment before the first chunk, if it is there and its checksum is right.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    content = mapped(path)
+    place = len(MAGIC)
+    try:
+        while True:
+            opcode, data, end = _record(content, place)
+            if opcode not in HEAD_RECORDS:
+                return None
+            record = HEAD_RECORDS[opcode].read(_stream(data))
+            if opcode == Opcode.ATTACHMENT and record.name == name:
+                _check_form(content[place:end], record)
+                return bytes(record.data)
+            place = end
+    except _TORN:
+        return None
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:

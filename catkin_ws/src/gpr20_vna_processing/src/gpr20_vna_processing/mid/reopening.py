@@ -24,6 +24,7 @@ from gpr20_vna_processing.mid import (
     trace_json,
     utc_time,
 )
+from gpr20_vna_processing.mid.lost_description import description_from_recording
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey, Storage
 from gpr20_vna_processing.mid.recorded_traces import RecordedTraces, Types
@@ -47,12 +48,13 @@ class RepairedSurvey:
     """What was done, for people."""
 
 
-def find_survey(data: Path, survey: str) -> Tuple[Path, Dict[str, Any]]:
+def find_survey(data: Path, survey: str, restore: bool = False) -> Tuple[Path, Dict[str, Any]]:
     """Return the folder and the description of a survey.
 
     Args:
         data: The data folder.
         survey: The survey's id, or the name of its folder.
+        restore: Whether a description that cannot be read is taken from the recording.
 
     Raises:
         SurveyRefusedError: There is none, its survey.json cannot be read, or part of it is a
@@ -61,12 +63,22 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, Dict[str, Any]]:
     reason = f"there is no survey {survey[:64]!r} in {data}"
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
-        description = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
+        description = _description(folder, restore)
         survey_id = survey_folder.check_survey_id(description["survey_id"])
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, description
         reason = f"{folder} holds survey {survey_id}, not {survey[:64]}"
     raise SurveyRefusedError(reason)
+
+
+def _description(folder: Path, restore: bool) -> Dict[str, Any]:
+    try:
+        return survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
+    except SurveyRefusedError:
+        restored = description_from_recording(folder) if restore else None
+        if restored is None:
+            raise
+        return restored
 
 
 def reopened_survey(survey: OpenSurvey, repairs: Tuple[str, ...]) -> ReopenedSurvey:
@@ -192,6 +204,7 @@ class Reopening:
             "stored_traces": len(self._truth),
             "resumed": [*resumed, now],
         }
+        self._keep_damaged_description()
         # In this order: a manifest beside a survey that has not ended is known to be old.
         path = self._folder / survey_folder.SURVEY_FILE
         json_trace_file.replace_file(path, survey_metadata.encode(self._description))
@@ -199,6 +212,18 @@ class Reopening:
         if old.is_dir() and not old.is_symlink():
             self._set_aside(old, "this is a folder, no file")
         json_trace_file.remove_file(old)
+
+    def _keep_damaged_description(self) -> None:
+        path = self._folder / survey_folder.SURVEY_FILE
+        try:
+            survey_metadata.read_description(path)
+        except SurveyRefusedError:
+            self._repairs.append(
+                "wrote survey.json again as it was at the start, from survey.mcap; what it told of "
+                "samples that failed is lost"
+            )
+            if path.exists():
+                json_trace_file.keep_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
 
     def _remove_torn(self) -> None:
         removed = sum(

@@ -114,9 +114,18 @@ def read_description(path: Path) -> Dict[str, Any]:
             f"{path} cannot be read ({error}); a copy of it as it was at the start is attached "
             "to survey.mcap"
         ) from error
+    check_format(values, path)
+    return values
+
+
+def check_format(values: Dict[str, Any], path: Path) -> None:
+    """Check that values are those of a survey.json.
+
+    Raises:
+        SurveyRefusedError: They are not.
+    """
     if values.get("format") != FORMAT or not isinstance(values.get("survey_id"), str):
         raise SurveyRefusedError(f"{path} does not describe a survey of format {FORMAT}")
-    return values
 
 
 def encode(values: Dict[str, Any]) -> bytes:

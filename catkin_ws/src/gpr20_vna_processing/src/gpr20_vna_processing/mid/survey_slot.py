@@ -118,7 +118,7 @@ class SurveySlot:
             survey.go_on(now_ns)
             return reopened_survey(survey, ())
         self._check_can_open(0, now_ns)
-        folder, description = find_survey(self._storage.data, name)
+        folder, description = find_survey(self._storage.data, name, restore=True)
         reopening = Reopening(folder, description, self._storage)
         repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
         survey = OpenSurvey(

@@ -1,0 +1,88 @@
+"""survey.json gone or damaged: the survey goes on with the copy in survey.mcap, or is refused."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from storage_kit import STARTED_US, SURVEY, Kit, make_trace
+from test_reopening import assert_whole
+
+from gpr20_vna_processing.errors import SurveyRefusedError
+from gpr20_vna_processing.mid.recordings import open_recordings
+
+TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
+METADATA = {"simulated": True, "parameters": {"x_points": 2}, "planned_traces": 4}
+
+
+@pytest.fixture
+def kit(tmp_path):
+    kit = Kit(tmp_path / "data", open_recordings)
+    yield kit
+    kit.processing.shut_down()
+
+
+@pytest.fixture
+def folder(kit):
+    """A survey of which three of four traces are stored and that was stopped."""
+    folder = kit.open(metadata_json=json.dumps(METADATA))
+    for trace in TRACES[:3]:
+        kit.processing.store(trace)
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    return folder
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:200])
+
+
+def flip(path):
+    content = bytearray(path.read_bytes())
+    content[0] ^= 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("damage", [empty, cut, flip, lambda path: path.unlink()])
+@pytest.mark.parametrize("by_folder", [False, True])
+def test_a_survey_goes_on_with_the_copy_of_its_description(kit, folder, damage, by_folder):
+    path = folder / "survey.json"
+    damage(path)
+    left = path.read_bytes() if path.exists() else None
+    reopened = kit.processing.reopen_survey(folder.name if by_folder else SURVEY)
+    assert reopened.stored_indices == [0, 1, 2]
+    assert json.loads(reopened.metadata_json) == METADATA
+    assert any("wrote survey.json again" in one for one in reopened.repairs)
+    kept = folder / "damaged" / "survey.json"
+    assert (kept.read_bytes() if kept.exists() else None) == left
+    kit.processing.store(TRACES[3])
+    kit.processing.close_survey(SURVEY, "finished", "")
+    assert json.loads(path.read_text())["outcome"] == "finished"
+    assert_whole(folder, TRACES)
+
+
+def test_a_copy_that_is_damaged_too_is_not_believed(kit, folder):
+    empty(folder / "survey.json")
+    content = (folder / "survey.mcap").read_bytes()
+    place = content.index(b'"x_points"', content.index(b"application/json"))
+    (folder / "survey.mcap").write_bytes(content[:place] + b'"y' + content[place + 2 :])
+    with pytest.raises(SurveyRefusedError, match=r"survey.json cannot be read"):
+        kit.processing.reopen_survey(SURVEY)
+
+
+def test_without_a_recording_the_survey_is_refused(kit, folder):
+    empty(folder / "survey.json")
+    (folder / "survey.mcap").unlink()
+    with pytest.raises(SurveyRefusedError, match=r"survey.json cannot be read"):
+        kit.processing.reopen_survey(SURVEY)
+
+
+def test_the_description_of_another_survey_is_not_taken_for_this_ones(kit, folder):
+    empty(folder / "survey.json")
+    other = folder.with_name(folder.name[:-8] + "01234567")
+    folder.rename(other)
+    with pytest.raises(SurveyRefusedError, match=f"holds survey {SURVEY}"):
+        kit.processing.reopen_survey(other.name)
