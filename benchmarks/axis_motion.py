@@ -107,9 +107,21 @@ class XAxis:
         """Move and return the client's waiting time [s]."""
         begin_s = time.monotonic()
         self.client.send_goal(AxisGoal(target_coordinate=target_mm))
-        assert self.client.wait_for_result(rospy.Duration(LIMIT_S))
-        assert self.client.get_result().success, self.client.get_result().message
-        return time.monotonic() - begin_s
+        while not self.ended():
+            assert time.monotonic() - begin_s < LIMIT_S, "the goal never ended"
+            time.sleep(0.001)
+        waited_s = time.monotonic() - begin_s
+        result = self.client.gh.get_result()
+        assert result.success, result.message
+        return waited_s
+
+    def ended(self) -> bool:
+        """Whether the last goal has ended.
+
+        Not by wait_for_result: SimpleActionClient loses a result that comes before it has kept
+        the goal's handle, and would wait for ever.
+        """
+        return self.client.gh.get_comm_state() == actionlib.CommState.DONE
 
     def last_motion(self) -> dict:
         """What the node reports of the motion that has just ended."""
@@ -245,9 +257,7 @@ def cancelled_move(x: XAxis, chance: random.Random) -> float:
     target_mm = 0.0 if x.world.steps(AxisName.X) > 20000 else 600.0
     x.client.send_goal(AxisGoal(target_coordinate=target_mm))
     time.sleep(chance.uniform(0.5, 1.5))
-    return last_pulse_after(
-        x, x.client.cancel_goal, lambda: x.client.wait_for_result(rospy.Duration(0.01))
-    )
+    return last_pulse_after(x, x.client.cancel_goal, x.ended)
 
 
 class Control:

@@ -8,6 +8,7 @@ Unplugged, it vanishes without a word at the first line of its input and comes b
 """
 
 import sys
+import time
 from pathlib import Path
 
 import actionlib
@@ -16,12 +17,27 @@ from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import AxisAction, AxisGoal
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 rospy.init_node("axis_client", anonymous=True)
 group, what = f"{sys.argv[1]}_axis", sys.argv[2]
 client = actionlib.SimpleActionClient(f"{group}/axis", AxisAction)
 assert client.wait_for_server(rospy.Duration(LIMIT_S))
+
+
+def move(target):
+    client.send_goal(AxisGoal(target_coordinate=target))
+    wait_for_end()
+
+
+def wait_for_end():
+    # Not by wait_for_result, which waits for ever for a result that comes too early.
+    deadline_s = time.monotonic() + LIMIT_S
+    while client.gh.get_comm_state() != actionlib.CommState.DONE:
+        assert time.monotonic() < deadline_s, "the goal never ended"
+        time.sleep(0.005)
+
+
 if what == "home":
     rospy.ServiceProxy(f"{group}/homing", Trigger)()
 elif "unplugged" in sys.argv:
@@ -33,8 +49,7 @@ elif "unplugged" in sys.argv:
         sys.stdin.readline()
         for connection in client.action_client.pub_goal.impl.connections:
             change(connection.socket)
-    client.wait_for_result()
-    client.send_goal_and_wait(AxisGoal(target_coordinate=1.0))
+    wait_for_end()
+    move(1.0)
 else:
-    client.send_goal(AxisGoal(target_coordinate=float(what)))
-    client.wait_for_result()
+    move(float(what))

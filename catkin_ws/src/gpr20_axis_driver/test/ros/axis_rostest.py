@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """An axis through the real graph: homing, moves, preemption, refusals."""
 
+import statistics
 import threading
 import time
 import unittest
 
 import actionlib
+import numpy as np
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
@@ -15,7 +17,9 @@ from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
 from gpr20_simulator.high.world_path import world_path
 from gpr20_simulator.low.world import AxisName, open_world
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
+# So far that a move there is still under way when a slow computer stops it: 9 s.
+FAR_MM = 600.0
 
 
 class Axis:
@@ -57,6 +61,19 @@ class Axis:
         """Move and wait; return (terminal state, result)."""
         self.client.send_goal(AxisGoal(target_coordinate=target))
         return self.finish()
+
+    def begin_move(self, target):
+        """Begin a move and return when the axis has moved by some steps."""
+        before = self.true_steps
+        self.client.send_goal(AxisGoal(target_coordinate=target))
+        self.wait_for_motion(before)
+
+    def wait_for_motion(self, before):
+        """Wait until the axis is some steps from where it was; readings may still be of before."""
+        deadline_s = time.monotonic() + LIMIT_S
+        while abs(self.true_steps - before) <= 10:
+            assert time.monotonic() < deadline_s, "the axis does not move"
+            time.sleep(0.005)
 
     def finish(self):
         """Wait for the end; return (terminal state, result).
@@ -110,39 +127,34 @@ class AxisTest(unittest.TestCase):
 
     def test_5_a_cancelled_goal_is_preempted_with_an_exact_coordinate(self):
         self.x.move(0.0)
-        self.x.client.send_goal(AxisGoal(target_coordinate=100.0))
-        self.x.wait_for(lambda reading: reading.moving and reading.coordinate > 3.0)
+        self.x.begin_move(FAR_MM)
         self.x.client.cancel_goal()
         state, result = self.x.finish()
         self.assertEqual(state, GoalStatus.PREEMPTED)
         self.assertFalse(result.success)
-        self.assertLess(result.coordinate, 100.0)
+        self.assertLess(result.coordinate, FAR_MM)
         self.assertEqual(round(result.coordinate * 100), self.x.true_steps)
         state, result = self.x.move(2.0)
         self.assertEqual((state, self.x.true_steps), (GoalStatus.SUCCEEDED, 200))
 
     def test_6_a_new_goal_replaces_the_one_under_way(self):
-        first = actionlib.SimpleActionClient("x_axis/axis", AxisAction)
-        first.wait_for_server(rospy.Duration(LIMIT_S))
-        first.send_goal(AxisGoal(target_coordinate=100.0))
-        self.x.wait_for(lambda reading: reading.moving)
+        first = Axis(AxisName.X)
+        first.begin_move(FAR_MM)
         state, result = self.x.move(1.0)
         self.assertEqual(state, GoalStatus.SUCCEEDED)
         self.assertEqual(self.x.true_steps, 100)
-        self.assertTrue(first.wait_for_result(rospy.Duration(LIMIT_S)))
-        self.assertEqual(first.get_state(), GoalStatus.PREEMPTED)
+        self.assertEqual(first.finish()[0], GoalStatus.PREEMPTED)
 
     def test_7_the_stop_service_ends_a_move_and_a_homing(self):
-        self.x.client.send_goal(AxisGoal(target_coordinate=100.0))
-        self.x.wait_for(lambda reading: reading.moving)
+        self.x.begin_move(FAR_MM)
         self.x.stop()
         state, _result = self.x.finish()
         self.assertEqual(state, GoalStatus.PREEMPTED)
-        self.x.move(20.0)
+        self.x.move(100.0)
         answers = []
         homing = threading.Thread(target=lambda: answers.append(self.x.home()))
         homing.start()
-        self.x.wait_for(lambda reading: reading.moving and not reading.homed)
+        self.x.wait_for_motion(10000)
         refused_state, refused = self.x.move(1.0)
         self.x.stop()
         homing.join(LIMIT_S)
@@ -165,8 +177,8 @@ class AxisTest(unittest.TestCase):
         self.x.client.send_goal(AxisGoal(target_coordinate=100.0))
         self.x.finish()
         stamps = [r.header.stamp.to_sec() for r in self.x.readings if r.moving]
-        rate_hz = (len(stamps) - 1) / (stamps[-1] - stamps[0])
-        self.assertGreater(rate_hz, 35.0)
+        # 50 Hz, and 10 Hz at rest; the median knows nothing of a computer that stalls.
+        self.assertLess(statistics.median(np.diff(stamps)), 0.05)
 
 
 if __name__ == "__main__":

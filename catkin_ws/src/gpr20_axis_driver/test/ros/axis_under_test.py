@@ -17,7 +17,7 @@ from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
 from gpr20_simulator.high.world_path import world_path
 from gpr20_simulator.low.world import open_world
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 def wait_until(condition):
