@@ -66,6 +66,8 @@ NODES = (
 class FaultsTest(unittest.TestCase):
     """The tests run in the order of their names; the robot keeps its state between them."""
 
+    FAR_MM = 600.0
+
     @classmethod
     def setUpClass(cls):
         rospy.init_node("faults_rostest")
@@ -102,9 +104,9 @@ class FaultsTest(unittest.TestCase):
             self.assertIn(word, status.message)
         self.assertTrue(status.message.isprintable(), status.message)
 
-    def begin_and_meet(self, device, *faults, after=3):
+    def begin_and_meet(self, device, *faults, after=3, **changes):
         """Start a survey, switch on faults once some traces are stored; return its id."""
-        survey_id = self.client.begin()
+        survey_id = self.client.begin(**changes)
         self.client.wait_for_visited(after)
         for name, count in faults:
             self.fault(device, name, count)
@@ -153,15 +155,17 @@ class FaultsTest(unittest.TestCase):
         self.finish(survey_id)
 
     def test_02_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(self):
-        # The second row leads towards the endstop of x.
-        survey_id = self.begin_and_meet("endstop_x", ("STUCK_CLOSED", 0), after=7)
+        # The second row leads towards the endstop of x, and takes long enough to be met.
+        survey_id = self.begin_and_meet(
+            "endstop_x", ("STUCK_CLOSED", 0), after=7, x_stop_mm=self.FAR_MM
+        )
         self.wait_for_pause("x axis did not reach", "endstop was pressed")
         self.client.go_on(survey_id)
         self.wait_for_pause("homing the x axis failed", "stuck closed")
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
         # The axis has its zero back: it stands where it says.
-        self.assertEqual(self.world.steps(AxisName.X), 2000)
+        self.assertEqual(self.world.steps(AxisName.X), 100 * self.FAR_MM)
 
     def test_03_an_endstop_stuck_open_does_no_harm_before_the_next_homing(self):
         self.check_complete(self.begin_and_meet("endstop_y", ("STUCK_OPEN", 0)))

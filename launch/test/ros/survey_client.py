@@ -2,6 +2,7 @@
 
 import json
 import threading
+import time
 from pathlib import Path
 from xmlrpc.client import ServerProxy
 
@@ -22,6 +23,7 @@ SERVICES = (
     *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
     *("set_survey_parameters", "start_survey", "stop_survey", "pause_survey", "resume_survey"),
 )
+GOING_ON = (ControlStatus.CHECKING, ControlStatus.HOMING, ControlStatus.SURVEYING)
 PARAMETERS = {
     "vna_address": "127.0.0.1",
     "start_frequency_hz": 600.0e6,
@@ -37,6 +39,15 @@ PARAMETERS = {
 }
 
 
+def wait_until_connected(subscribers):
+    """Wait until each subscriber has a publisher: what was said before is lost."""
+    deadline_s = time.monotonic() + LIMIT_S
+    for subscriber in subscribers:
+        while subscriber.get_num_connections() == 0:
+            assert time.monotonic() < deadline_s, f"nobody publishes {subscriber.name}"
+            time.sleep(0.01)
+
+
 class SurveyClient:
     """Requests to main_control, and everything it has said."""
 
@@ -44,6 +55,7 @@ class SurveyClient:
         self._changed = threading.Condition()
         self.statuses = []
         self.progress = []
+        self.survey_id = ""
         for name in SERVICES:
             rospy.wait_for_service(name, LIMIT_S)
         self.pause = rospy.ServiceProxy("pause_survey", Trigger)
@@ -55,6 +67,7 @@ class SurveyClient:
             rospy.Subscriber("control_status", ControlStatus, self._note, self.statuses),
             rospy.Subscriber("control_survey_data", SurveyData, self._note, self.progress),
         ]
+        wait_until_connected(self._subscribers)
         self.data = Path(rospy.get_param("vna_processing/data"))
 
     def _note(self, message, kept):
@@ -87,6 +100,9 @@ class SurveyClient:
             self.progress.clear()
         started = self.start()
         assert started.success, started.message
+        self.survey_id = started.survey_id
+        # What was said of the survey before may come after the answer.
+        self.wait(lambda: any(one.survey_id == started.survey_id for one in self.statuses))
         return started.survey_id
 
     def go_on(self, survey_id):
@@ -94,6 +110,8 @@ class SurveyClient:
         self.forget()
         answer = self.resume(survey_id)
         assert answer.success, answer.message
+        # That it is paused or ended may be said once more after the answer.
+        self.wait(lambda: any(one.code in GOING_ON for one in self.statuses))
 
     def wait_for_status(self, *codes):
         """Wait for one of the codes and return that status."""
@@ -101,8 +119,13 @@ class SurveyClient:
         return self.statuses[-1]
 
     def wait_for_visited(self, points):
-        """Wait until so many points of the survey are stored."""
-        self.wait(lambda: self.progress and self.progress[-1].visited_points >= points)
+        """Wait until so many points of the survey that was begun last are stored."""
+        self.wait(
+            lambda: any(
+                one.survey_id == self.survey_id and one.visited_points >= points
+                for one in self.progress
+            )
+        )
 
     def run_to_end(self, **changes):
         """Run a survey; return (its id, the last status)."""

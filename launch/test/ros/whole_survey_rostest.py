@@ -14,7 +14,7 @@ import rospy
 import rostest
 from mcap_ros1.reader import read_ros1_messages
 from rosbags.highlevel import AnyReader
-from survey_client import LIMIT_S, SurveyClient, json_traces
+from survey_client import LIMIT_S, SurveyClient, json_traces, wait_until_connected
 
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate
 from gpr20_simulator.high.world_path import world_path
@@ -136,7 +136,7 @@ class WholeSurveyTest(unittest.TestCase):
         self.check_points(stored, changes["x_points"], changes.get("x_stop_mm", 20.0))
         self.check_recordings(folder, stored)
         self.check_metadata(folder, survey_id, len(stored))
-        self.assertEqual(self.client.progress[-1].completion_percent, 100.0)
+        self.client.wait(lambda: self.client.progress[-1].completion_percent == 100.0)
         self.assertEqual(self.client.progress[-1].remaining_points, 0)
         with rosbag.Bag(str(folder / "survey.bag")) as bag:
             recorded = set(bag.get_type_and_topic_info().topics)
@@ -212,6 +212,7 @@ class WholeSurveyTest(unittest.TestCase):
             rospy.Subscriber("control_target_coordinate", Coordinates, targets.append),
             rospy.Subscriber("control_current_coordinate", Coordinates, currents.append),
         ]
+        wait_until_connected(subscribers)
         self.client.begin()
         self.client.wait_for_status(ControlStatus.SURVEYING)
         state = rosgraph.Master(rospy.get_name()).getSystemState()
@@ -237,9 +238,7 @@ class WholeSurveyTest(unittest.TestCase):
 
     def test_5_a_stop_ends_the_survey_and_the_motion_and_keeps_what_was_measured(self):
         survey_id = self.client.begin(x_stop_mm=600.0)
-        self.client.wait(
-            lambda: self.client.progress and self.client.progress[-1].visited_points >= 2
-        )
+        self.client.wait_for_visited(2)
         self.assertTrue(self.client.stop().success)
         status = self.client.wait_for_status(ControlStatus.STOPPED)
         steps = self.true_steps()
