@@ -20,7 +20,7 @@ from gpr20_msgs.msg import Trace
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
 from survey_kit import POINTS, make_survey, planned_trace
 
-TIME_LIMIT_S = 30.0
+TIME_LIMIT_S = 60.0
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "replay"
 
 
@@ -31,7 +31,6 @@ class ReplayTest(unittest.TestCase):
         self.folder = make_survey(self.data, len(POINTS), "finished")
         self.changed = threading.Condition()
         self.traces = []
-        self.times_s = []
         self.metadata = []
         self.subscribers = [
             rospy.Subscriber("/trace", Trace, self.on_trace),
@@ -42,7 +41,6 @@ class ReplayTest(unittest.TestCase):
     def on_trace(self, message: Trace) -> None:
         with self.changed:
             self.traces.append(message)
-            self.times_s.append(time.monotonic())
             self.changed.notify_all()
 
     def on_metadata(self, message: String) -> None:
@@ -74,11 +72,13 @@ class ReplayTest(unittest.TestCase):
         self.assertIn("planned_traces", self.metadata[0])
 
     def test_every_trace_comes_back_from_json_files_alone_at_the_rate(self) -> None:
-        # One trace was taken each second; without a pace they would come within milliseconds.
-        self.replay(self.folder / "traces", "--rate", "20")
+        # One trace was taken each second. Of the replay itself, whose end no stall brings forward:
+        # this process may hear several at once.
+        begun_s = time.monotonic()
+        self.replay(self.folder / "traces", "--rate", "4")
+        took_s = time.monotonic() - begun_s
         self.assert_same()
-        took_s = self.times_s[-1] - self.times_s[0]
-        self.assertGreater(took_s, (len(POINTS) - 1) / 20 / 2)
+        self.assertGreaterEqual(took_s, (len(POINTS) - 1) / 4)
 
     def test_the_launch_file_replays_a_folder(self) -> None:
         command = ["roslaunch", "gpr20", "replay.launch", f"survey:={self.folder}", "rate:=100"]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 import time
 import unittest
 
@@ -17,7 +18,7 @@ from gpr20_simulator.srv import SetFault
 
 # The height of the antennas in the scene of this test, over its level ground.
 SCENE_HEIGHT_M = 0.20
-FIND_LIMIT_S = 20.0
+FIND_LIMIT_S = 60.0
 PARAMETERS = HeightParameters()
 # Two periods until a reading is fresh, then one more for each but the first.
 MEASURING_S = (2 + PARAMETERS.samples - 1) * PARAMETERS.update_period_s
@@ -39,7 +40,7 @@ class HeightSensorTest(unittest.TestCase):
         answer = type(self).set_fault("adc", name, 0)
         self.assertTrue(answer.success, answer.message)
 
-    def wait_for_range(self, condition, limit_s=5.0):
+    def wait_for_range(self, condition, limit_s=30.0):
         deadline_s = time.monotonic() + limit_s
         while time.monotonic() < deadline_s:
             message = rospy.wait_for_message("measured_height", Range, limit_s)
@@ -58,12 +59,13 @@ class HeightSensorTest(unittest.TestCase):
 
     def test_the_topic_never_delays_the_service(self):
         took_s = []
-        for _ in range(5):
+        for _ in range(9):
             begun_s = time.monotonic()
             self.assertTrue(type(self).get_height().success)
             took_s.append(time.monotonic() - begun_s)
-        # A measurement that waited for the topic's would take up to twice as long.
-        self.assertLess(sorted(took_s)[2], 1.4 * MEASURING_S)
+        # A measurement that waited for the topic's would take up to twice as long. The median, as
+        # the computer may stall in some of them.
+        self.assertLess(statistics.median(took_s), 1.5 * MEASURING_S)
 
     def test_the_topic_shows_the_height_in_metres_with_its_limits(self):
         message = self.wait_for_range(math.isfinite)

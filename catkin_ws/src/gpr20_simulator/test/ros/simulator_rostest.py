@@ -16,7 +16,7 @@ from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, open_wor
 from gpr20_simulator.mid.probe_medium import probed_position_mm, probed_sweep
 from gpr20_simulator.srv import SetFault
 
-LIMIT_S = 15.0
+LIMIT_S = 60.0
 STEPS_PER_MM = 100
 
 

@@ -36,6 +36,7 @@ ACTIVE = (
     ControlStatus.STOPPING,
 )
 PERIOD_S = 0.5
+ANSWER_LIMIT_S = 60.0
 
 
 class FakeMainControl:
@@ -151,7 +152,7 @@ class FakeMainControl:
 
     def _start(self, _request: object) -> StartSurveyResponse:
         self.asked += 1
-        if not self.may_answer.wait(20.0):
+        if not self.may_answer.wait(ANSWER_LIMIT_S):
             raise Gpr20Error("the test did not let the fake answer")
         if self.refusal:
             raise Gpr20Error(self.refusal)

@@ -31,4 +31,4 @@ class VirtualScreen:
 
     def close(self) -> None:
         self._process.terminate()
-        self._process.wait(timeout=10)
+        self._process.wait(timeout=60)

@@ -32,7 +32,7 @@ from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, ReportSurvey, 
 
 PACKAGE = "gpr20_vna_processing"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
-TIME_LIMIT_S = 15.0
+TIME_LIMIT_S = 60.0
 TRACES = 6
 
 
