@@ -55,10 +55,13 @@ def _group_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
 
 
 def _merged(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> str:
-    if chosen.domain == "time" and dataset.A_SCAN not in survey:
+    in_time = dataset.A_SCAN in survey
+    if in_time and chosen.domain == "frequency":
+        raise ExportError("the data are A-scans over time; --domain time exports them as they are")
+    if chosen.domain == "time" and not in_time:
         survey = to_time(survey, Window.NONE, padding=1.0)
     merged_hdf5.write_merged(survey, path, path.stem)
-    return f"A-scans over {chosen.domain}"
+    return f"A-scans over {'time' if dataset.A_SCAN in survey else 'frequency'}"
 
 
 def _plain_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
@@ -103,8 +106,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--domain",
         choices=("frequency", "time"),
-        default="frequency",
-        help="merged-hdf5: A-scans over frequency or, by inverse Fourier transform, over time",
+        help="merged-hdf5: A-scans over frequency or, by inverse Fourier transform, over time; "
+        "default as the data are",
     )
     outputs.add_overwrite(parser)
 

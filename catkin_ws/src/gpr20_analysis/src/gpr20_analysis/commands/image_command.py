@@ -34,6 +34,7 @@ from gpr20_analysis.mid.processing.sweep import Window
 
 DEFAULT_STEPS = ("background:method=mean",)
 MOST_DEPTHS = 5000
+FAINTEST_LIMIT_DB = 200.0
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("permittivity_lowest", "permittivity_highest", "depth_uncertainty")
 
@@ -85,6 +86,11 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> int:
     """Make the image and return the exit status."""
     options = options_of(chosen)
+    if not -FAINTEST_LIMIT_DB <= chosen.faintest < 0.0:
+        raise WrongDatasetError(
+            f"--faintest is {chosen.faintest:g} dB; it must be {-FAINTEST_LIMIT_DB:g}.. below 0, "
+            "since no echo is stronger than the brightest"
+        )
     steps = processing_input.steps_of(chosen)
     inputs = processing_input.inputs_of(chosen, steps)
     outputs.check(_outputs(chosen), inputs, chosen.overwrite)

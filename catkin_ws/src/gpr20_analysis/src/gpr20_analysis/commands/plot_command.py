@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Dict, Optional, Tuple
 
 import numpy as np
 import xarray as xr
@@ -15,14 +15,22 @@ from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.low.figure_file import FORMATS, save_figure
 from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid.dataset import A_SCAN, DELAY, IMAGE, MM_PER_M, X, Y
+from gpr20_analysis.mid.dataset import A_SCAN, DELAY, DEPTH, IMAGE, MM_PER_M, X, Y
 from gpr20_analysis.mid.processing.delay import to_time
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-KINDS = ("a-scan", "b-scan", "c-scan", "coverage", "height", "projection")
-S_PER_NS = 1e-9
+KINDS: Dict[str, Tuple[str, ...]] = {
+    "a-scan": ("x", "y", "until"),
+    "b-scan": ("x", "y", "until", "along", "value"),
+    "c-scan": ("depth", "delay"),
+    "coverage": (),
+    "height": (),
+    "projection": ("rotation",),
+}
+"""The figures, and the options that say what of the data each shows."""
+NS_PER_S = 1e9
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,9 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     processing_input.add_steps(parser)
     parser.add_argument("--x", type=float, metavar="MM", help="place; default the middle")
     parser.add_argument("--y", type=float, metavar="MM", help="place; default the middle")
-    parser.add_argument("--along", choices=(X, Y), default=X, help="direction of a B-scan")
+    parser.add_argument("--along", choices=(X, Y), help="direction of a B-scan; default x")
     parser.add_argument(
-        "--value", choices=("magnitude", "real"), default="magnitude", help="B-scan"
+        "--value", choices=("magnitude", "real"), help="of a B-scan; default magnitude"
     )
     parser.add_argument("--depth", type=float, metavar="MM", help="of a C-scan of an image")
     parser.add_argument("--delay", type=float, metavar="NS", help="of a C-scan of a survey")
@@ -48,6 +56,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Draw the figure and return the exit status."""
     if chosen.output.suffix not in FORMATS:
         raise ExportError(f"{chosen.output.name} must end in {', '.join(FORMATS)}")
+    _check_options(chosen)
     steps = processing_input.steps_of(chosen)
     inputs = processing_input.inputs_of(chosen, steps)
     outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
@@ -57,6 +66,16 @@ def run(chosen: argparse.Namespace) -> int:
     with whole_output(chosen.output) as place:
         save_figure(figure, place)
     return status
+
+
+def _check_options(chosen: argparse.Namespace) -> None:
+    own = KINDS[chosen.kind]
+    for option in sorted({name for names in KINDS.values() for name in names} - set(own)):
+        if getattr(chosen, option) is not None:
+            allowed = ", ".join(f"--{name}" for name in own) or "none"
+            raise WrongDatasetError(
+                f"--{option} says nothing about the figure {chosen.kind}; its options are {allowed}"
+            )
 
 
 def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
@@ -74,17 +93,18 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
     if chosen.kind == "projection":
         return scans.projection_figure(data, _turn(data, chosen.rotation))
     if chosen.kind == "c-scan" and IMAGE in data:
-        return scans.c_scan_figure(data, _needed(chosen.depth, "--depth") / MM_PER_M)
+        return scans.c_scan_figure(data, _level(data, DEPTH, chosen.depth, MM_PER_M, "mm"))
     in_time = data if A_SCAN in data else to_time(data)
     if chosen.kind == "c-scan":
-        return scans.c_scan_figure(in_time, _needed(chosen.delay, "--delay") * S_PER_NS)
+        return scans.c_scan_figure(in_time, _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns"))
     if chosen.until is not None:
-        in_time = _until(in_time, chosen.until * S_PER_NS)
+        in_time = _until(in_time, chosen.until)
     x_m, y_m = _place(data, X, chosen.x), _place(data, Y, chosen.y)
     if chosen.kind == "a-scan":
         return scans.a_scan_figure(in_time, x_m, y_m)
-    at_m = y_m if chosen.along == X else x_m
-    return scans.b_scan_figure(in_time, chosen.along, at_m, scans.Value(chosen.value))
+    along = chosen.along or X
+    value = scans.Value(chosen.value) if chosen.value else scans.Value.MAGNITUDE
+    return scans.b_scan_figure(in_time, along, y_m if along == X else x_m, value)
 
 
 def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
@@ -99,17 +119,25 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
     return given_mm / MM_PER_M
 
 
-def _until(in_time: xr.Dataset, last_s: float) -> xr.Dataset:
-    shown = in_time.sel({DELAY: slice(None, last_s)})
+def _until(in_time: xr.Dataset, last_ns: float) -> xr.Dataset:
+    shown = in_time.sel({DELAY: in_time[DELAY].values * NS_PER_S <= last_ns})
     if shown.sizes[DELAY] < 2:
-        raise WrongDatasetError(f"--until {last_s / S_PER_NS:g} ns leaves no trace to draw")
+        raise WrongDatasetError(f"--until {last_ns:g} ns leaves no trace to draw")
     return shown
 
 
-def _needed(value: float, option: str) -> float:
-    if value is None:
-        raise WrongDatasetError(f"this figure needs {option}")
-    return value
+def _level(data: xr.Dataset, axis: str, given: Optional[float], scale: float, unit: str) -> float:
+    """Return a depth or delay in SI units; it must be within the data."""
+    if given is None:
+        raise WrongDatasetError(f"this figure needs --{axis}")
+    lowest, highest = (float(end) * scale for end in data[axis].values[[0, -1]])
+    # Written so that NaN is refused too.
+    if not lowest <= given <= highest:
+        raise WrongDatasetError(
+            f"--{axis} {given:g} {unit} is outside of the data, which span {lowest:g}.."
+            f"{highest:g} {unit}"
+        )
+    return given / scale
 
 
 def _turn(data: xr.Dataset, rotation_deg: float) -> int:

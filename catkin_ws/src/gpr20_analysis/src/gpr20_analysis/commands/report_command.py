@@ -10,6 +10,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
 from gpr20_analysis.low.whole_output import whole_output
+from gpr20_analysis.mid import dataset
 
 HTML, PDF = ".html", ".pdf"
 
@@ -38,6 +39,7 @@ def run(chosen: argparse.Namespace) -> int:
     inputs = processing_input.inputs_of(chosen, steps)
     outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
     survey = survey_input.load(chosen)
+    dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     progress = survey_input.progress_bar("making the report")
     sections = sections_of(survey, chosen.survey, steps, options, progress)
     title = f"GPR-20 survey {survey.attrs.get('survey_id', survey.attrs.get('source', ''))}"

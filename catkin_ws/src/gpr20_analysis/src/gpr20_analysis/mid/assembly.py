@@ -119,8 +119,22 @@ class _Assembly:
         for name in found.variables:
             found[name].attrs.update(dataset.ATTRIBUTES.get(str(name), {}))
         found[dataset.QUALITY].attrs.update(dataset.QUALITY_ATTRIBUTES)
-        found.attrs["missing"] = dataset.missing_samples(found)
+        found.attrs["missing"] = dataset.missing_samples(found) + self._missing_by_index()
         return found
+
+    def _missing_by_index(self) -> List[str]:
+        """Return what gaps in the indices tell of samples that the grid has no place for."""
+        if self._plan:
+            return []
+        indices = {self._table.samples[row].index for row in self._used}
+        absent = sorted(set(range(max(indices, default=-1) + 1)) - indices)
+        unplaced = len(absent) - int(np.count_nonzero(self._quality & int(dataset.UNUSABLE)))
+        if unplaced <= 0:
+            return []
+        return [
+            f"missing: {unplaced} samples at places that only survey.json tells, since indices "
+            f"{absent[0]}..{absent[-1]} of the plan have gaps"
+        ]
 
     def _usable_rows(self) -> np.ndarray:
         """Return the rows whose numbers can be used, and name the cells that hold two."""

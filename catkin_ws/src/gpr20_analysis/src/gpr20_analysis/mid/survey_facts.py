@@ -21,13 +21,21 @@ def facts(survey: xr.Dataset) -> Dict[str, str]:
     }
     if "simulated" in survey.attrs:
         told["ground"] = SIMULATED if survey.attrs["simulated"] else "measured"
-    told["samples"] = _samples(survey)
+    if dataset.QUALITY in survey:
+        told["samples"] = _samples(survey)
+    if dataset.IMAGE in survey:
+        told["image"] = (
+            f"{survey.attrs.get('method', 'unknown method')}, relative permittivity "
+            f"{survey.attrs.get('permittivity', 'unknown')}"
+        )
+        told["depth"] = _axis(survey[dataset.DEPTH].values)
     told["polarizations"] = ", ".join(f"{one:g} deg" for one in survey[dataset.POLARIZATION].values)
     told["x"] = _axis(survey[dataset.X].values)
     told["y"] = _axis(survey[dataset.Y].values)
     if dataset.FREQUENCY in survey.coords:
         told["frequency"] = _frequency(survey[dataset.FREQUENCY].values)
-    told["height"] = _height(survey[dataset.HEIGHT].values)
+    if dataset.HEIGHT in survey:
+        told["height"] = _height(survey[dataset.HEIGHT].values)
     told["size"] = f"{survey.nbytes / 1e6:.1f} MB"
     return told
 

@@ -37,7 +37,7 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = silent
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     frequencies = survey[dataset.FREQUENCY].values.tolist()
     facts = {
-        name: survey[name].transpose(*dataset.SAMPLE_DIMS).values
+        name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
         for name in (dataset.HEIGHT, dataset.TIMESTAMP, "sample_id")
     }
     folder.mkdir(parents=True, exist_ok=True)

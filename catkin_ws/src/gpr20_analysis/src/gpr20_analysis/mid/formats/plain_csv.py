@@ -28,7 +28,7 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = silent)
         for part in ("real", "imag")
     ]
     facts = {
-        name: survey[name].transpose(*dataset.SAMPLE_DIMS).values
+        name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
         for name in ("index", dataset.HEIGHT, dataset.TIMESTAMP, dataset.QUALITY)
     }
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values

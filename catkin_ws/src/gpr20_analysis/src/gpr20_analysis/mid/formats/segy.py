@@ -47,6 +47,8 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = silent) -> i
     if survey.sizes[dataset.POLARIZATION] != 1:
         raise ExportError("a SEG-Y file holds one polarization; write each to a file of its own")
     survey = survey.isel({dataset.POLARIZATION: 0})
+    if dataset.S21 not in survey and dataset.A_SCAN not in survey:
+        raise ExportError("the data hold neither spectra nor A-scans; an image is not exported so")
     if dataset.A_SCAN in survey:
         delay_s = survey[dataset.DELAY].values
     else:

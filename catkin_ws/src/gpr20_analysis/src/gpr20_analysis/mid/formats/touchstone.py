@@ -28,7 +28,7 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = sile
     skrf = _skrf()
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
-    index = survey["index"].transpose(*dataset.SAMPLE_DIMS).values
+    index = dataset.require(survey, "index", dataset.SAMPLE_DIMS).values
     frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
     folder.mkdir(parents=True, exist_ok=True)
     places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]

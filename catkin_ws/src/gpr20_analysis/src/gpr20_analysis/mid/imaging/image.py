@@ -189,6 +189,12 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
         Traces(spectra[turn], sweep, x_m, y_m, height_m[turn], float(turns[turn]))
         for turn in range(len(turns))
     ]
+    for one in traces:
+        if not np.any(one.s21):
+            raise WrongDatasetError(
+                f"every trace at {one.rotation_deg:g} deg is zero, so no echo can be seen; look at "
+                "the steps: the background of a single trace is the trace itself"
+            )
     return traces, [*_notes(survey, present), *_uneven_notes(height_m, options)]
 
 

@@ -38,7 +38,8 @@ def echo_lines(echoes: List[Echo]) -> List[str]:
     """Return a table of echoes, one line each below its heading."""
     heading = "polarization      x mm      y mm  depth mm  level dB   -3 dB width x, y, depth mm"
     return [heading] + [
-        f"{echo.polarization_deg:8g} deg {echo.x_m * MM_PER_M:9.1f} {echo.y_m * MM_PER_M:9.1f} "
+        f"{rotation_word(echo.polarization_deg):>12} "
+        f"{echo.x_m * MM_PER_M:9.1f} {echo.y_m * MM_PER_M:9.1f} "
         f"{echo.depth_m * MM_PER_M:9.1f} {echo.level_db:9.1f}   {echo.width_x_m * MM_PER_M:8.1f} "
         f"{echo.width_y_m * MM_PER_M:8.1f} {echo.width_depth_m * MM_PER_M:8.1f}"
         for echo in echoes

@@ -1,0 +1,247 @@
+"""Every command, every kind of input, every damage: refused, or told by the exit status."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.mid.dataset_files import write_dataset
+from gpr20_analysis.mid.formats import group_csv, merged_hdf5, original_json
+from gpr20_analysis.mid.loading import load_survey
+
+ALL = len(POINTS)
+VICTIM = 7
+DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3
+IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
+COMMANDS = {
+    "info": ("info", "SURVEY"),
+    "process": ("process", "SURVEY", "--step", "background", "-o", "OUT.nc"),
+    "image": ("image", "SURVEY", *IMAGE, "--leave-out-missing", "-o", "OUT.nc"),
+    "plot": ("plot", "coverage", "SURVEY", "-o", "OUT.png"),
+    "export": ("export", "SURVEY", "OUT.csv", "--format", "csv"),
+    "report": ("report", "SURVEY", *IMAGE, "-o", "OUT.html"),
+}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
+
+
+@pytest.fixture(scope="module")
+def cut_short(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("short"), ALL - 2, "stopped")
+
+
+@pytest.fixture
+def folder(whole, tmp_path):
+    shutil.copytree(str(whole), str(tmp_path / "survey"))
+    return tmp_path / "survey"
+
+
+def trace_file(folder, index=VICTIM):
+    return next((folder / "traces").glob(f"{index:06d}_*"))
+
+
+def change(folder, **entries):
+    path = trace_file(folder)
+    path.write_text(json.dumps({**json.loads(path.read_text()), **entries}) + "\n")
+
+
+def truncated(folder):
+    trace_file(folder).write_bytes(trace_file(folder).read_bytes()[:-20])
+
+
+def duplicated(folder):
+    copy = json.loads(trace_file(folder).read_text())
+    copy["s21_real"][0], copy["z_coord_deg"] = 0.125, 1.8
+    name = trace_file(folder).name.rsplit("_Z", 1)[0]
+    (folder / "traces" / f"{name}_Z+001.80.json").write_text(json.dumps(copy) + "\n")
+
+
+def exchanged(folder):
+    first, second = trace_file(folder), trace_file(folder, VICTIM + 1)
+    content = first.read_bytes()
+    first.write_bytes(second.read_bytes())
+    second.write_bytes(content)
+
+
+def mixed_frequencies(folder):
+    change(folder, frequency_hz=np.linspace(1e9, 6e9, 5).tolist())
+
+
+def not_a_number(folder):
+    change(folder, s21_real=[0.0, float("nan"), 0.0, 0.0, 0.0])
+
+
+def run(command, source, tmp_path, *more):
+    """Return the exit status and what was written."""
+    there = tmp_path / "out"
+    there.mkdir()
+    words = [one.replace("SURVEY", str(source)) for one in COMMANDS[command]]
+    words = [one.replace("OUT", str(there / "result")) for one in words]
+    return main([*words, *more]), list(there.iterdir())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("part", ["", "traces"])
+@pytest.mark.parametrize(
+    "damage", [truncated, duplicated, exchanged, mixed_frequencies, not_a_number]
+)
+def test_damaged_files_are_refused_by_every_command(
+    folder, tmp_path, capsys, damage, part, command
+):
+    damage(folder)
+    assert run(command, folder / part, tmp_path) == (REFUSED, [])
+    error = capsys.readouterr().err
+    assert f"{VICTIM:06d}_" in error or f"trace {VICTIM}" in error
+    assert "Traceback" not in error
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("kind", ["", "survey.bag", "survey.mcap", "s.nc", "s.zarr", "traces"])
+def test_missing_samples_are_told_by_every_command(cut_short, tmp_path, capsys, kind, command):
+    source = cut_short / kind
+    if kind.startswith("s."):
+        source = tmp_path / kind
+        write_dataset(load_survey(cut_short), source)
+    if kind == "traces":  # nothing tells of the two that would have come last
+        source = tmp_path / "traces"
+        shutil.copytree(str(cut_short / kind), str(source))
+        trace_file(tmp_path, 3).unlink()
+    status, written = run(command, source, tmp_path)
+    assert status == NOT_COMPLETE
+    assert len(written) == (command != "info")
+    assert "NO NUMBERS: missing: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_accepted_damage_is_told_by_the_exit_status(folder, tmp_path, capsys, command):
+    truncated(folder)
+    status, written = run(command, folder, tmp_path, "--accept-damaged")
+    assert status == DAMAGED
+    assert len(written) == (command != "info")
+    assert "DAMAGED: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("kind", ["survey.bag", "survey.mcap", "s.nc", "s.zarr"])
+def test_a_file_cut_short_is_refused_or_told_by_every_command(
+    whole, tmp_path, capsys, kind, command
+):
+    victim = tmp_path / kind
+    if kind.startswith("s."):
+        write_dataset(load_survey(whole), victim)
+    else:
+        shutil.copy(str(whole / kind), str(victim))
+    part = victim if victim.is_file() else next((victim / "s21_real").glob("0*"))
+    part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
+    status, written = run(command, victim, tmp_path)
+    assert status in (NOT_COMPLETE, REFUSED)
+    assert status == NOT_COMPLETE or not written
+    error = capsys.readouterr().err
+    assert kind in error or "NO NUMBERS" in error
+    assert "Traceback" not in error
+
+
+@pytest.mark.parametrize("order", [slice(None, None, -1), np.random.default_rng(1).permutation(5)])
+def test_a_dataset_in_another_order_is_refused(whole, tmp_path, capsys, order):
+    survey = load_survey(whole)
+    write_dataset(survey.isel(frequency=order), tmp_path / "s.nc")
+    assert run("process", tmp_path / "s.nc", tmp_path) == (REFUSED, [])
+    assert "values of frequency do not ascend" in capsys.readouterr().err
+
+
+def test_numbers_that_are_none_in_good_samples_of_a_dataset_are_refused_or_marked(
+    whole, tmp_path, capsys
+):
+    survey = load_survey(whole)
+    survey.s21[0, 1, 1, 3] = np.nan
+    write_dataset(survey, tmp_path / "s.nc")
+    assert run("info", tmp_path / "s.nc", tmp_path) == (REFUSED, [])
+    assert "x 15 mm, y 15 mm, 0 deg" in capsys.readouterr().err
+    marked = load_survey(tmp_path / "s.nc", accept_damaged=True)
+    assert np.isnan(marked.s21.values[0, 1, 1]).all()
+    assert len(marked.attrs["missing"]) == len(marked.attrs["faults"]) == 1
+
+
+@pytest.mark.parametrize("place", np.linspace(0.05, 0.95, 10))
+@pytest.mark.parametrize("kind", ["s.nc", "s.h5"])
+def test_a_changed_byte_of_what_gpr20_wrote_is_refused(whole, tmp_path, capsys, kind, place):
+    path = tmp_path / kind
+    form = "netcdf" if kind == "s.nc" else "merged-hdf5"
+    assert main(["export", str(whole), str(path), "--format", form]) == DONE
+    content = bytearray(path.read_bytes())
+    content[int(len(content) * place)] ^= 0x10
+    path.write_bytes(content)
+    read = ["info", str(path)]
+    if kind == "s.h5":
+        read = ["import", str(path), str(tmp_path / "i.nc"), "--format", "merged-hdf5"]
+    assert main(read) == REFUSED
+    assert "its bytes are not those that were written" in capsys.readouterr().err
+
+
+def test_a_dataset_of_somebody_else_is_read_with_a_word_on_its_missing_checksum(whole, tmp_path):
+    write_dataset(load_survey(whole), tmp_path / "s.nc")
+    with xr.open_dataset(str(tmp_path / "s.nc"), engine="h5netcdf") as stored:
+        stored.load().to_netcdf(str(tmp_path / "o.nc"), engine="h5netcdf")
+    assert any("no checksum" in note for note in load_survey(tmp_path / "o.nc").attrs["notes"])
+    xr.Dataset({"rain": ("day", [1.0, 2.0])}).to_netcdf(str(tmp_path / "w.nc"), engine="h5netcdf")
+    assert main(["info", str(tmp_path / "w.nc")]) == REFUSED
+
+
+WRITERS = {
+    "group-csv": lambda survey, path: group_csv.write_group_csv(survey, path),
+    "original-json": lambda survey, path: original_json.write_original(survey, path),
+    "merged-hdf5": lambda survey, path: merged_hdf5.write_merged(survey, path, "t"),
+}
+
+
+def bring_in(tmp_path, kind):
+    output = tmp_path / "in.nc"
+    status = main(["import", str(tmp_path / "there"), str(output), "--format", kind])
+    return status, output.exists()
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_missing_samples_of_other_formats_are_told(cut_short, tmp_path, kind):
+    WRITERS[kind](load_survey(cut_short), tmp_path / "there")
+    assert bring_in(tmp_path, kind) == (NOT_COMPLETE, True)
+
+
+@pytest.mark.parametrize("kind", ["group-csv", "original-json"])
+@pytest.mark.parametrize("cut", [1, 20, None])
+def test_files_of_other_formats_that_are_cut_short_are_refused(whole, tmp_path, kind, cut):
+    WRITERS[kind](load_survey(whole), tmp_path / "there")
+    victim = sorted((tmp_path / "there").iterdir())[VICTIM]
+    victim.write_bytes(victim.read_bytes()[: -cut if cut else 0])
+    assert bring_in(tmp_path, kind) == (REFUSED, False)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda file: file.attrs.update({"Total Amount of A-Scans": 17}),
+        lambda file: file["Frequency"].attrs.update(df=1e6),
+        lambda file: file["Position"].attrs.update(dx=0.004),
+        lambda file: file["A-Scan"].pop("Im{S21 x-pol}"),
+        lambda file: file["A-Scan"].move("Re{S21 x-pol}", "Rx{S21 x-pol}"),
+        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), -0.2, np.float32)),
+        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), np.inf, np.float32)),
+    ],
+)
+def test_a_merged_file_that_contradicts_itself_is_refused(whole, tmp_path, damage):
+    path = tmp_path / "there"
+    merged_hdf5.write_merged(load_survey(whole), path, "t")
+    unsealed = path.read_bytes()[:-80]  # as the group's own files, which have no checksum
+    path.write_bytes(unsealed)
+    with h5py.File(path, "r+") as file:
+        damage(file)
+    assert bring_in(tmp_path, "merged-hdf5") == (REFUSED, False)
