@@ -31,7 +31,7 @@ def test_extended_targets_are_within_what_is_said():
 def test_nothing_to_focus_is_refused():
     survey = survey_of(scene([point(240.0, 240.0, 0.1)]), rotations_deg=(0.0,))
     empty = survey.assign(s21=survey.s21 * 0.0)
-    with pytest.raises(WrongDatasetError, match="permittivity"):
+    with pytest.raises(WrongDatasetError, match="no echo can be seen"):
         image_survey(empty, ImageOptions())
 
 

@@ -145,8 +145,12 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
 
 
 def _write(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> None:
-    with whole_output(path) as place:
-        told = FORMATS[chosen.format].write(survey, place, chosen)
+    form = FORMATS[chosen.format]
+    if dataset_files.is_dataset(path) and not form.holds:
+        told = form.write(survey, path, chosen)  # which is whole or not there by itself
+    else:
+        with whole_output(path, int(survey.nbytes)) as place:
+            told = form.write(survey, place, chosen)
     print(f"{path}: {told}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 import traceback
 from typing import List, Optional
@@ -20,6 +21,8 @@ TRACEBACK = "GPR20_TRACEBACK"
 def main(arguments: Optional[List[str]] = None) -> int:
     """Run the subcommand that is named; return the exit status."""
     given = sys.argv[1:] if arguments is None else arguments
+    if arguments is None:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # it cleans up like Ctrl-C
     try:
         chosen = _parser(given).parse_args(given)
         status: int = chosen.run(chosen)

@@ -9,6 +9,7 @@ from typing import List
 import orjson
 
 from gpr20_vna_processing.errors import TraceRefusedError
+from gpr20_vna_processing.low.regular_file import open_regular
 from gpr20_vna_processing.mid import survey_folder, trace_json
 from gpr20_vna_processing.mid.trace_files import MAX_FILE_BYTES
 from gpr20_vna_processing.mid.trace_record import TraceRecord
@@ -28,7 +29,7 @@ def read_trace(path: Path) -> TraceRecord:
         TraceRefusedError: The file is not a whole trace, or is named as another one.
         OSError: The file cannot be read.
     """
-    with open(str(path), "rb") as stream:
+    with open(open_regular(path), "rb") as stream:
         content = stream.read(MAX_FILE_BYTES + 1)
     if len(content) > MAX_FILE_BYTES:
         raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")

@@ -15,7 +15,7 @@ BESIDE = ".gpr20-"
 
 
 @contextlib.contextmanager
-def whole_output(path: Path) -> Iterator[Path]:
+def whole_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
     """Yield the place where a file or folder is to be written, of the same name.
 
     At the end it is moved to its path, where it replaces what is there. Ctrl-C or an error leaves
@@ -23,12 +23,20 @@ def whole_output(path: Path) -> Iterator[Path]:
 
     Args:
         path: File or folder; folders above it are made.
+        bytes_needed: Refuse at once if less is free. HDF5 needs it: its library crashes when a
+            disk becomes full.
 
     Raises:
         ExportError: The disk refused.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        free = shutil.disk_usage(str(path.parent)).free
+        if free < bytes_needed:
+            raise ExportError(
+                f"{path} needs about {bytes_needed / 1e6:.1f} MB, but {free / 1e6:.1f} MB are free "
+                "there; make space, or name another place"
+            )
         beside = Path(tempfile.mkdtemp(prefix=BESIDE, dir=str(path.parent)))
     except OSError as error:
         raise ExportError(_refusal(path, error)) from error

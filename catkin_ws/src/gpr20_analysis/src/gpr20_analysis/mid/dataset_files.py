@@ -20,6 +20,7 @@ from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
 NETCDF, ZARR = ".nc", ".zarr"
 REAL, IMAGINARY = "_real", "_imag"
 PART_OF = "complex_part_of"
+OVERHEAD_BYTES = 1 << 20
 NO_SEAL = "carries no checksum of gpr20: if it changed on the disk, that cannot be seen"
 
 
@@ -43,12 +44,16 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
         raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
     stored = _as_real(data)
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
-    with np.errstate(invalid="ignore"), whole_output(path) as place:
+    with np.errstate(invalid="ignore"), whole_output(path, _size(stored)) as place:
         if path.suffix == ZARR:
             stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
             stored.to_netcdf(str(place), engine="h5netcdf")
         seal(place)
+
+
+def _size(stored: xr.Dataset) -> int:
+    return int(stored.nbytes) + OVERHEAD_BYTES
 
 
 def read_dataset(path: Path) -> xr.Dataset:

@@ -8,6 +8,7 @@ from typing import Union
 import dask.array
 import xarray as xr
 
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.low.spool import Spool, flush
 from gpr20_analysis.mid import dataset, dataset_files
 from gpr20_analysis.mid.assembly import assemble
@@ -45,6 +46,8 @@ def load_survey(
         OSError: It cannot be read.
     """
     found = Path(path)
+    if found.exists() and not (found.is_file() or found.is_dir()):
+        raise AnalysisError(f"{found} is neither a file nor a folder, so there is no survey in it")
     if dataset_files.is_dataset(found):
         return checked(dataset_files.read_dataset(found), found.name, accept_damaged)
     spool = Spool(lazy_bytes)

@@ -10,6 +10,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.low import recorded_messages
 from gpr20_analysis.mid import manifest_check, recorded_traces
 from gpr20_analysis.mid.coverage import Plan
+from gpr20_analysis.mid.survey_source import Progress, silent
 from gpr20_vna_processing.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_vna_processing.low.stored_bag import StoredBag
 from gpr20_vna_processing.low.stored_mcap import StoredMcap
@@ -62,8 +63,12 @@ class Verification:
         return f"INCOMPLETE, but intact: {counted}{ending}"
 
 
-def verify(folder: Path) -> Verification:
+def verify(folder: Path, progress: Progress = silent) -> Verification:
     """Check a survey's folder; nothing in it is changed.
+
+    Args:
+        folder: The folder of one survey.
+        progress: Shows how far each pass over its traces has come.
 
     Raises:
         AnalysisError: The folder is none of a survey.
@@ -78,12 +83,13 @@ def verify(folder: Path) -> Verification:
         survey_folder.check_survey_id(description["survey_id"])
     except SurveyRefusedError as error:
         return Verification(faults=[str(error)])
-    return _Verifier(folder, description).run()
+    return _Verifier(folder, description, progress).run()
 
 
 class _Verifier:
-    def __init__(self, folder: Path, description: Dict[str, Any]) -> None:
+    def __init__(self, folder: Path, description: Dict[str, Any], progress: Progress) -> None:
         self._folder = folder
+        self._progress = progress
         self._description = description
         self._survey_id: str = description["survey_id"]
         self._indexed = description.get("ended") is not None  # the recordings have their index
@@ -92,11 +98,13 @@ class _Verifier:
 
     def run(self) -> Verification:
         self._check_manifest()
-        files = trace_files.read_all(self._traces, self._survey_id)
+        files = trace_files.read_all(
+            self._traces, self._survey_id, lambda paths: iter(self._progress(paths, len(paths)))
+        )
         for path, reason in files.damaged:
             self._fault(f"{path.name} is no whole trace: {reason}")
         plan = self._plan()
-        for index, name in sorted(files.names.items()):
+        for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
         self._check_recordings(files.prints)
         self._check_words(len(files.prints))
@@ -146,7 +154,10 @@ class _Verifier:
         for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE):
             before = len(self._found.faults)
             recorded = recorded_traces.fingerprints(
-                name, self._recorded(name), self._survey_id, self._found.faults
+                name,
+                iter(self._progress(self._recorded(name), len(stored))),
+                self._survey_id,
+                self._found.faults,
             )
             if len(self._found.faults) == before:
                 self._check_missing(name, sorted(stored.keys() - recorded.keys()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 from gpr20_vna_processing.errors import TraceRefusedError
 from gpr20_vna_processing.low.regular_file import open_regular
@@ -12,6 +12,7 @@ from gpr20_vna_processing.mid import survey_folder, trace_json
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 MAX_FILE_BYTES = 1 << 20  # 4001 points need a third of it
+Shown = Callable[[List[Path]], Iterator[Path]]
 
 
 @dataclass
@@ -47,15 +48,20 @@ def read_trace(path: Path, survey_id: str) -> TraceRecord:
     return trace
 
 
-def read_all(folder: Path, survey_id: str) -> TraceFiles:
+def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
     """Read every trace of a survey.
+
+    Args:
+        folder: The folder of the traces.
+        survey_id: Whose they must be.
+        shown: Hands on the files one by one, and may show how far that has come.
 
     Raises:
         OSError: The folder cannot be read.
     """
     found = TraceFiles()
     samples: Dict[str, int] = {}
-    for path in sorted(folder.glob("*.json")):
+    for path in shown(sorted(folder.glob("*.json"))):
         try:
             trace = read_trace(path, survey_id)
             _check_unique(trace, found.names.get(trace.index), samples.get(trace.sample_id))
