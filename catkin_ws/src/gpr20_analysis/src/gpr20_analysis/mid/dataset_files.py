@@ -88,7 +88,7 @@ def _read(path: Path) -> xr.Dataset:
         return _as_complex(stored.load())
 
 
-def _zarr_format() -> Dict[str, int]:
+def _zarr_format() -> Dict[str, Any]:
     """Return the arguments by which every zarr writes format 2, which every zarr reads."""
     return {} if _zarr_version() < 3 else {"zarr_format": 2}
 

@@ -62,7 +62,7 @@ class Ground:
 
     def surface_height_m(self, x_mm: float, y_mm: float) -> float:
         """Return the height of the surface above the plane z = 0 [m]."""
-        return float(self._surface_m(np.float64(x_mm / 1000.0), np.float64(y_mm / 1000.0)))
+        return float(self._surface_m(np.array(x_mm / 1000.0), np.array(y_mm / 1000.0)))
 
     def antenna_height_m(self, x_mm: float, y_mm: float) -> float:
         """Return the height of the antennas above the surface below them [m]."""

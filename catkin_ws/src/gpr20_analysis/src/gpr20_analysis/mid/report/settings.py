@@ -28,7 +28,7 @@ def settings_of(survey: xr.Dataset) -> List[Tuple[str, ...]]:
         if points is not None:
             rows.append((f"planned {axis}", f"{points} stops from {start} to {stop} mm"))
     sweep = _mapping(_mapping(described, "instrument"), "sweep")
-    ends = [sweep.get(key) for key in ("start_frequency_hz", "stop_frequency_hz")]
+    ends: List[Any] = [sweep.get(key) for key in ("start_frequency_hz", "stop_frequency_hz")]
     if all(isinstance(end, (int, float)) for end in ends):
         start_ghz, stop_ghz = (end / HZ_PER_GHZ for end in ends)
         text = f"{sweep.get('points')} points, {start_ghz:g} to {stop_ghz:g} GHz"
