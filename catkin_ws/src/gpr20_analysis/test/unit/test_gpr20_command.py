@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import pytest
 from survey_kit import POINTS, make_survey
 
-from gpr20_analysis.commands import registry
+from gpr20_analysis.commands import info_command, registry
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.verify import main as gpr20_verify
 
@@ -66,3 +67,24 @@ def test_gpr20_verify_and_its_former_name_say_the_same(tmp_path, capsys):
 def test_replay_without_a_survey_is_refused(tmp_path, capsys):
     assert main(["replay", str(tmp_path / "nowhere")]) == 3
     assert "does not exist" in capsys.readouterr().err
+
+
+def test_a_library_that_is_not_installed_is_named_with_its_extra(tmp_path, capsys, monkeypatch):
+    folder = make_survey(tmp_path, ALL, "finished")
+    for name in [one for one in sys.modules if one.startswith("gpr20_analysis.mid.plotting")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    assert main(["plot", "coverage", str(folder), "-o", str(tmp_path / "c.png")]) == 3
+    assert "pip install 'gpr20_analysis[plots]'" in capsys.readouterr().err
+
+
+def test_a_fault_of_the_program_is_told_in_one_line(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(info_command, "facts", lambda survey: 1 / 0)
+    folder = make_survey(tmp_path, ALL, "finished")
+    assert main(["info", str(folder)]) == 3
+    error = capsys.readouterr().err
+    assert "fault of the program itself (ZeroDivisionError" in error
+    assert "Traceback" not in error
+    monkeypatch.setenv("GPR20_TRACEBACK", "1")
+    assert main(["info", str(folder)]) == 3
+    assert "Traceback" in capsys.readouterr().err

@@ -14,6 +14,8 @@ from gpr20_analysis.commands import registry
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
 from gpr20_common.errors import Gpr20Error
 
+EXTRAS = {"matplotlib": "plots"}
+"""Libraries that whole commands are made of, and the extra that brings each."""
 TRACEBACK = "GPR20_TRACEBACK"
 """Environment variable: if set, an error that is a fault of the program shows where it arose."""
 
@@ -36,6 +38,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
         return REFUSED
     except (Gpr20Error, OSError, MemoryError) as error:
         return _refused(given, _told(error))
+    except ModuleNotFoundError as error:
+        return _refused(given, _missing(error))
     except KeyboardInterrupt:
         return _refused(given, "interrupted; nothing half written is left")
     except Exception as error:
@@ -51,6 +55,12 @@ def main(arguments: Optional[List[str]] = None) -> int:
 def _refused(given: List[str], reason: str) -> int:
     print(f"gpr20 {' '.join(given[:1])}: {reason}", file=sys.stderr)
     return REFUSED
+
+
+def _missing(error: ModuleNotFoundError) -> str:
+    extra = EXTRAS.get((error.name or "").split(".")[0])
+    wanted = f"gpr20_analysis[{extra}]" if extra else "gpr20_analysis"
+    return f"{error.name} is not installed: pip install '{wanted}'"
 
 
 def _told(error: BaseException) -> str:
