@@ -94,6 +94,23 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
     assert recorder.closed and session.simulated
 
 
+def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
+    outcome, recorder, _ = run(
+        clock,
+        state("IDLE", ""),
+        Answer(Request.START, True, "", "ours"),
+        state("SURVEYING"),
+        Progress("ours", 94.0, 18, 17, 1.0),
+        state("FINISHED"),
+        None,
+        Progress("former", 100.0, 8, 8, 0.0),
+        Progress("ours", 100.0, 18, 18, 0.0),
+        Progress("ours", 100.0, 18, 18, 0.0),
+    )
+    assert outcome.status is ExitStatus.FINISHED
+    assert recorder.shown[-2:] == [17, 18]
+
+
 def test_stop_and_its_refusal_are_told(clock):
     _, recorder, _ = run(
         clock,

@@ -17,6 +17,8 @@ from gpr20_user_interface.mid.survey_state import (
 from gpr20_user_interface.mid.survey_watch import ExitStatus, Outcome, SurveyWatch
 
 TICK_S = 0.2
+# Words of main_control, or ticks, that the progress of a finished survey may be behind its end.
+LAST_WORDS = 20
 
 SIMULATED = "SIMULATED robot: these data show no real ground"
 
@@ -74,6 +76,7 @@ class SurveySession:
         self._control = control
         self._display = display
         self._simulated = False
+        self._complete = False
 
     @property
     def simulated(self) -> bool:
@@ -90,9 +93,24 @@ class SurveySession:
                     self._show(event)
                 for request in requests:
                     self._control.send(request)
+            if self._watch.outcome.status is ExitStatus.FINISHED:
+                self._show_last_progress()
         finally:
             self._display.close()
         return self._watch.outcome
+
+    def _show_last_progress(self) -> None:
+        """Show the last trace too: progress and end are different topics and come in any order."""
+        for _ in range(LAST_WORDS):
+            if self._complete:
+                return
+            event = self._events.next(TICK_S)
+            if isinstance(event, Progress) and self._watch.concerns(event):
+                self._show_progress(event)
+
+    def _show_progress(self, progress: Progress) -> None:
+        self._complete = progress.visited_points >= progress.total_points > 0
+        self._display.progress(progress)
 
     def _show(self, event: Event) -> None:
         if isinstance(event, ControlState) and event.simulated and not self._simulated:
@@ -103,7 +121,7 @@ class SurveySession:
         if isinstance(event, ControlState):
             self._display.status(event)
         elif isinstance(event, Progress):
-            self._display.progress(event)
+            self._show_progress(event)
         elif isinstance(event, Accepted):
             self._display.note(_accepted_text(event))
         elif isinstance(event, StopWish):
