@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import threading
 from typing import Any
 
 import rosgraph
@@ -32,16 +33,18 @@ class DirectServiceClient(ServiceClient):
             # Nobody offers it now.
             return
 
-    def _ask(self, timeout_s: float, fields: Any, answers: queue.Queue) -> None:
+    def _ask(
+        self, timeout_s: float, fields: Any, answers: queue.Queue, given_up: threading.Event
+    ) -> None:
         if not self._address:
-            super()._ask(timeout_s, fields, answers)
+            super()._ask(timeout_s, fields, answers, given_up)
             return
         try:
             proxy = _AddressedProxy(self.name, self._service_class, self._address)
             answers.put(proxy(**fields))
         except (rospy.ROSException, rospy.ServiceException, OSError):
             # It is not there any more, or has another address: the master may know.
-            super()._ask(timeout_s, fields, answers)
+            super()._ask(timeout_s, fields, answers, given_up)
 
 
 class _AddressedProxy(rospy.ServiceProxy):
