@@ -88,6 +88,13 @@ def test_a_step_does_the_same_where_samples_are_missing(text):
     assert_same(processed(lazy(with_holes()), text), processed(with_holes(), text))
 
 
+@pytest.mark.parametrize("rows", [1, 2, 4])
+@pytest.mark.parametrize("text", ["background:method=mean", "background:method=median", "fill"])
+def test_the_last_digit_does_not_depend_on_the_blocks(text, rows):
+    found = processed(lazy(with_holes(), rows), text)
+    np.testing.assert_array_equal(found.s21.values, processed(with_holes(), text).s21.values)
+
+
 def test_every_step_is_tried():
     named = {part.partition(":")[0] for text in STEPS for part in text.split()}
     assert named == set(FUNCTIONS)

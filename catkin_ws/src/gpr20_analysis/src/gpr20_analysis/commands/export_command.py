@@ -9,7 +9,7 @@ from typing import Callable, Dict, List, Sequence, Tuple
 
 import xarray as xr
 
-from gpr20_analysis.commands import outputs, survey_input
+from gpr20_analysis.commands import outputs, scheduler, survey_input
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
@@ -55,11 +55,8 @@ def _group_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
 
 
 def _merged(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> str:
-    in_time = dataset.A_SCAN in survey
-    if in_time and chosen.domain == "frequency":
+    if dataset.A_SCAN in survey and chosen.domain == "frequency":
         raise ExportError("the data are A-scans over time; --domain time exports them as they are")
-    if chosen.domain == "time" and not in_time:
-        survey = to_time(survey, Window.NONE, padding=1.0)
     merged_hdf5.write_merged(survey, path, path.stem)
     return f"A-scans over {'time' if dataset.A_SCAN in survey else 'frequency'}"
 
@@ -110,18 +107,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "default as the data are",
     )
     outputs.add_overwrite(parser)
+    scheduler.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Write the survey; return the exit status."""
     _check([chosen.output], chosen)
     survey = survey_input.load(chosen)
+    with scheduler.machines(chosen) as machines, machines.fetched(
+        _transformed(survey, chosen, machines)
+    ) as fetched:
+        _write_all(fetched, chosen)
+    return survey_input.status_of(survey)
+
+
+def _transformed(
+    survey: xr.Dataset, chosen: argparse.Namespace, machines: scheduler.Machines
+) -> xr.Dataset:
+    over_time = chosen.format == "merged-hdf5" and chosen.domain == "time"
+    if over_time and dataset.A_SCAN not in survey:
+        return to_time(machines.spread(survey), Window.NONE, padding=1.0)
+    return survey
+
+
+def _write_all(survey: xr.Dataset, chosen: argparse.Namespace) -> None:
     if chosen.format == "segy":
         for turn, path in enumerate(_segy_files(survey, chosen)):
             _write(survey.isel({dataset.POLARIZATION: [turn]}), path, chosen)
     else:
         _write(survey, chosen.output, chosen)
-    return survey_input.status_of(survey)
 
 
 def _segy_files(survey: xr.Dataset, chosen: argparse.Namespace) -> List[Path]:

@@ -96,11 +96,11 @@ def run(chosen: argparse.Namespace) -> int:
     outputs.check(_outputs(chosen), inputs, chosen.overwrite)
     survey = survey_input.load(chosen)
     default = () if recipe_of(survey) else DEFAULT_STEPS
-    with scheduler.workers(chosen) as workers:
+    with scheduler.machines(chosen) as machines:
         steps = processing_input.steps_of(chosen, default)
-        processed, status = processing_input.process(survey, steps)
+        processed, status = processing_input.process(machines.spread(survey), steps)
         progress = survey_input.progress_bar("imaging polarizations")
-        image = image_survey(processed, options, workers, progress)
+        image = image_survey(processed, options, machines, progress)
     _write(image, chosen)
     _tell(image, chosen)
     return status

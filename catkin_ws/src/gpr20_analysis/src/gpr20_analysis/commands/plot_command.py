@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Dict, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.commands import outputs, processing_input, survey_input
+from gpr20_analysis.commands import outputs, processing_input, scheduler, survey_input
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, WrongDatasetError
@@ -50,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rotation", type=float, metavar="DEG", help="of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
     outputs.add_overwrite(parser)
+    scheduler.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -61,8 +62,9 @@ def run(chosen: argparse.Namespace) -> int:
     inputs = processing_input.inputs_of(chosen, steps)
     outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
     survey = survey_input.load(chosen)
-    data, status = processing_input.process(survey, steps)
-    figure = figure_of(data, chosen)
+    with scheduler.machines(chosen) as machines:
+        data, status = processing_input.process(machines.spread(survey), steps)
+        figure = figure_of(data, chosen)
     with whole_output(chosen.output) as place:
         save_figure(figure, place)
     return status

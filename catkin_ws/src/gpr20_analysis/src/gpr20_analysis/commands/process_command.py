@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis.commands import outputs, processing_input, survey_input
+from gpr20_analysis.commands import outputs, processing_input, scheduler, survey_input
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.low.recipe_file import recipe_text
@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", "-o", type=Path, required=True, help="result: .nc or .zarr")
     parser.add_argument("--save-recipe", type=Path, help="write the whole recipe to this YAML file")
     outputs.add_overwrite(parser)
+    scheduler.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -31,8 +32,10 @@ def run(chosen: argparse.Namespace) -> int:
     written += [Output(chosen.save_recipe)] if chosen.save_recipe else []
     outputs.check(written, processing_input.inputs_of(chosen, steps), chosen.overwrite)
     survey = survey_input.load(chosen)
-    result, status = processing_input.process(survey, steps)
-    write_dataset(result, chosen.output)
+    with scheduler.machines(chosen) as machines:
+        result, status = processing_input.process(machines.spread(survey), steps)
+        with machines.fetched(result) as fetched:
+            write_dataset(fetched, chosen.output)
     recipe = recipe_text(recipe_of(result))
     if chosen.save_recipe:
         with whole_output(chosen.save_recipe) as place:

@@ -5,7 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis.commands import image_command, outputs, processing_input, survey_input
+from gpr20_analysis.commands import (
+    image_command,
+    outputs,
+    processing_input,
+    scheduler,
+    survey_input,
+)
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
@@ -24,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     image_command.add_image_options(parser)
     outputs.add_overwrite(parser)
+    scheduler.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -41,7 +48,9 @@ def run(chosen: argparse.Namespace) -> int:
     survey = survey_input.load(chosen)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     progress = survey_input.progress_bar("making the report")
-    sections = sections_of(survey, chosen.survey, steps, options, progress)
+    with scheduler.machines(chosen) as machines:
+        spread = machines.spread(survey)
+        sections = sections_of(spread, chosen.survey, steps, options, progress, machines)
     title = f"GPR-20 survey {survey.attrs.get('survey_id', survey.attrs.get('source', ''))}"
     with whole_output(chosen.output) as place:
         if chosen.output.suffix == PDF:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Sequence
+import warnings
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Protocol, Sequence
+
+import dask
+import dask.array
+import xarray as xr
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
-from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
+from gpr20_analysis.mid.dataset import A_SCAN, S21, SAMPLE_DIMS, Y
+from gpr20_analysis.mid.workers import ThisProcess, Workers, slices
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,8 +29,30 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
         "--scheduler",
         metavar="ADDRESS",
         help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
-        "package and see the same files",
+        "package and, for surveys of more than 1 GiB, see the same files",
     )
+
+
+class Machines(Workers, Protocol):
+    """Who works for a command."""
+
+    def spread(self, data: xr.Dataset) -> xr.Dataset:
+        """Return a Dataset whose numbers lie where steps will be computed on them."""
+
+    def fetched(self, data: xr.Dataset) -> contextlib.AbstractContextManager[xr.Dataset]:
+        """Lend a Dataset whose numbers are computed as they are looked at, to be written here."""
+
+
+class Here(ThisProcess):
+    """This process alone."""
+
+    def spread(self, data: xr.Dataset) -> xr.Dataset:
+        """Return the Dataset as it is."""
+        return data
+
+    def fetched(self, data: xr.Dataset) -> contextlib.AbstractContextManager[xr.Dataset]:
+        """Lend the Dataset as it is."""
+        return contextlib.nullcontext(data)
 
 
 class Cluster:
@@ -46,9 +74,62 @@ class Cluster:
         found: List[Any] = self._client.gather(tasks)
         return found
 
+    def spread(self, data: xr.Dataset) -> xr.Dataset:
+        """Return a Dataset whose numbers are lazy, some rows at each worker."""
+        for name in (S21, A_SCAN):
+            if name in data and data[name].chunks is None:
+                values = data[name].transpose(*SAMPLE_DIMS, ...)
+                data = data.assign({name: values.copy(data=self._sent(values))})
+        return data
+
+    def _sent(self, values: xr.DataArray) -> dask.array.Array:
+        rows = slices(values.sizes[Y], self.parts)
+        blocks = [volume[part] for volume in values.values for part in rows]
+        sent = iter(self._client.scatter(blocks, hash=False))
+        return dask.array.stack(
+            [
+                dask.array.concatenate(
+                    [
+                        dask.array.from_delayed(next(sent), volume[part].shape, volume.dtype)
+                        for part in rows
+                    ]
+                )
+                for volume in values.values
+            ]
+        )
+
+    @contextlib.contextmanager
+    def fetched(self, data: xr.Dataset) -> Iterator[xr.Dataset]:
+        """Lend a Dataset whose blocks the workers compute, while this process writes them."""
+        lent = data
+        for name, values in data.data_vars.items():
+            if values.chunks is not None:
+                blocks = _Blocks(values.data, self._client)
+                array = dask.array.from_array(
+                    blocks, chunks=values.chunks, asarray=False, name=False
+                )
+                lent = lent.assign({name: values.copy(data=array)})
+        # Only the workers compute; the threads here wait for them, and write.
+        with dask.config.set(scheduler="threads", num_workers=self.parts):
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "Running on a single-machine scheduler")
+                yield lent
+
+
+class _Blocks:
+    """An array of which what is looked at is computed on the cluster."""
+
+    def __init__(self, array: dask.array.Array, client: Client) -> None:
+        self.shape, self.dtype, self.ndim = array.shape, array.dtype, array.ndim
+        self._array = array
+        self._client = client
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._client.compute(self._array[place], sync=True)
+
 
 @contextlib.contextmanager
-def workers(chosen: argparse.Namespace) -> Iterator[Workers]:
+def machines(chosen: argparse.Namespace) -> Iterator[Machines]:
     """Yield who does heavy work: this process, or the named cluster.
 
     While it is open dask computes lazy surveys on the cluster too.
@@ -58,7 +139,7 @@ def workers(chosen: argparse.Namespace) -> Iterator[Workers]:
         AnalysisError: Nobody answers there, or the cluster has no workers.
     """
     if not chosen.scheduler:
-        yield THIS_PROCESS
+        yield Here()
         return
     try:
         from distributed import Client

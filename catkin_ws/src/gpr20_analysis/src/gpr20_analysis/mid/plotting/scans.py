@@ -78,6 +78,7 @@ def b_scan_figure(
     figure = new_figure(
         in_time, len(turns), f"B-scan along {along} at {other} {in_mm(line[other]):g} mm"
     )
+    line = line.compute()
     largest = float(np.nanmax(np.abs(line.values)))
     for axes, turn, values in zip(
         figure.subplots(1, len(turns), squeeze=False)[0], turns, line.values
@@ -108,7 +109,7 @@ def c_scan_figure(data: xr.Dataset, at: float) -> Figure:
     figure = new_figure(
         data, len(turns), f"C-scan at {level} {float(taken[level]) * scale:.4g} {unit}"
     )
-    largest = float(np.nanmax(np.abs(volume.values)))
+    largest = float(abs(volume).max())
     for axes, turn in zip(figure.subplots(1, len(turns), squeeze=False)[0], range(len(turns))):
         values = taken.isel({POLARIZATION: turn}).transpose(Y, X).values
         draw_decibels(axes, decibels(values, largest), in_mm(data[X]), in_mm(data[Y]))

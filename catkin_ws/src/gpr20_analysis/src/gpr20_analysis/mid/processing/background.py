@@ -105,14 +105,15 @@ def remove_background(
 
 
 def _mean(volume: Array) -> np.ndarray:
-    sums, counts = zip(*row_blocks.gather(_sum_and_count, volume))
-    mean: np.ndarray = np.sum(sums, axis=0) / max(sum(counts), 1)
+    sums, counts = zip(*row_blocks.gather(_row_sums_and_count, volume))
+    # Row by row, so that the last digit does not depend on how the rows lie in blocks.
+    mean: np.ndarray = np.concatenate(sums).sum(axis=0) / max(sum(counts), 1)
     return mean
 
 
-def _sum_and_count(volume: np.ndarray) -> Tuple[np.ndarray, int]:
+def _row_sums_and_count(volume: np.ndarray) -> Tuple[np.ndarray, int]:
     present = _present(volume)
-    return np.where(present, volume, 0.0).sum(axis=(0, 1)), np.count_nonzero(present)
+    return np.where(present, volume, 0.0).sum(axis=1), np.count_nonzero(present)
 
 
 def _median(volume: Array) -> np.ndarray:

@@ -17,6 +17,7 @@ from gpr20_analysis.mid.plotting import scans
 from gpr20_analysis.mid.processing.chain import Step, apply_steps
 from gpr20_analysis.mid.processing.delay import to_time
 from gpr20_analysis.mid.report.page import Section
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,7 +56,12 @@ def as_measured(survey: xr.Dataset, options: ImageOptions) -> Section:
     return Section("Data as measured", lines=[line], figures=figures)
 
 
-def imaged(survey: xr.Dataset, steps: Sequence[Step], options: ImageOptions) -> List[Section]:
+def imaged(
+    survey: xr.Dataset,
+    steps: Sequence[Step],
+    options: ImageOptions,
+    workers: Workers = THIS_PROCESS,
+) -> List[Section]:
     """Return the data after the steps, the image, and the echoes in it."""
     try:
         processed = apply_steps(survey, steps, _no_other_survey)
@@ -68,7 +74,7 @@ def imaged(survey: xr.Dataset, steps: Sequence[Step], options: ImageOptions) -> 
         lines = [f"step: {_told(step)}" for step in steps]
         views.append(Section("Data after the steps", lines=lines, figures=figures))
     try:
-        image = image_survey(processed, options)
+        image = image_survey(processed, options, workers)
     except AnalysisError as error:
         return [*views, Section(IMAGE_TITLE, warnings=[f"No image was made: {error}"])]
     return [*views, *_image(image, options)]

@@ -22,6 +22,7 @@ from gpr20_analysis.mid.report.settings import settings_of
 from gpr20_analysis.mid.survey_facts import SIMULATED, facts
 from gpr20_analysis.mid.survey_source import Progress, silent
 from gpr20_analysis.mid.verification import FILES, Verification, verify
+from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 TOLD = 50
 LIBRARIES = ("numpy", "scipy", "xarray", "h5py", "matplotlib", "rosbags", "mcap")
@@ -33,6 +34,7 @@ def sections_of(
     steps: Sequence[Step],
     options: ImageOptions,
     progress: Progress = silent,
+    workers: Workers = THIS_PROCESS,
 ) -> List[Section]:
     """Return the sections of a survey's report.
 
@@ -42,6 +44,7 @@ def sections_of(
         steps: What is done before imaging.
         options: How the image is made.
         progress: Shows how far it has come.
+        workers: Who does the heavy parts of the image.
     """
     found: List[Section] = []
     parts: List[Callable[[], Sequence[Section]]] = [
@@ -50,7 +53,7 @@ def sections_of(
         lambda: [Section("How it was measured", rows=settings_of(survey))],
         lambda: [_quality(survey)],
         lambda: [pictures.as_measured(survey, options)],
-        lambda: pictures.imaged(survey, steps, options),
+        lambda: pictures.imaged(survey, steps, options, workers),
         lambda: [Section("Made with", rows=table(versions(survey)))],
     ]
     for part in progress(parts, len(parts)):
