@@ -10,6 +10,7 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.mid.dataset_files import write_dataset
 from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.mid.processing.chain import apply_steps, step_from_text
 
 ALL = len(POINTS)
 
@@ -58,3 +59,20 @@ def test_the_temporary_file_goes_with_the_survey(folder, tmp_path, monkeypatch):
 def test_an_image_deeper_than_the_frequencies_can_tell_is_refused(folder, capsys):
     assert main(["image", str(folder), "--permittivity", "4"]) == 3
     assert "measure with more points" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("steps", [["window"], ["window", "time", "gain:method=agc"]])
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_a_lazy_dataset_holds_the_same_and_goes_through_steps_to_a_file(
+    folder, tmp_path, ending, steps
+):
+    expected = apply_steps(load_survey(folder), [step_from_text(one) for one in steps], None)
+    first, second = tmp_path / f"first.{ending}", tmp_path / f"second.{ending}"
+    write_dataset(load_survey(folder), first)
+    lazy = load_survey(first, lazy_bytes=0)
+    assert isinstance(lazy.s21.data, dask.array.Array)
+    assert lazy.compute().identical(load_survey(folder))
+    write_dataset(apply_steps(lazy, [step_from_text(one) for one in steps], None), second)
+    found = load_survey(second, lazy_bytes=0)
+    assert found.chunks
+    assert found.compute().identical(expected)

@@ -110,10 +110,10 @@ class Cluster:
                 )
                 lent = lent.assign({name: values.copy(data=array)})
         # Only the workers compute; the threads here wait for them, and write.
-        with dask.config.set(scheduler="threads", num_workers=self.parts):
-            with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", "Running on a single-machine scheduler")
-                yield lent
+        here = dask.config.set(scheduler="threads", num_workers=self.parts)
+        with here, warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Running on a single-machine scheduler")
+            yield lent
 
 
 class _Blocks:

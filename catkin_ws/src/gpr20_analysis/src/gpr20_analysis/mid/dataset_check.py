@@ -76,8 +76,7 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
     if quality.dtype.kind not in "ui":
         raise UnreadableFileError(f"{name}: 'quality' holds {quality.dtype}, not flags")
     last = VALUES[one][-1]
-    whole = xr.apply_ufunc(np.isfinite, data[one]).all(last)
-    whole = whole.transpose(*dataset.SAMPLE_DIMS).values
+    whole = (abs(data[one]) < np.inf).all(last).transpose(*dataset.SAMPLE_DIMS).values
     height_m = data[dataset.HEIGHT].transpose(*dataset.SAMPLE_DIMS).values
     spoilt = dataset.usable(data).transpose(*dataset.SAMPLE_DIMS).values & ~(
         whole & ~np.isinf(height_m)

@@ -7,20 +7,24 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
+import dask.array
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, UnreadableFileError
 from gpr20_analysis.low.seal import is_intact, seal
 from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES
+from gpr20_analysis.mid.dataset import LIST_ATTRIBUTES, Y
 
 NETCDF, ZARR = ".nc", ".zarr"
 REAL, IMAGINARY = "_real", "_imag"
 PART_OF = "complex_part_of"
 OVERHEAD_BYTES = 1 << 20
+LEAST_LAZY_DIMS = 4
+CHUNK_BYTES = 16 << 20
+"""Of lazy numbers, what each thread has in memory at once; a step may need eight times as much."""
 NO_SEAL = "carries no checksum of gpr20: if it changed on the disk, that cannot be seen"
 
 
@@ -56,8 +60,13 @@ def _size(stored: xr.Dataset) -> int:
     return int(stored.nbytes) + OVERHEAD_BYTES
 
 
-def read_dataset(path: Path) -> xr.Dataset:
-    """Read what `write_dataset` wrote, into memory.
+def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
+    """Read what `write_dataset` wrote.
+
+    Args:
+        path: Ends in .nc or .zarr.
+        lazy_bytes: Spectra, A-scans or an image larger than this [bytes] become a dask array in
+            chunks of whole rows; everything else is read into memory. None: all of it is.
 
     Raises:
         UnreadableFileError: It is damaged, or is something else.
@@ -69,7 +78,7 @@ def read_dataset(path: Path) -> xr.Dataset:
     sealed = is_intact(path)
     try:
         with np.errstate(invalid="ignore"):
-            data = _read(path)
+            data = _read(path, lazy_bytes)
     except MissingLibraryError:
         raise
     # Whatever is changed in such a file, the libraries beneath raise errors of many kinds.
@@ -80,12 +89,38 @@ def read_dataset(path: Path) -> xr.Dataset:
     return data
 
 
-def _read(path: Path) -> xr.Dataset:
+def _read(path: Path, lazy_bytes: Optional[int]) -> xr.Dataset:
     if path.suffix == ZARR:
         _zarr_version()
-        return _as_complex(xr.open_zarr(str(path), chunks=None).load())
-    with xr.open_dataset(str(path), engine="h5netcdf") as stored:
-        return _as_complex(stored.load())
+        stored = xr.open_zarr(str(path), chunks=None)
+        return _as_complex(_loaded(stored, lazy_bytes))
+    stored = xr.open_dataset(str(path), engine="h5netcdf")
+    try:
+        data = _as_complex(_loaded(stored, lazy_bytes))
+    except BaseException:
+        stored.close()
+        raise
+    # What is lazy reads on from the open file.
+    if not data.chunks:
+        stored.close()
+    return data
+
+
+def _loaded(stored: xr.Dataset, lazy_bytes: Optional[int]) -> xr.Dataset:
+    """Return a Dataset in memory, but for what is larger than so many bytes."""
+    data = stored
+    for name, values in stored.variables.items():
+        # The other half of a complex variable is as large.
+        size = values.nbytes * (2 if PART_OF in values.attrs else 1)
+        if lazy_bytes is None or size <= lazy_bytes or values.ndim < LEAST_LAZY_DIMS:
+            data[name].load()
+        else:
+            row_bytes = values.nbytes // (values.sizes[values.dims[0]] * values.sizes[Y])
+            rows = max(1, CHUNK_BYTES // (2 * row_bytes))
+            whole = dict.fromkeys(values.dims, -1)
+            chunks = {**whole, values.dims[0]: 1, Y: rows}
+            data = data.assign({name: stored[name].chunk(chunks)})
+    return data
 
 
 def _zarr_format() -> Dict[str, Any]:
@@ -121,6 +156,16 @@ def _plain(key: str, value: Any) -> Any:
     return int(value) if isinstance(value, (bool, np.bool_)) else value
 
 
+def _kind(real: Any) -> Any:
+    return np.result_type(real, np.complex64)
+
+
+def _joined(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    values = np.empty(real.shape, _kind(real.dtype))
+    values.real, values.imag = real, imaginary
+    return values
+
+
 def _as_complex(stored: xr.Dataset) -> xr.Dataset:
     data = stored.copy()
     for name in list(stored.data_vars):
@@ -128,8 +173,11 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
         if whole is None or not str(name).endswith(REAL):
             continue
         real, imaginary = stored[name], stored[f"{whole}{IMAGINARY}"]
-        values = np.empty(real.shape, np.result_type(real.dtype, np.complex64))
-        values.real, values.imag = real.values, imaginary.values
+        if real.chunks is None:
+            values = _joined(real.values, imaginary.values)
+        else:
+            kind = _kind(real.dtype)
+            values = dask.array.map_blocks(_joined, real.data, imaginary.data, dtype=kind)
         kept = {key: value for key, value in real.attrs.items() if key != PART_OF}
         data[whole] = (real.dims, values, kept)
         data = data.drop_vars([f"{whole}{REAL}", f"{whole}{IMAGINARY}"])

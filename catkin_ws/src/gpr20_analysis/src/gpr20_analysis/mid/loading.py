@@ -18,8 +18,6 @@ from gpr20_analysis.mid.survey_source import Progress, silent
 
 LAZY_BYTES = 1 << 30
 """Above this size of the numbers [bytes] a survey is lazy."""
-CHUNK_BYTES = 16 << 20
-"""Of a lazy survey in memory at once by each thread; a step may need eight times as much."""
 
 
 def load_survey(
@@ -38,7 +36,8 @@ def load_survey(
             refused: they are NaN, marked, and named in attribute `missing`.
         progress: Shows how far it has come.
         lazy_bytes: If the numbers are larger than this [bytes], they are checked once and then
-            kept in a temporary file, and `s21` is a dask array in chunks of whole rows.
+            kept in a temporary file, and `s21` is a dask array in chunks of whole rows. A .nc or
+            .zarr is read where it is.
 
     Raises:
         DamagedSurveyError: Something is damaged and that was not accepted.
@@ -49,7 +48,7 @@ def load_survey(
     if found.exists() and not (found.is_file() or found.is_dir()):
         raise AnalysisError(f"{found} is neither a file nor a folder, so there is no survey in it")
     if dataset_files.is_dataset(found):
-        return checked(dataset_files.read_dataset(found), found.name, accept_damaged)
+        return checked(dataset_files.read_dataset(found, lazy_bytes), found.name, accept_damaged)
     spool = Spool(lazy_bytes)
     survey = assemble(open_source(found), accept_damaged, progress, spool.allocate)
     return _lazy(survey, spool)
@@ -62,6 +61,6 @@ def _lazy(survey: xr.Dataset, spool: Spool) -> xr.Dataset:
         return survey
     flush(s21.values)
     row_bytes = s21.nbytes // (s21.shape[0] * s21.shape[1])
-    rows = max(1, CHUNK_BYTES // row_bytes)
+    rows = max(1, dataset_files.CHUNK_BYTES // row_bytes)
     array = dask.array.from_array(stored, chunks=(1, rows, -1, -1), name=False)
     return survey.assign({dataset.S21: (s21.dims, array, s21.attrs)})
