@@ -21,6 +21,10 @@ class WrongDatasetError(AnalysisError, ValueError):
     """A Dataset lacks what a step needs, or holds what it cannot work on."""
 
 
+class TooLargeError(AnalysisError, MemoryError):
+    """What must be in memory at once does not fit into it."""
+
+
 class ExportError(AnalysisError, ValueError):
     """A survey cannot be written in the format that was asked for."""
 

@@ -13,10 +13,13 @@ import dask.array
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis.errors import TooLargeError
+from gpr20_analysis.low.memory import available_bytes
 from gpr20_analysis.mid.dataset import POLARIZATION, SAMPLE_DIMS, X
 
 Array = Union[np.ndarray, dask.array.Array]
 COMPLEX = np.dtype(np.complex128)
+MIB = 1 << 20
 
 
 def is_lazy(values: Array) -> bool:
@@ -69,6 +72,26 @@ def gather(function: Callable[[np.ndarray], Any], values: Array) -> List[Any]:
         return [function(values)]
     blocks = values.to_delayed().ravel()
     return list(dask.compute(*[dask.delayed(function)(block) for block in blocks]))
+
+
+def require_room(values: xr.DataArray, times: float, purpose: str) -> None:
+    """Check, before lazy values are loaded whole, that they fit into the memory.
+
+    Args:
+        values: What will be loaded; nothing is checked of what is in memory already.
+        times: How many times its size the work needs.
+        purpose: What it is needed for, for the message.
+
+    Raises:
+        TooLargeError: They do not fit.
+    """
+    needed, free = times * values.nbytes, available_bytes()
+    if values.chunks is not None and needed > free:
+        raise TooLargeError(
+            f"{purpose} needs {needed / MIB:.0f} MiB of memory, of which {free / MIB:.0f} MiB are "
+            "free; take a part with the steps band or polarization (gpr20 process works on a "
+            "survey of any size), or another machine"
+        )
 
 
 def stack(volumes: List[Array]) -> Array:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.low.seal import is_intact, seal
-from gpr20_analysis.mid import dataset
+from gpr20_analysis.mid import dataset, row_blocks
 from gpr20_analysis.mid.formats.imported import Imported, as_dataset
 from gpr20_analysis.mid.formats.orientation import DEGREES, even_step, letters
 
@@ -22,6 +22,8 @@ RANGE = {dataset.S21: ("f0", "ff", "df"), dataset.A_SCAN: ("t0", "tf", "dt")}
 LAST = {dataset.S21: dataset.FREQUENCY, dataset.A_SCAN: dataset.DELAY}
 AMOUNT = "Total Amount of A-Scans"
 HZ_PER_MHZ = 1e6
+# Of one polarization: as it is, in another order, and in single precision.
+COPIES = 2.5
 LARGEST_MHZ = 1e6  # a start frequency below it is taken for MHz, as the guide prints it
 
 
@@ -36,6 +38,7 @@ def write_merged(survey: xr.Dataset, path: Path, title: str) -> None:
     """
     kind = dataset.A_SCAN if dataset.A_SCAN in survey else dataset.S21
     values = dataset.require(survey, kind, (*dataset.SAMPLE_DIMS, LAST[kind]))
+    row_blocks.require_room(values[0], COPIES, "the group's merged file")
     turns = letters(survey)
     axis = survey[LAST[kind]].values
     step = even_step(axis, LAST[kind], "Hz or s")

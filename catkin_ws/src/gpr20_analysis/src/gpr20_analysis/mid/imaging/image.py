@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.mid import row_blocks
 from gpr20_analysis.mid.dataset import (
     ATTRIBUTES,
     DEPTH,
@@ -41,6 +42,8 @@ from gpr20_analysis.mid.workers import THIS_PROCESS, Workers
 
 # Height differences of level ground, by the noise of the height sensor.
 NOTED_RELIEF_M = 0.01
+# Spectra as measured, without what is missing, and in single precision while they are gated.
+COPIES = 2.5
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
 
@@ -168,7 +171,9 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
         raise WrongDatasetError(
             f"the data were changed for display ({survey.attrs[DISPLAY_ONLY]}); image without it"
         )
-    measured = require(survey, S21, S21_DIMS).values
+    lazy = require(survey, S21, S21_DIMS)
+    row_blocks.require_room(lazy, COPIES, "an image")
+    measured = lazy.values
     present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
     if not options.leave_out_missing:
         require_complete(survey, "an image (or --leave-out-missing, or the step fill)")
