@@ -1,0 +1,30 @@
+"""What the launch files make of their arguments, read as roslaunch reads them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+LAUNCH = Path(__file__).resolve().parents[2] / "launch"
+
+
+def nodes_of(file: str, *arguments: str):
+    config = ROSLaunchConfig()
+    XmlLoader(resolve_anon=True).load(str(LAUNCH / file), config, argv=list(arguments))
+    return {node.name: node for node in config.nodes}
+
+
+@pytest.mark.parametrize("robot, comes_back", [("gpr20", True), ("simulated", False)])
+def test_the_window_of_the_real_robot_comes_back_by_itself(robot, comes_back):
+    nodes = nodes_of("survey.launch", f"robot:={robot}")
+    assert nodes["user_interface"].respawn is comes_back
+
+
+@pytest.mark.parametrize("robot", ["gpr20", "simulated"])
+def test_every_node_of_the_robot_comes_back_by_itself(robot):
+    nodes = nodes_of("survey.launch", f"robot:={robot}", "ui:=false")
+    assert "user_interface" not in nodes
+    assert {name for name, node in nodes.items() if not node.respawn} == set()
