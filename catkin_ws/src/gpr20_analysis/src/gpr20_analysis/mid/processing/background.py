@@ -28,6 +28,8 @@ FREQUENCY_TOLERANCE = 1e-3
 ROTATION_TOLERANCE_DEG = 0.5
 # Of a lazy survey, what a median is taken of at once.
 BAND_BYTES = 128 << 20
+# Of a moving window, whose running sums take several times the memory of what they are made of.
+FREQUENCIES_AT_ONCE = 128
 
 
 class Background(enum.Enum):
@@ -148,9 +150,12 @@ def _without_moving(volume: Array, width: int) -> Array:
 
 def _moving(volume: np.ndarray, width: int) -> np.ndarray:
     present = _present(volume)
-    sums = _window_sum(np.where(present, volume, 0.0), width)
-    counts = _window_sum(present.astype(np.float64), width)
-    return sums / np.maximum(counts, 1.0)
+    counts = np.maximum(_window_sum(present.astype(np.float64), width), 1.0)
+    means = np.empty_like(volume)
+    for band in slices(volume.shape[-1], -(-volume.shape[-1] // FREQUENCIES_AT_ONCE)):
+        held = np.where(present, volume[..., band], 0.0)
+        means[..., band] = _window_sum(held, width) / counts
+    return means
 
 
 def _window_sum(volume: np.ndarray, width: int) -> np.ndarray:
