@@ -20,6 +20,7 @@ from gpr20_analysis.mid.dataset import POLARIZATION, SAMPLE_DIMS, X
 Array = Union[np.ndarray, dask.array.Array]
 COMPLEX = np.dtype(np.complex128)
 MIB = 1 << 20
+SUMMED_AT_ONCE = 8
 
 
 def is_lazy(values: Array) -> bool:
@@ -72,6 +73,19 @@ def gather(function: Callable[[np.ndarray], Any], values: Array) -> List[Any]:
         return [function(values)]
     blocks = values.to_delayed().ravel()
     return list(dask.compute(*[dask.delayed(function)(block) for block in blocks]))
+
+
+def total(function: Callable[[np.ndarray], np.ndarray], values: Array) -> np.ndarray:
+    """Return the sum of what a function makes of each block, which may be as large as a block."""
+    if not isinstance(values, dask.array.Array):
+        return function(values)
+    blocks = values.to_delayed().ravel()
+    found: Any = 0
+    for first in range(0, len(blocks), SUMMED_AT_ONCE):
+        made = [dask.delayed(function)(block) for block in blocks[first : first + SUMMED_AT_ONCE]]
+        found = sum(dask.compute(*made), found)
+    summed: np.ndarray = found
+    return summed
 
 
 def require_room(values: xr.DataArray, times: float, purpose: str) -> None:

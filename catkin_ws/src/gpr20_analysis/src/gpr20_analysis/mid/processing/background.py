@@ -181,7 +181,7 @@ def _without_strongest(volume: Array, rank: int) -> Array:
             f"traces of {frequencies} frequencies"
         )
     # The components over frequency are eigenvectors of a matrix as small as the sweep.
-    _, vectors = np.linalg.eigh(np.sum(row_blocks.gather(_products, volume), axis=0))
+    _, vectors = np.linalg.eigh(row_blocks.total(_products, volume))
     strongest = vectors[:, -rank:]
     return row_blocks.each(lambda rows: rows - rows @ strongest @ strongest.conj().T, volume)
 
