@@ -123,6 +123,18 @@ def test_targets_below_uneven_ground_are_found_where_they_are(surface, separatio
         assert np.linalg.norm(error_mm(brightest_near(taken_as_level, target), below_surface)) > 4.0
 
 
+def test_noise_of_the_recorded_heights_moves_echoes_below_uneven_ground_little():
+    uneven = replace(scene(TARGETS, **QUIET), surface=Surface(slope_x=0.03))
+    survey = survey_of(uneven, rotations_deg=(0.0,))
+    noise_m = 0.004 * np.random.default_rng(5).standard_normal(survey.height.shape)
+    options = ImageOptions(Method.BACK_PROJECTION, 4.0, ground=Ground.UNEVEN)
+    image = image_survey(survey.assign(height=survey.height + noise_m), options)
+    for target in TARGETS:
+        above_m = SimulatedGround(uneven).surface_height_m(target.x_mm, target.y_mm)
+        below_surface = replace(target, depth_m=target.depth_m + above_m)
+        assert np.linalg.norm(error_mm(brightest_near(image, target), below_surface)) < 4.0
+
+
 def test_level_ground_is_the_same_by_either_way(survey):
     options = ImageOptions(Method.BACK_PROJECTION, 4.0)
     level = image_survey(survey, options).image.values
