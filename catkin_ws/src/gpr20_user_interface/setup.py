@@ -12,6 +12,7 @@ setup(
             "gpr20_user_interface.mid.views.control",
             "gpr20_user_interface.mid.views.map",
             "gpr20_user_interface.mid.views.radar",
+            "gpr20_user_interface.mid.views.robot_sentences",
             "gpr20_user_interface.mid.views.status",
             "gpr20_user_interface.mid.views.surveys",
         ],

@@ -146,7 +146,7 @@ def test_each_sentence_is_recognized_as_itself(languages, template):
 
 @pytest.mark.parametrize("path, sentence", said_by_the_robot())
 def test_whatever_the_robot_can_say_to_the_operator_is_known(languages, path, sentence):
-    assert robot_text(sentence) != sentence, f"{path}: add it to robot_sentences.py and es.ts"
+    assert robot_text(sentence) != sentence, f"{path}: add it to robot_sentences and es.ts"
 
 
 def test_status_and_top_bar_change_their_sentence_with_the_language(window, languages):
