@@ -8,8 +8,8 @@ import threading
 import time
 
 import pytest
+from reopening_kit import messages_in_mcap, traces_in_bag
 from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json, wait_until
-from test_reopening import messages_in_mcap, traces_in_bag
 
 from gpr20_vna_processing.errors import StorageFailedError
 from gpr20_vna_processing.low.json_trace_file import is_temporary

@@ -7,8 +7,8 @@ import shutil
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from reopening_kit import assert_whole
 from storage_kit import STARTED_US, SURVEY, Kit, make_trace, text_message
-from test_reopening import assert_whole
 
 from gpr20_vna_processing.mid.recordings import open_recordings
 

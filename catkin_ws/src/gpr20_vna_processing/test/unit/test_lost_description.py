@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
+from reopening_kit import assert_whole
 from storage_kit import STARTED_US, SURVEY, Kit, make_trace
-from test_reopening import assert_whole
 
 from gpr20_vna_processing.errors import SurveyRefusedError
 from gpr20_vna_processing.mid.recordings import open_recordings

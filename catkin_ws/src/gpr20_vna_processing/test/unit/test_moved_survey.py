@@ -7,8 +7,8 @@ import os
 import shutil
 
 import pytest
+from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, STARTED_US, SURVEY, Kit, make_trace
-from test_reopening import assert_whole
 
 from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError
 from gpr20_vna_processing.mid.recordings import open_recordings

@@ -7,8 +7,8 @@ import os
 import shutil
 
 import pytest
+from reopening_kit import METADATA, TRACES, assert_whole, messages_in_mcap
 from storage_kit import SURVEY, Kit, text_message
-from test_reopening import METADATA, TRACES, assert_whole, messages_in_mcap
 
 from gpr20_vna_processing.mid.recordings import open_recordings
 

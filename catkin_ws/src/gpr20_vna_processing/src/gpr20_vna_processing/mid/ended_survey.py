@@ -8,7 +8,7 @@ from typing import Optional
 from gpr20_vna_processing.errors import SurveyRefusedError
 from gpr20_vna_processing.mid import manifest
 from gpr20_vna_processing.mid.processing_records import ClosedSurvey
-from gpr20_vna_processing.mid.reopening import find_survey
+from gpr20_vna_processing.mid.survey_search import find_survey
 
 
 def find_ended_survey(data: Path, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:

@@ -24,7 +24,6 @@ from gpr20_vna_processing.mid import (
     trace_json,
     utc_time,
 )
-from gpr20_vna_processing.mid.lost_description import description_from_recording
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey, Storage
 from gpr20_vna_processing.mid.recorded_traces import RecordedTraces, Types
@@ -46,39 +45,6 @@ class RepairedSurvey:
     """The trace that was stored last."""
     repairs: Tuple[str, ...]
     """What was done, for people."""
-
-
-def find_survey(data: Path, survey: str, restore: bool = False) -> Tuple[Path, Dict[str, Any]]:
-    """Return the folder and the description of a survey.
-
-    Args:
-        data: The data folder.
-        survey: The survey's id, or the name of its folder.
-        restore: Whether a description that cannot be read is taken from the recording.
-
-    Raises:
-        SurveyRefusedError: There is none, its survey.json cannot be read, or part of it is a
-            symbolic link.
-    """
-    reason = f"there is no survey {survey[:64]!r} in {data}"
-    for folder in survey_folder.candidate_folders(data, survey):
-        survey_folder.check_no_links(folder)
-        description = _description(folder, restore)
-        survey_id = survey_folder.check_survey_id(description["survey_id"])
-        if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
-            return folder, description
-        reason = f"{folder} holds survey {survey_id}, not {survey[:64]}"
-    raise SurveyRefusedError(reason)
-
-
-def _description(folder: Path, restore: bool) -> Dict[str, Any]:
-    try:
-        return survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
-    except SurveyRefusedError:
-        restored = description_from_recording(folder) if restore else None
-        if restored is None:
-            raise
-        return restored
 
 
 def reopened_survey(survey: OpenSurvey, repairs: Tuple[str, ...]) -> ReopenedSurvey:

@@ -11,7 +11,7 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
 from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_files
-from gpr20_vna_processing.mid.reopening import find_survey
+from gpr20_vna_processing.mid.survey_search import find_survey
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 MAX_SURVEYS_PER_PAGE = 50

@@ -12,7 +12,8 @@ from gpr20_vna_processing.mid.ended_survey import find_ended_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
-from gpr20_vna_processing.mid.reopening import Reopening, find_survey, reopened_survey
+from gpr20_vna_processing.mid.reopening import Reopening, reopened_survey
+from gpr20_vna_processing.mid.survey_search import find_survey
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 INTERRUPTED = "interrupted"

@@ -1,0 +1,55 @@
+"""The report of a survey that is open."""
+
+from __future__ import annotations
+
+import pytest
+from reopening_kit import (
+    data,
+    finish,
+    folder,
+    kit,
+)
+from storage_kit import (
+    OTHER_SURVEY,
+    SURVEY,
+    read_json,
+)
+
+from gpr20_vna_processing.errors import SurveyRefusedError
+
+__all__ = ["data", "folder", "kit"]
+
+
+def test_a_report_is_kept_and_survives_everything(kit, folder):
+    reopened = kit.processing.reopen_survey(SURVEY)
+    kit.processing.report(SURVEY, '{"verdict": "old"}')
+    kit.processing.report(SURVEY, '{"verdict": "new", "coverage": "mm-"}')
+    expected = {"verdict": "new", "coverage": "mm-"}
+    assert read_json(folder / "survey.json")["report"] == expected
+    finish(kit, folder, reopened)
+    survey = read_json(folder / "survey.json")
+    assert (survey["report"], survey["outcome"]) == (expected, "finished")
+
+
+@pytest.mark.parametrize(
+    ("survey_id", "text", "reason"),
+    [
+        (SURVEY, "[]", "report_json is a list"),
+        (SURVEY, "{", "report_json is not strict JSON"),
+        (SURVEY, '{"a": NaN}', "NaN"),
+        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', "at most 8388608"),
+        (OTHER_SURVEY, "{}", "is not open"),
+        ("..", "{}", "UUID"),
+    ],
+)
+def test_a_wrong_report_is_refused_and_the_former_kept(kit, folder, survey_id, text, reason):
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.report(SURVEY, '{"verdict": "old"}')
+    with pytest.raises(SurveyRefusedError, match=reason):
+        kit.processing.report(survey_id, text)
+    assert read_json(folder / "survey.json")["report"] == {"verdict": "old"}
+
+
+def test_a_report_without_a_survey_is_refused(kit):
+    with pytest.raises(SurveyRefusedError, match="no survey is open"):
+        kit.processing.report(SURVEY, "{}")
