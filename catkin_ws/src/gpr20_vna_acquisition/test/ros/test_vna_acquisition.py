@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from gpr20_msgs.srv import (
     Connection,
@@ -185,16 +185,31 @@ class VnaAcquisitionTest(unittest.TestCase):
     def test_diagnostics_tell_the_instrument_and_the_last_sweep(self):
         self.set_up_sweep()
         self.assertTrue(self.call("get_data").success)
+        _, values = self.wait_for_report(lambda _, values: values["address"] == "127.0.0.1")
+        self.assertIn("MS2026C", values["identity"])
+        self.assertGreaterEqual(float(values["last sweep [s]"]), POINTS * 350e-6)
+
+    def test_a_link_that_dies_while_nobody_uses_it_is_told_until_it_is_back(self):
+        self.set_up_sweep()
+        self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
+        self.fault("drop")
+        told, values = self.wait_for_report(lambda status, _: status.level > DiagnosticStatus.OK)
+        self.assertIn("127.0.0.1", told.message)
+        self.assertEqual(values["linked"], "False")
+        self.fault("none")
+        self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
+        self.assertTrue(self.call("get_data").success, "the sweep was not set up again")
+
+    def wait_for_report(self, accepted):
+        """Return the first report of the node that is accepted, and its values."""
         deadline_s = time.monotonic() + FIND_LIMIT_S
         while time.monotonic() < deadline_s:
             report = rospy.wait_for_message("/diagnostics", DiagnosticArray, FIND_LIMIT_S)
             for status in report.status:
                 values = {pair.key: pair.value for pair in status.values}
-                if "vna_acquisition" in status.name and values["address"] == "127.0.0.1":
-                    self.assertIn("MS2026C", values["identity"])
-                    self.assertGreaterEqual(float(values["last sweep [s]"]), POINTS * 350e-6)
-                    return
-        self.fail("the diagnostics did not tell of the instrument")
+                if "vna_acquisition" in status.name and accepted(status, values):
+                    return status, values
+        return self.fail("the diagnostics did not tell what they should")
 
 
 if __name__ == "__main__":

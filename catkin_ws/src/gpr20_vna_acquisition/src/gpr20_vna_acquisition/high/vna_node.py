@@ -9,6 +9,7 @@ import rospy
 from gpr20_common.high import diagnostics
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.srv import (
@@ -50,6 +51,7 @@ class VNANode:
             advertise("get_data", GetData, self._get_data),
             advertise("get_calibration_status", GetCalibrationStatus, self._get_calibration),
         ]
+        self._link_check = Periodic(diagnostics.PERIOD_S, driver.check_idle_link)
         self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
         rospy.on_shutdown(driver.shut_down)
 
@@ -113,8 +115,9 @@ class VNANode:
             "last remarks": "; ".join(state.last_quality),
             "last error": state.last_error,
         }
-        if state.last_error:
-            return diagnostics.ERROR, state.last_error, values
+        error = state.link_error or state.last_error
+        if error:
+            return diagnostics.ERROR, error, values
         if not state.address:
             return diagnostics.WARN, "not connected", values
         if state.last_quality:

@@ -15,16 +15,21 @@ class Patience:
         self._clock = clock
         self._closed = threading.Event()
         self._limit_s = 0.0
-        self._deadline_s = 0.0
+        self._begun_s = self._deadline_s = clock.now_s()
 
     def begin(self, limit_s: float) -> None:
         """Begin a request that may take `limit_s` [s]."""
         self._limit_s = limit_s
-        self._deadline_s = self._clock.now_s() + limit_s
+        self._begun_s = self._clock.now_s()
+        self._deadline_s = self._begun_s + limit_s
 
     def close(self) -> None:
         """End the running request at its next step, and every later one at its first."""
         self._closed.set()
+
+    def since_begin_s(self) -> float:
+        """Return how long ago [s] the last request began."""
+        return self._clock.now_s() - self._begun_s
 
     def now_s(self) -> float:
         """Return the time [s] since some fixed moment."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Callable, List, Optional, Tuple, Type, TypeVar
 
 import numpy as np
@@ -28,37 +28,9 @@ from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.trace_quality import TraceQuality, refuse_impossible
 from gpr20_vna_acquisition.mid.transport import Connector
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+from gpr20_vna_acquisition.mid.vna_state import VnaState
 
 Result = TypeVar("Result")
-
-
-@dataclass(frozen=True)
-class VnaState:
-    """What the driver knows, for reports.
-
-    Attributes:
-        address: Where it shall be connected; empty if nowhere.
-        identity: What answered there.
-        linked: Whether a link is open now. After a failure there is none until the next use.
-        sweep: The configured sweep, as the instrument confirmed it.
-        sweeps: How many good sweeps were taken.
-        repeats: How many attempts of any kind had to be repeated.
-        last_sweep_s: How long the last sweep took [s].
-        last_quality: Remarks on the last sweep.
-        last_error: Why the last attempt failed; empty if it did not.
-        calibration: State of the calibration when it was last read; None before.
-    """
-
-    address: str = ""
-    identity: str = ""
-    linked: bool = False
-    sweep: Optional[SweepSettings] = None
-    sweeps: int = 0
-    repeats: int = 0
-    last_sweep_s: float = 0.0
-    last_quality: Tuple[str, ...] = ()
-    last_error: str = ""
-    calibration: Optional[CalibrationStatus] = None
 
 
 class VNADriver:
@@ -197,6 +169,30 @@ class VNADriver:
             settings = self._configured_sweep()
             return replace(sweep, quality=quality, settings=settings, calibration=calibration)
 
+    def check_idle_link(self) -> None:
+        """Ask an instrument that nobody used for a while for its calibration.
+
+        So the reports say soon that a cable was pulled, and that it is back. Never raises and
+        never waits for a running request; does nothing while nothing is connected.
+        """
+        if self._patience.since_begin_s() < self._parameters.link_check_s:
+            return
+        if not self._lock.acquire(blocking=False):
+            return
+        try:
+            if not self._state.address:
+                return
+            self._patience.begin(self._parameters.request_limit_s())
+            calibration = self._linked_instrument().calibration_status()
+            self._state = replace(self._state, calibration=calibration, link_error="")
+        except VnaClosedError:
+            self._drop()
+        except VnaError as error:
+            self._drop()
+            self._state = replace(self._state, link_error=str(error))
+        finally:
+            self._lock.release()
+
     def _fresh_sweep(self, instrument: Ms2026c) -> Tuple[Sweep, CalibrationStatus]:
         sweep = instrument.sweep(self._configured_sweep())
         # Noise makes every sweep differ; the same bits again are an old buffer.
@@ -248,7 +244,7 @@ class VNADriver:
                 if isinstance(error, final):
                     raise
             else:
-                self._state = replace(self._state, last_error="")
+                self._state = replace(self._state, last_error="", link_error="")
                 return result, failures
         text = f"{what} failed {len(failures)} times: {failures[-1]}"
         if isinstance(failures[-1], VnaDataError):

@@ -36,6 +36,7 @@ class VnaParameters:
             times the nominal duration of a sweep [s].
         attempts: How often something is tried before it is given up.
         retry_pause_s: Pause before trying again [s].
+        link_check_s: How long the instrument may be unused until its link is checked [s].
         transfer_format: "REAL,32" or "ASC".
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
@@ -62,6 +63,7 @@ class VnaParameters:
     request_timeout_s: float = 40.0
     attempts: int = 3
     retry_pause_s: float = 0.5
+    link_check_s: float = 5.0
     transfer_format: str = TransferFormat.REAL32.value
     min_frequency_hz: float = InstrumentRange.min_frequency_hz
     max_frequency_hz: float = InstrumentRange.max_frequency_hz
@@ -75,6 +77,7 @@ class VnaParameters:
             positive_number(name, getattr(self, name), "s")
         positive_number("sweep_timeout_s", self.sweep_timeout_s, "s")
         positive_number("request_timeout_s", self.request_timeout_s, "s")
+        positive_number("link_check_s", self.link_check_s, "s")
         positive_number("min_frequency_hz", self.min_frequency_hz, "Hz")
         number_between("max_frequency_hz", self.max_frequency_hz, self.min_frequency_hz, 1e12, "Hz")
         number_between("seconds_per_point", self.seconds_per_point, 0.0, 10.0, "s")

@@ -1,0 +1,101 @@
+"""An instrument that nobody uses is looked after: a pulled cable is told, and that it is back."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from driver_bench import ADDRESS, SWEEP, Bench
+
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaSweepError
+from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
+
+CHECK_S = 5.0
+
+
+@pytest.fixture
+def bench() -> Bench:
+    bench = Bench(link_check_s=CHECK_S).configured()
+    bench.vna.sent.clear()
+    return bench
+
+
+def cable_is_pulled(message: str) -> None:
+    raise VnaConnectionError("no answer")
+
+
+def check_after(bench: Bench, idle_s: float) -> None:
+    bench.clock.pass_s(idle_s)
+    bench.driver.check_idle_link()
+
+
+def test_an_instrument_in_use_is_not_disturbed(bench):
+    bench.driver.sweep()
+    bench.vna.sent.clear()
+    check_after(bench, CHECK_S - 1.0)
+    assert bench.vna.sent == []
+
+
+def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
+    bench.vna.calibration = "4"
+    check_after(bench, CHECK_S)
+    bench.driver.check_idle_link()
+    assert bench.vna.sent == [":SENS:CORR:COLL:STAT:ACC?"]
+    assert bench.driver.state.calibration is CalibrationStatus.LOW
+
+
+def test_a_pulled_cable_is_told_until_it_is_back_and_the_sweep_is_set_up_again(bench):
+    bench.vna.before = cable_is_pulled
+    check_after(bench, CHECK_S)
+    assert bench.driver.state.link_error == "no answer"
+    assert not bench.driver.state.linked and bench.vna.open_links == 0
+    check_after(bench, CHECK_S)
+    assert bench.driver.state.link_error == "no answer"
+    bench.vna.before = lambda message: None
+    bench.vna.settings[":SENS:SWE:POIN"] = "201"  # it was switched off and on
+    check_after(bench, CHECK_S)
+    assert bench.driver.state.link_error == "" and bench.driver.state.linked
+    assert bench.vna.settings[":SENS:SWE:POIN"] == str(SWEEP.points)
+    assert bench.driver.sweep().settings == SWEEP
+
+
+def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
+    bench.vna.before = cable_is_pulled
+    check_after(bench, CHECK_S)
+    bench.vna.before = lambda message: None
+    bench.driver.sweep()
+    assert bench.driver.state.link_error == ""
+
+
+def test_the_check_leaves_the_error_of_the_last_request(bench):
+    bench.vna.spoil = lambda answer: b"#9"
+    with pytest.raises(VnaSweepError):
+        bench.driver.sweep()
+    told = bench.driver.state.last_error
+    check_after(bench, CHECK_S)
+    assert told and bench.driver.state.last_error == told
+
+
+@pytest.mark.parametrize("end", ["disconnect", "shut_down"])
+def test_nothing_is_connected_again_after_the_end(bench, end):
+    getattr(bench.driver, end)()
+    check_after(bench, CHECK_S)
+    assert bench.vna.sent == [] and bench.vna.open_links == 0
+    assert bench.driver.state.link_error == "" and not bench.driver.state.linked
+
+
+def test_the_check_does_not_wait_for_a_request_that_runs(bench):
+    checked = threading.Event()
+
+    def check_meanwhile(message: str) -> None:
+        if message == "*IDN?":
+            bench.clock.pass_s(CHECK_S)
+            thread = threading.Thread(target=bench.driver.check_idle_link)
+            thread.start()
+            thread.join(10.0)
+            if not thread.is_alive():
+                checked.set()
+
+    bench.vna.before = check_meanwhile
+    bench.driver.connect(ADDRESS)
+    assert checked.is_set()
