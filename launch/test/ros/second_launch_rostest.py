@@ -72,9 +72,11 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertFalse([text for text in texts if "does not answer" in text])
 
     def test_2_an_unknown_robot_is_told_with_those_that_are_known(self):
-        status, said = run(["roslaunch", "--nodes", "gpr20", "survey.launch", "robot:=foo"])
-        self.assertNotEqual(status, 0)
-        self.assertIn("unknown robot:=foo (write robot:=simulated or robot:=gpr20)", said)
+        for name in ("survey.launch", "robot.launch", "server.launch"):
+            with self.subTest(name):
+                status, said = run(["roslaunch", "--nodes", "gpr20", name, "robot:=foo"])
+                self.assertNotEqual(status, 0)
+                self.assertIn("unknown robot:=foo (write robot:=simulated or robot:=gpr20)", said)
 
 
 if __name__ == "__main__":

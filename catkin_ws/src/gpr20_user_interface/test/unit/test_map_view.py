@@ -108,6 +108,14 @@ def test_a_touch_shows_the_trace_of_the_stop(shown):
     assert not len(shown.view.trace_plot.points[0])
 
 
+def test_a_plot_without_a_trace_has_no_numbers_on_its_axes(shown):
+    assert not shown.view.trace_plot.has_numbers
+    shown.touch(Stop(0, 0))
+    assert shown.view.trace_plot.has_numbers
+    shown.touch(Stop(1, 4))
+    assert not shown.view.trace_plot.has_numbers
+
+
 def test_a_failed_stop_says_why(shown):
     shown.touch(Stop(1, 4))
     assert "ADC: no answer" in shown.view.stop_text.text()

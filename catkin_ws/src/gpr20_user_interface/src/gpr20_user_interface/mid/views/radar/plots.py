@@ -33,6 +33,7 @@ class FixedPlot(pyqtgraph.PlotWidget):
         super().__init__(parent, background="w")
         self._title = ""
         self._labels = ("", "")
+        self._has_numbers = True
         self.setMouseEnabled(False, False)
         self.setMenuEnabled(False)
         self.hideButtons()
@@ -48,6 +49,7 @@ class FixedPlot(pyqtgraph.PlotWidget):
         self.setMinimumSize(120, 120)
         self._surface = pyqtgraph.InfiniteLine(0.0, angle=0, pen=SURFACE_LINE)
         self.addItem(self._surface, ignoreBounds=True)
+        self.show_numbers(False)
 
     @property
     def title_text(self) -> str:
@@ -68,6 +70,18 @@ class FixedPlot(pyqtgraph.PlotWidget):
         self._labels = (bottom, left)
         for name, text in (("bottom", bottom), ("left", left)):
             self.setLabel(name, text, **{"font-size": f"{TICK_FONT_PX}px", "color": INK})
+
+    @property
+    def has_numbers(self) -> bool:
+        """Whether the axes say where something lies."""
+        return self._has_numbers
+
+    def show_numbers(self, shown: bool) -> None:
+        """Write numbers on the axes; those of a plot without data would be made up."""
+        if shown != self._has_numbers:
+            self._has_numbers = shown
+            for name in ("left", "bottom"):
+                self.getAxis(name).setStyle(showValues=shown)
 
     def show_axis(self, axis: Axis) -> None:
         """Let the second axis be delay, depth or Y; depth has a line at the surface."""
@@ -95,7 +109,9 @@ class CurvePlot(FixedPlot):
         """Draw a trace; None: nothing."""
         if curve is None or not np.isfinite(curve.levels).any():
             self._curve.setData([], [])
+            self.show_numbers(False)
             return
+        self.show_numbers(True)
         self.show_axis(curve.axis)
         known = np.isfinite(curve.levels)
         self._curve.setData(curve.levels[known], curve.places[known])
@@ -130,7 +146,9 @@ class PicturePlot(FixedPlot):
         """Draw a picture; None: nothing."""
         if picture is None or not picture.measured:
             self._image.clear()
+            self.show_numbers(False)
             return
+        self.show_numbers(True)
         self.show_axis(picture.axis)
         self._range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
         numbers = colour_numbers(picture.levels, self._range)
