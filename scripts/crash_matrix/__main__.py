@@ -15,6 +15,7 @@ import collections
 import itertools
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -149,6 +150,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=20, help="of the random instants")
     arguments = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="gpr20_crash_matrix_"))
+    # The robot must not outlive the script, whoever ends it.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     robot = Robot(folder, TIME_SCALE)
     matrix = Matrix(robot, random.Random(arguments.seed))
     result, begin_s = matrix.result, time.monotonic()
