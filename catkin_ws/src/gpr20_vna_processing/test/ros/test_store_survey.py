@@ -34,10 +34,12 @@ PACKAGE = "gpr20_vna_processing"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
 TIME_LIMIT_S = 60.0
 TRACES = 6
+# One moment for all: a trace that is sent again must be the very same.
+MEASURED_S = math.floor(time.time()) - 1
 
 
 def make_trace(survey_id: str, index: int, changes=MappingProxyType({})) -> Trace:
-    now = rospy.Time.from_sec(math.floor(time.time()) - 1)
+    now = rospy.Time(MEASURED_S)
     later = rospy.Time(now.secs, 123_456_789)  # nanoseconds are cut off everywhere
     trace = Trace(
         format="gpr20-trace/1",
@@ -240,6 +242,11 @@ class StoreSurveyTest(unittest.TestCase):
             opened = self.open()
             axis.publish(CurrentCoordinate(coordinate=float(number)))
             self.store(0)
+            # It comes on its own connection, maybe after the answer to what was asked later.
+            self.wait_until(
+                lambda path=opened.path: self.on_disk(path, "/robot1/y_axis/current_coord"),
+                "the first message of a publisher was not recorded",
+            )
             self.assertTrue(self.close().success)
             axis.unregister()
             with rosbag.Bag(f"{opened.path}/survey.bag") as bag:
