@@ -48,9 +48,12 @@ class ReplayTest(unittest.TestCase):
             self.metadata.append(message.data)
             self.changed.notify_all()
 
-    def replay(self, survey: Path, *options: str) -> None:
+    def run_node(self, survey: Path, *options: str) -> subprocess.CompletedProcess:
         command = [sys.executable, str(NODE), str(survey), *options]
-        done = subprocess.run(command, timeout=TIME_LIMIT_S, capture_output=True, text=True)
+        return subprocess.run(command, timeout=TIME_LIMIT_S, capture_output=True, text=True)
+
+    def replay(self, survey: Path, *options: str) -> None:
+        done = self.run_node(survey, *options)
         self.assertEqual(done.returncode, 0, done.stderr)
         with self.changed:
             found = self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
@@ -79,6 +82,18 @@ class ReplayTest(unittest.TestCase):
         took_s = time.monotonic() - begun_s
         self.assert_same()
         self.assertGreaterEqual(took_s, (len(POINTS) - 1) / 4)
+
+    def test_beside_a_robot_it_is_refused_and_no_trace_is_published(self) -> None:
+        robot = rospy.Publisher("/trace", Trace, queue_size=1)
+        try:
+            for survey in (self.folder, self.folder / "traces"):
+                done = self.run_node(survey, "--rate", "100")
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn(f"/trace is published by {rospy.get_name()}", done.stderr)
+                self.assertIn("a master of its own", done.stderr)
+        finally:
+            robot.unregister()
+        self.assertEqual(self.traces, [])
 
     def test_the_launch_file_replays_a_folder(self) -> None:
         command = ["roslaunch", "gpr20", "replay.launch", f"survey:={self.folder}", "rate:=100"]

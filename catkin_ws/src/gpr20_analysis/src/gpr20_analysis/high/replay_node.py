@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import threading
-from typing import Dict, Iterable, Type
+from typing import Dict, Iterable, List, Type
 
+import rosgraph
 import rospy
 
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid.replay import Content
 from gpr20_msgs.msg import Trace
 from gpr20_vna_processing.high.messages import TRACE_TOPIC, trace_message
@@ -14,6 +16,8 @@ from gpr20_vna_processing.low.recording import RecordedMessage
 
 QUEUE_LENGTH = 1000
 POLL_S = 0.05
+# Every node speaks there, a window that shows the replay as well.
+SHARED_TOPICS = ("/diagnostics",)
 
 
 class ReplayNode:
@@ -35,7 +39,12 @@ class ReplayNode:
         rospy.on_shutdown(stopped.set)
 
     def run(self, contents: Iterable[Content]) -> None:
-        """Publish everything, as it comes."""
+        """Publish everything, as it comes.
+
+        Raises:
+            AnalysisError: Another node publishes one of the topics: a robot, which would be taken
+                to be where it was in the recording.
+        """
         for content in contents:
             if isinstance(content, RecordedMessage):
                 self._publish_recorded(content)
@@ -58,6 +67,7 @@ class ReplayNode:
                 kind, latch = _message_class(message), message.latching
             else:
                 kind, latch = Trace, False
+            _refuse_beside_others(topic)
             publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=QUEUE_LENGTH)
             self._publishers[topic] = publisher
             if topic.rsplit("/", 1)[-1] == TRACE_TOPIC:
@@ -70,6 +80,19 @@ class ReplayNode:
         for _ in range(polls):
             if publisher.get_num_connections() or self._stopped.wait(POLL_S):
                 return
+
+
+def _refuse_beside_others(topic: str) -> None:
+    published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
+    publishers: List[str] = dict(published).get(topic, [])
+    others = [name for name in publishers if name != rospy.get_name()]
+    if others and topic not in SHARED_TOPICS:
+        raise AnalysisError(
+            f"{topic} is published by {', '.join(others)}: a robot or another replay runs on "
+            f"{rosgraph.get_master_uri()}, and its coordinates and states would be mixed with those "
+            "of the recording; end it, or replay on a master of its own "
+            "(ROS_MASTER_URI=http://localhost:11411 roslaunch gpr20 replay.launch survey:=...)"
+        )
 
 
 def _message_class(message: RecordedMessage) -> Type:
