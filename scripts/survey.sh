@@ -11,7 +11,8 @@ gpr20_use_workspace
 
 data="${GPR20_DATA:-$HOME/gpr20_data}"
 time_scale="${GPR20_TIME_SCALE:-50}"
-log="$(mktemp -d)/roslaunch.log"
+logs="$(mktemp -d)"
+log="$logs/roslaunch.log"
 # A master of its own, so that this never meets a robot that is already running here.
 port="$(gpr20_free_port)"
 export ROS_MASTER_URI="http://127.0.0.1:$port"
@@ -38,6 +39,7 @@ if [ "$status" -ne 0 ]; then
     echo "the survey did not finish (status $status); the whole log of the nodes is $log" >&2
     exit "$status"
 fi
+rm -r "$logs"
 
 cat <<END
 
@@ -45,8 +47,13 @@ The survey is in $survey
   traces, one JSON file each:  $survey/traces/  ($(find "$survey/traces" -name '*.json' | wc -l) files)
   ROS bag:                     $survey/survey.bag
   MCAP:                        $survey/survey.mcap
-Replay it:
+Replay it, on a ROS master of its own, away from any robot:
   source $GPR20_WORKSPACE/devel/setup.bash
-  roscore &
+  export ROS_MASTER_URI=http://localhost:11411
+  roslaunch gpr20 replay.launch survey:=$survey
+or there with ROS's own player:
+  roscore -p 11411 &
   rosbag play $survey/survey.bag
+Check it:
+  $GPR20_ROOT/scripts/verify.sh $survey
 END

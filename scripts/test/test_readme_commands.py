@@ -11,7 +11,7 @@ import subprocess
 import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
-from user_shell import LIMIT_S, ROOT, user_environment, wait_until
+from user_shell import LIMIT_S, ROOT, free_port, user_environment, wait_until
 
 
 def fenced_lines(text):
@@ -35,6 +35,7 @@ def test_the_readme_begins_with_the_two_commands():
 @pytest.fixture(scope="module")
 def clean_survey(tmp_path_factory):
     """A survey made by the first command in a clean clone: (what was printed, its folder)."""
+    temporary = tmp_path_factory.mktemp("temporary")
     clone = tmp_path_factory.mktemp("clone") / "gpr20"
     data = tmp_path_factory.mktemp("data")
     subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
@@ -42,13 +43,14 @@ def clean_survey(tmp_path_factory):
     ended = subprocess.run(
         [command],
         cwd=clone,
-        env=user_environment(data),
+        env=user_environment(data, TMPDIR=str(temporary)),
         capture_output=True,
         text=True,
         timeout=LIMIT_S,
         check=False,
     )
     assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert not list(temporary.iterdir())
     (folder,) = data.iterdir()
     return ended.stdout, folder
 
@@ -72,6 +74,32 @@ def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
         reader = make_reader(file, validate_crcs=True)
         assert reader.get_header().profile == "ros1"
         assert sum(1 for _ in reader.iter_messages(topics=["/trace"])) == 18
+
+
+def printed_lines(printed, begin, end):
+    """Return the indented lines between two headings."""
+    return [line.strip() for line in printed.split(begin)[1].split(end)[0].splitlines()[1:]]
+
+
+def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, tmp_path):
+    printed, folder = clean_survey
+    # Somebody else may replay on this computer.
+    lines = printed_lines(printed.replace("11411", str(free_port())), "Replay it", "or there")
+    for commands, said in (
+        (lines, "18 traces in"),
+        (printed_lines(printed, "Check it", "\0"), "complete and intact: all 18 planned traces"),
+    ):
+        ended = subprocess.run(
+            ["bash", "-c", "\n".join(commands)],
+            cwd=tmp_path,
+            env=user_environment(tmp_path),
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+        )
+        assert said in ended.stdout, ended.stdout + ended.stderr
+        assert ended.returncode == 0, ended.stderr
 
 
 def test_nothing_keeps_running_after_it(clean_survey):

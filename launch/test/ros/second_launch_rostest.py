@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The robot launched a second time on one master, or by a name that is none."""
+"""What else may be started beside a robot: the robot once more, one of no known name, a recording."""
 
 import os
 import shutil
@@ -11,9 +11,9 @@ import rospy
 import rostest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from survey_client import SurveyClient, node_pid
+from survey_client import SurveyClient, json_traces, node_pid, wait_until_connected
 
-from gpr20_msgs.msg import ControlStatus
+from gpr20_msgs.msg import ControlStatus, CurrentCoordinate
 
 LIMIT_S = 60.0
 NODES = (
@@ -43,6 +43,8 @@ def run(command):
 
 
 class SecondLaunchTest(unittest.TestCase):
+    """The tests run in the order of their names; the robot keeps its state between them."""
+
     @classmethod
     def setUpClass(cls):
         rospy.init_node("second_launch_rostest")
@@ -77,6 +79,19 @@ class SecondLaunchTest(unittest.TestCase):
                 status, said = run(["roslaunch", "--nodes", "gpr20", name, "robot:=foo"])
                 self.assertNotEqual(status, 0)
                 self.assertIn("unknown robot:=foo (write robot:=simulated or robot:=gpr20)", said)
+
+    def test_3_coordinates_that_are_played_beside_the_robot_are_not_taken_for_its_own(self):
+        played = rospy.Publisher("/x_axis/current_coord", CurrentCoordinate, queue_size=10)
+        elsewhere = CurrentCoordinate(coordinate=20.0, homed=True, moving=False)
+        timer = rospy.Timer(rospy.Duration(0.005), lambda _event: played.publish(elsewhere))
+        try:
+            wait_until_connected([played])
+            survey_id, status = self.client.run_to_end()
+        finally:
+            timer.shutdown()
+            played.unregister()
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.assertEqual(len(json_traces(self.client.folder(survey_id))), 18)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from typing import Optional
+from typing import Optional, Set
 
 import actionlib
 import rospy
@@ -18,6 +18,8 @@ from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 
 SERVER_LIMIT_S = 2.0
 STOP_LIMIT_S = 1.0
+# The node of an axis, in the axis's namespace.
+DRIVER = "axis_driver"
 
 
 class AxisLink:
@@ -32,6 +34,8 @@ class AxisLink:
         """
         self._group = group
         self._clock = clock
+        self._driver = rospy.resolve_name(f"{group}/{DRIVER}")
+        self._strangers: Set[str] = set()
         self._lock = threading.Lock()
         self._last: Optional[CurrentCoordinate] = None
         self._heard_s = 0.0
@@ -108,9 +112,27 @@ class AxisLink:
             rospy.logerr("%s could not be told to stop: %s", self._group, error)
 
     def _hear(self, message: CurrentCoordinate) -> None:
+        # A recording that is played beside the robot tells where another robot stood: a trace
+        # could be taken for one from there.
+        speaker = message._connection_header["callerid"]
+        if speaker != self._driver:
+            self._ignore(speaker)
+            return
         with self._lock:
             self._last = message
             self._heard_s = self._clock.now_s()
+
+    def _ignore(self, speaker: str) -> None:
+        if speaker in self._strangers:
+            return
+        self._strangers.add(speaker)
+        rospy.logerr(
+            "%s publishes coordinates of %s beside %s; they are ignored: end it, a recording "
+            "must be played on a master of its own",
+            speaker,
+            self._group,
+            self._driver,
+        )
 
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
