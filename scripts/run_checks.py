@@ -249,6 +249,15 @@ def show(text: str) -> None:
     print(text, flush=True)
 
 
+def pass_on_ctrl_c() -> None:
+    """Let the checks hear Ctrl-C: what a script begins with `&` or nohup is born deaf to it.
+
+    Checks press Ctrl-C in what they started, which would inherit the deafness.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def main(parts: Sequence[str]) -> int:
     """Run the checks of these parts; return the exit status."""
     with tempfile.TemporaryDirectory(prefix="gpr20_checks_") as scratch:
@@ -258,6 +267,7 @@ def main(parts: Sequence[str]) -> int:
             print(f"run_checks: {error}", file=sys.stderr)
             return 2
         signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
+        pass_on_ctrl_c()
         return 1 if Runner(show).run(checks, os.cpu_count() or 1) else 0
 
 

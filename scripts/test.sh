@@ -21,7 +21,7 @@ install_python38_packages() {
     local venv="$GPR20_ROOT/.venv38" python
     python="$(python38)"
     if [ -z "$python" ]; then
-        echo "no Python 3.8 here: the unit tests run under $(/usr/bin/python3 --version) alone"
+        echo "no Python 3.8 here: the unit tests run under Debian's Python alone"
         return
     fi
     cat requirements*.txt | cmp -s - "$venv/installed-requirements" && return

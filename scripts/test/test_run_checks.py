@@ -100,3 +100,17 @@ def test_nothing_goes_on_when_it_is_ended(tmp_path):
     assert runner.wait(60.0) == 1
     with pytest.raises(ProcessLookupError):
         os.kill(int(pid.read_text()), 0)
+
+
+def test_checks_hear_ctrl_c_though_a_script_began_them_in_the_background():
+    source = (
+        "import run_checks as r\n"
+        "r.pass_on_ctrl_c()\n"
+        "r.Runner(print).run([r.Check('deaf', ['bash', '-c', 'kill -INT $$; echo deaf'])], 1)\n"
+    )
+    line = f"'{sys.executable}' -c \"$0\" & wait $!"
+    ended = subprocess.run(
+        ["bash", "-c", line, source], cwd=SCRIPT.parent, capture_output=True, text=True, timeout=60.0
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "1 failed" in ended.stdout, ended.stdout
