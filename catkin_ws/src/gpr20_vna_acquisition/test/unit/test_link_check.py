@@ -7,7 +7,7 @@ import threading
 import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
 
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaSweepError
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNotReadyError, VnaSweepError
 from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
 
 CHECK_S = 5.0
@@ -59,6 +59,31 @@ def test_a_pulled_cable_is_told_until_it_is_back_and_the_sweep_is_set_up_again(b
     assert bench.driver.sweep().settings == SWEEP
 
 
+def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(bench):
+    bench.vna.before = cable_is_pulled
+    with pytest.raises(VnaConnectionError):
+        bench.driver.connect(ADDRESS)
+    check_after(bench, CHECK_S)
+    assert bench.driver.state.trouble == "no answer" and bench.vna.open_links == 0
+    bench.vna.before = lambda message: None
+    check_after(bench, CHECK_S)
+    assert bench.driver.state.trouble == "" and bench.driver.state.linked
+    assert bench.driver.state.address == ADDRESS
+    assert bench.driver.state.calibration is CalibrationStatus.HIGH
+    # Only the survey knows what to sweep.
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.sweep()
+
+
+def test_what_was_wrong_is_told_until_connecting_anew_has_ended(bench):
+    bench.vna.before = cable_is_pulled
+    check_after(bench, CHECK_S)
+    told = []
+    bench.vna.before = lambda message: told.append(bench.driver.state.trouble)
+    bench.driver.connect(ADDRESS)
+    assert set(told) == {"no answer"} and bench.driver.state.trouble == ""
+
+
 def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
@@ -74,6 +99,18 @@ def test_the_check_leaves_the_error_of_the_last_request(bench):
     told = bench.driver.state.last_error
     check_after(bench, CHECK_S)
     assert told and bench.driver.state.last_error == told
+
+
+@pytest.mark.parametrize("end", ["disconnect", "shut_down"])
+def test_an_address_where_connecting_failed_is_left_alone_after_the_end(bench, end):
+    bench.vna.before = cable_is_pulled
+    with pytest.raises(VnaConnectionError):
+        bench.driver.connect(ADDRESS)
+    getattr(bench.driver, end)()
+    bench.vna.before = lambda message: None
+    links = bench.vna.links
+    check_after(bench, CHECK_S)
+    assert bench.vna.links == links and bench.driver.state.trouble == ""
 
 
 @pytest.mark.parametrize("end", ["disconnect", "shut_down"])

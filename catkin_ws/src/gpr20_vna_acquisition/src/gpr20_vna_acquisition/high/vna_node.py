@@ -115,9 +115,8 @@ class VNANode:
             "last remarks": "; ".join(state.last_quality),
             "last error": state.last_error,
         }
-        error = state.link_error or state.last_error
-        if error:
-            return diagnostics.ERROR, error, values
+        if state.trouble:
+            return diagnostics.ERROR, state.trouble, values
         if not state.address:
             return diagnostics.WARN, "not connected", values
         if state.last_quality:

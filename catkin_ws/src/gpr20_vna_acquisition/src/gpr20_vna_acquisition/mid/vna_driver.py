@@ -83,16 +83,12 @@ class VNADriver:
         """
         ipv4_address("VNA address", address)
         with self._lock:
+            trouble = self._state.trouble
             self.disconnect()
+            # What was wrong stands in the reports until it is known better.
+            self._state = VnaState(last_error=trouble)
             self._patience.begin(self._parameters.request_limit_s())
-            try:
-                self._instrument, identity = self._open(address)
-            except VnaError as error:
-                # Whoever looks at the reports must see more than that nothing is connected.
-                self._state = VnaState(last_error=str(error))
-                raise
-            self._state = VnaState(address, identity, linked=True)
-            return identity
+            return self._connect_anew(address)
 
     def disconnect(self) -> None:
         """Close the link and forget the address; does nothing without one."""
@@ -172,17 +168,20 @@ class VNADriver:
     def check_idle_link(self) -> None:
         """Ask an instrument that nobody used for a while for its calibration.
 
-        So the reports say soon that a cable was pulled, and that it is back. Never raises and
-        never waits for a running request; does nothing while nothing is connected.
+        So the reports say soon that a cable was pulled, and that it is back; also where the last
+        `connect` failed. Never raises and never waits for a running request; does nothing while
+        nobody wants a connection.
         """
         if self._patience.since_begin_s() < self._parameters.link_check_s:
             return
         if not self._lock.acquire(blocking=False):
             return
         try:
-            if not self._state.address:
+            if not (self._state.address or self._state.wanted):
                 return
             self._patience.begin(self._parameters.request_limit_s())
+            if self._state.wanted:
+                self._connect_anew(self._state.wanted)
             calibration = self._linked_instrument().calibration_status()
             self._state = replace(self._state, calibration=calibration, link_error="")
         except VnaClosedError:
@@ -283,6 +282,16 @@ class VNADriver:
             instrument.close()
             raise
         return instrument
+
+    def _connect_anew(self, address: str) -> str:
+        try:
+            self._instrument, identity = self._open(address)
+        except VnaError as error:
+            # Whoever looks at the reports must see more than that nothing is connected.
+            self._state = VnaState(wanted=address, last_error=str(error))
+            raise
+        self._state = VnaState(address, identity, linked=True)
+        return identity
 
     def _open(self, address: str) -> Tuple[Ms2026c, str]:
         self._patience.check()

@@ -25,6 +25,7 @@ class VnaState:
         last_error: Why the last attempt failed; empty if it did not.
         link_error: Why the link did not stand when it was last checked; empty if it did.
         calibration: State of the calibration when it was last read; None before.
+        wanted: Where the last connection failed and is tried again; empty if it did not fail.
     """
 
     address: str = ""
@@ -38,3 +39,9 @@ class VnaState:
     last_error: str = ""
     link_error: str = ""
     calibration: Optional[CalibrationStatus] = None
+    wanted: str = ""
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong now; empty if nothing is."""
+        return self.link_error or self.last_error
