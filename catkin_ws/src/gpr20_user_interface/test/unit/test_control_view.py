@@ -68,6 +68,8 @@ def test_arrows_end_where_the_axis_ends(window):
         ("y_stop_mm", "800.1", "from 0 to 800"),
         ("x_points", "2", "3 or more"),
         ("y_points", "x", "3 or more"),
+        ("x_stop_mm", "49,5", "a number such as 12.5, from 0 to 650"),
+        ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
         ("x_points", "90000", "at least 0.01 mm apart"),
         ("polarizations_deg", "0, 91", "from -90 to 90"),
     ],
@@ -123,6 +125,14 @@ def test_parameters_of_a_survey_that_was_started_elsewhere_are_shown(window):
     assert window.control.parameters == theirs
 
 
+def test_keys_that_are_open_when_a_survey_begins_elsewhere_change_nothing(window):
+    window.refresh(snapshot(SurveyState.IDLE))
+    click(window.control.form.edit("x_start_mm"))
+    window.refresh(snapshot(SurveyState.SURVEYING, survey_parameters=default_parameters()))
+    assert not window.number_pad.isVisible()
+    assert window.control.parameters == default_parameters()
+
+
 def test_pause_becomes_resume(window):
     heard = wishes(window)
     window.refresh(snapshot(SurveyState.SURVEYING))
@@ -154,10 +164,13 @@ def test_number_pad_writes_a_field_and_judges_while_it_does(window):
     click(pad.erase)
     pad.press("5")
     assert (pad.edit.text(), pad.edit.property("wrong")) == ("705", True)
+    pad.press(",")
+    assert pad.hint.text() == "a number such as 12.5, from 0 to 650"
     click(pad.clear)
     for character in "600.5":
         pad.press(character)
     assert pad.edit.property("wrong") is False
+    assert pad.hint.text() == "from 0 to 650"
     click(pad.accept_button)
     assert not pad.isVisible()
     assert text(window, "x_stop_mm") == "600.5"

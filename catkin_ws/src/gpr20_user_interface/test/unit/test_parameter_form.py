@@ -122,6 +122,8 @@ def test_texts_of_parameters_are_read_back_as_the_same_parameters():
         ("700", 10, "650"),
         ("", 1, "0"),
         ("nan", 1, "0"),
+        ("-inf", 1, "0"),
+        ("-1e999999999", 1, "0"),
         ("100", 100, "200"),
     ],
 )

@@ -106,3 +106,10 @@ def test_files_with_other_names_are_not_listed(profiles, folder):
     (folder / "a.b.yaml").write_text("")
     (folder / "a.txt").write_text("")
     assert profiles.names() == []
+
+
+def test_what_is_no_file_is_not_listed(profiles, folder):
+    folder.mkdir()
+    (folder / "a.yaml").mkdir()
+    os.mkfifo(str(folder / "b.yaml"))
+    assert profiles.names() == []

@@ -48,6 +48,16 @@ def test_a_taken_or_forbidden_name_cannot_be_accepted(window, presenter):
     assert window.name_pad.accept_button.isEnabled()
 
 
+@pytest.mark.parametrize("name", ["a ", "-a", "a" * 33])
+def test_a_name_that_is_refused_says_what_is_allowed(window, presenter, name):
+    click(window.control.profiles)
+    click(window.profiles.save)
+    window.name_pad.edit.setText(name)
+    assert not window.name_pad.accept_button.isEnabled()
+    hint = window.name_pad.hint.text()
+    assert all(words in hint for words in ("at most 32", "first a letter", "no blank last"))
+
+
 def test_deleting_takes_two_touches(window, presenter):
     save(window, "a")
     window.profiles.names.setCurrentRow(0)
@@ -77,3 +87,14 @@ def test_damaged_profile_opens_a_dialog(window, presenter, tmp_path):
 def test_profiles_are_locked_while_a_survey_runs(window, presenter):
     window.refresh(snapshot(SurveyState.SURVEYING))
     assert not window.control.profiles.isEnabled()
+
+
+@pytest.mark.parametrize("asks_name", [False, True])
+def test_profiles_that_are_open_when_a_survey_begins_elsewhere_are_closed(
+    window, presenter, asks_name
+):
+    click(window.control.profiles)
+    if asks_name:
+        click(window.profiles.save)
+    window.refresh(snapshot(SurveyState.CHECKING))
+    assert not window.profiles.isVisible() and not window.name_pad.isVisible()

@@ -30,7 +30,9 @@ class ProfileFolder:
             ProfileError: The folder cannot be read.
         """
         try:
-            return sorted(path.stem for path in self._folder.glob(f"*{SUFFIX}"))
+            found = self._folder.glob(f"*{SUFFIX}")
+            # The window would wait for a pipe for ever.
+            return sorted(path.stem for path in found if path.is_file())
         except OSError as error:
             raise ProfileError(
                 f"the profiles in {self._folder} cannot be listed: {error}"

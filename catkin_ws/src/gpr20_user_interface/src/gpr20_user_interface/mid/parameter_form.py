@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Tuple
 
 from gpr20_main_control.mid.survey_parameters import (
@@ -178,16 +178,14 @@ def limits(name: str, travel: RobotTravel) -> Tuple[float, float]:
 def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
     """Return the text of a number after an arrow: changed, but never led out of its bounds.
 
-    A text that is no number is replaced by the lower bound.
+    A text that is no finite number is replaced by the lower bound.
     """
     lower, upper = (Decimal(repr(bound)) for bound in bounds)
     try:
-        value = Decimal(text.strip())
-    except InvalidOperation:
-        value = Decimal("NaN")
-    if not value.is_finite():
+        changed = Decimal(text.strip()) + change
+    except ArithmeticError:  # no number, or one beyond all numbers
         return _plain(lower)
-    return _plain(min(max(value + change, lower), upper))
+    return _plain(min(max(changed, lower), upper) if changed.is_finite() else lower)
 
 
 def _plain(value: Decimal) -> str:

@@ -32,13 +32,18 @@ class ProfileStore(Protocol):
         """Forget a profile."""
 
 
+def is_name(name: str) -> bool:
+    """Return whether a text may become the name of a profile and of its file."""
+    return NAME.fullmatch(name) is not None and name == name.strip()
+
+
 def check_name(name: str) -> str:
     """Return a name that may become that of a file.
 
     Raises:
         ProfileError: It may not.
     """
-    if not NAME.fullmatch(name) or name != name.strip():
+    if not is_name(name):
         raise ProfileError(
             f"{name[:64]!r} cannot be the name of a profile; allowed are 1 to {MAX_NAME_LENGTH} "
             "letters, digits, blanks, - and _, with a letter or digit first and no blank last"
@@ -58,7 +63,7 @@ class Profiles:
         Raises:
             ProfileError: They cannot be listed.
         """
-        return [name for name in self._store.names() if NAME.fullmatch(name)]
+        return [name for name in self._store.names() if is_name(name)]
 
     def load(self, name: str) -> SurveyParameters:
         """Return the parameters of a profile; whether this robot allows them is not checked.

@@ -7,7 +7,7 @@ from typing import Callable
 from PyQt5.QtCore import QObject
 
 from gpr20_user_interface.errors import ProfileError
-from gpr20_user_interface.mid.profiles import Profiles, check_name
+from gpr20_user_interface.mid.profiles import Profiles, is_name
 from gpr20_user_interface.mid.views.main_window import MainWindow
 
 
@@ -37,14 +37,10 @@ class ProfilesPresenter(QObject):
     def _ask_name(self) -> None:
         taken = self._profiles.names()
 
-        def judge(name: str) -> str:
-            try:
-                check_name(name)
-            except ProfileError as error:
-                return str(error)
-            return "taken" if name in taken else ""
+        def is_allowed(name: str) -> bool:
+            return is_name(name) and name not in taken
 
-        self._window.ask_profile_name(lambda name: self._try(lambda: self._save(name)), judge)
+        self._window.ask_profile_name(lambda name: self._try(lambda: self._save(name)), is_allowed)
 
     def _save(self, name: str) -> None:
         parameters = self._window.control.parameters

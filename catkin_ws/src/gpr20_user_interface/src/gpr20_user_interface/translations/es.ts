@@ -91,6 +91,10 @@
     <translation>cuatro números enteros de 0 a 255</translation>
   </message>
   <message>
+    <source>a number such as 12.5, {allowed}</source>
+    <translation>un número como 12.5, {allowed}</translation>
+  </message>
+  <message>
     <source>from {lower} to {upper}</source>
     <translation>de {lower} a {upper}</translation>
   </message>
@@ -204,8 +208,8 @@
     <translation>Guardar el perfil como</translation>
   </message>
   <message>
-    <source>a new name: letters, digits, blanks, - and _</source>
-    <translation>un nombre nuevo: letras, cifras, espacios, - y _</translation>
+    <source>a new name of at most {most} letters a to z, digits, blanks, - and _; first a letter or digit, no blank last</source>
+    <translation>un nombre nuevo de {most} letras de la a a la z, cifras, espacios, - y _ como máximo; primero una letra o cifra, sin espacio al final</translation>
   </message>
 </context>
 <context>

@@ -14,7 +14,7 @@ DIGITS = ("789", "456", "123", "-0.", ", ")
 LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
 MAX_LENGTH = 40
 
-# Tells what is wrong with a text; empty if nothing.
+# Tells what is allowed in place of a wrong text; empty if the text is right.
 Judge = Callable[[str], str]
 
 
@@ -25,6 +25,7 @@ class KeyPad(Overlay):
         super().__init__(window)
         self._judge: Judge = lambda _text: ""
         self._strict = True
+        self._hint = ""
         self._deliver: Callable[[str], None] = lambda _text: None
         self.title = QLabel()
         self.title.setObjectName("title")
@@ -58,7 +59,7 @@ class KeyPad(Overlay):
             title: What is asked for.
             hint: What is allowed.
             text: What stands there at first.
-            judge: Tells what is wrong with a text, while it is written.
+            judge: Tells what is allowed in place of a wrong text, while it is written.
             strict: Whether a wrong text cannot be accepted.
         """
         self._deliver = deliver
@@ -68,7 +69,7 @@ class KeyPad(Overlay):
         self.cancel.setText(self.tr("Cancel"))
         self.accept_button.setText(self.tr("OK"))
         self.title.setText(title)
-        self.hint.setText(hint)
+        self._hint = hint
         self.edit.setText(text)
         self.edit.selectAll()
         self._on_text(text)
@@ -86,6 +87,7 @@ class KeyPad(Overlay):
 
     def _on_text(self, text: str) -> None:
         problem = self._judge(text)
+        self.hint.setText(problem or self._hint)
         set_wrong(self.edit, bool(problem))
         set_look(self.hint, "level", "wrong" if problem else "")
         self.accept_button.setEnabled(not (problem and self._strict))

@@ -10,11 +10,12 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QPushButton, QTabWidget, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.profiles import MAX_NAME_LENGTH
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_state import Request
 from gpr20_user_interface.mid.views.control.control_view import ControlView, PadRequest
 from gpr20_user_interface.mid.views.control.profiles_view import ProfilesView
-from gpr20_user_interface.mid.views.key_pad import DIGITS, LETTERS, Judge, KeyPad
+from gpr20_user_interface.mid.views.key_pad import DIGITS, LETTERS, KeyPad
 from gpr20_user_interface.mid.views.notice import Notice, NoticeKind
 from gpr20_user_interface.mid.views.status.status_view import StatusView
 from gpr20_user_interface.mid.views.style import STYLE_SHEET
@@ -85,6 +86,10 @@ class MainWindow(TranslatedWidget):
         self.top_bar.refresh(snapshot)
         self.control.refresh(snapshot)
         self.status.refresh(snapshot)
+        if snapshot.fields_locked:
+            # What was being entered would stand in the fields in place of the survey's parameters.
+            for overlay in (self.number_pad, self.name_pad, self.profiles):
+                overlay.hide()
 
     def show_refusal(self, request: Request, reason: str) -> None:
         """Open a dialog with the reason and the next step; STOP stays within reach."""
@@ -94,14 +99,23 @@ class MainWindow(TranslatedWidget):
         """Open a dialog about a profile that cannot be used."""
         self.notice.show_notice(NoticeKind.PROFILE, reason)
 
-    def ask_profile_name(self, deliver: Callable[[str], None], judge: Judge) -> None:
+    def ask_profile_name(
+        self, deliver: Callable[[str], None], is_allowed: Callable[[str], bool]
+    ) -> None:
         """Open keys for the name of a profile.
 
         Args:
             deliver: Told the name.
-            judge: Tells what is wrong with a name.
+            is_allowed: Tells whether a name can be used.
         """
-        hint = self.tr("a new name: letters, digits, blanks, - and _")
+        hint = self.tr(
+            "a new name of at most {most} letters a to z, digits, blanks, - and _; "
+            "first a letter or digit, no blank last"
+        ).format(most=MAX_NAME_LENGTH)
+
+        def judge(name: str) -> str:
+            return "" if is_allowed(name) else hint
+
         self.name_pad.ask(deliver, self.tr("Save profile as"), hint, "", judge, strict=True)
 
     def show_tab(self, name: TabName) -> None:

@@ -37,6 +37,7 @@ from gpr20_user_interface.mid.views.control.problem_text import (
     allowed_text,
     field_problems,
     field_title,
+    wrong_texts,
 )
 from gpr20_user_interface.mid.views.key_pad import Judge
 from gpr20_user_interface.mid.views.style import COMMAND_PX
@@ -190,7 +191,7 @@ class ControlView(TranslatedWidget):
 
         def judge(text: str) -> str:
             check = check_form(self.form.texts_with(edit, text), self._travel)
-            return field_problems(check, self._travel).get(name, "")
+            return wrong_texts(check, self._travel).get(name, "")
 
         self.pad_wanted.emit(PadRequest(field_title(name), hint, edit, judge))
 

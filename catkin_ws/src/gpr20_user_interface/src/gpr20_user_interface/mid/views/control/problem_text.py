@@ -9,6 +9,13 @@ from PyQt5.QtCore import QCoreApplication
 from gpr20_main_control.mid.survey_parameters import MAX_TRACES, RobotTravel, Rule
 from gpr20_user_interface.mid.parameter_form import ADDRESS, ROTATIONS, FormCheck, limits
 
+# Fields of one number that need not be whole.
+DECIMALS = frozenset(
+    name.format(end=end)
+    for name in ("{end}_frequency_hz", "x_{end}_mm", "y_{end}_mm")
+    for end in ("start", "stop")
+)
+
 
 def field_title(name: str) -> str:
     """Return what a field is called."""
@@ -52,15 +59,18 @@ def allowed_text(name: str, travel: RobotTravel) -> str:
     return text.format(lower=f"{lower:g}", upper=f"{upper:g}")
 
 
+def wrong_texts(check: FormCheck, travel: RobotTravel) -> Dict[str, str]:
+    """Return for each field that is wrong what it allows."""
+    return {name: _wrong_text(name, check, travel) for name in check.wrong_fields}
+
+
 def field_problems(check: FormCheck, travel: RobotTravel) -> Dict[str, str]:
     """Return a sentence for each field that is wrong."""
-    found = {}
-    for name in check.wrong_fields:
-        title, allowed = field_title(name), allowed_text(name, travel)
-        found[name] = QCoreApplication.translate("Fields", "{field}: {allowed}").format(
-            field=title, allowed=_spacing(name, check, travel) or allowed
-        )
-    return found
+    sentence = QCoreApplication.translate("Fields", "{field}: {allowed}")
+    return {
+        name: sentence.format(field=field_title(name), allowed=allowed)
+        for name, allowed in wrong_texts(check, travel).items()
+    }
 
 
 def all_problems(check: FormCheck, travel: RobotTravel) -> List[str]:
@@ -73,6 +83,16 @@ def all_problems(check: FormCheck, travel: RobotTravel) -> List[str]:
             )
         )
     return sentences
+
+
+def _wrong_text(name: str, check: FormCheck, travel: RobotTravel) -> str:
+    allowed = _spacing(name, check, travel) or allowed_text(name, travel)
+    if name in check.unreadable and name in DECIMALS:
+        # Many a keyboard and country writes 12,5.
+        return QCoreApplication.translate("Fields", "a number such as 12.5, {allowed}").format(
+            allowed=allowed
+        )
+    return allowed
 
 
 def _spacing(name: str, check: FormCheck, travel: RobotTravel) -> str:
