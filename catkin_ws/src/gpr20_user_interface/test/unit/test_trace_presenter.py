@@ -236,7 +236,6 @@ def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(presen
     click(view.resume)
     assert heard == [FOLDER]
     presenter.show_state(snapshot_of(SurveyState.SURVEYING, OTHER))
-    view.refresh()
     assert not view.resume.isEnabled()
     assert "running" in cell(presenter, 0, 1)
 

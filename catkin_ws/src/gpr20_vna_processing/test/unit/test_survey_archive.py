@@ -78,6 +78,15 @@ def test_the_list_tells_the_verdict_and_what_is_missing(kit, archive):
     assert ended.simulated
 
 
+def test_a_report_that_may_be_older_than_the_last_traces_gives_no_verdict(kit, archive):
+    fill(kit)
+    kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE: 3 of 18"}')
+    (running,), _more = archive.list("", 10)
+    kit.processing.interrupt_other(OTHER_SURVEY)
+    (cut_off,), _more = archive.list("", 10)
+    assert (running.verdict, cut_off.verdict, cut_off.outcome) == ("", "", "interrupted")
+
+
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
     folder = fill(kit, range(18))
     kit.processing.close_survey(SURVEY, "finished", "")

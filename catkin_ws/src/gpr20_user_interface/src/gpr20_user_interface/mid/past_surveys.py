@@ -72,9 +72,10 @@ class PastSurveys:
         self._surveys.extend(surveys)
         self._more = more
 
-    def set_running(self, survey_id: str) -> None:
-        """Note which survey is on its way; empty: none."""
-        self._running_id = survey_id
+    def set_running(self, survey_id: str) -> bool:
+        """Note which survey is on its way (empty: none); return whether that is another one."""
+        before, self._running_id = self._running_id, survey_id
+        return survey_id != before
 
     def by_folder(self, folder: str) -> Optional[PastSurvey]:
         """Return a survey of the list."""

@@ -108,7 +108,8 @@ class TracePresenter(QObject):
         place_mm = None if current is None or not is_live else (current.x_mm, current.y_mm)
         self.views.map.set_carriage(place_mm)
         running = snapshot.state.survey_id if snapshot.state and snapshot.running else ""
-        self._past.set_running(running)
+        if self._past.set_running(running):
+            self._list_anew()
 
     def show_live(self) -> None:
         """Show the survey that runs; the past one is forgotten."""
@@ -129,6 +130,7 @@ class TracePresenter(QObject):
             self._coverage = event
         elif isinstance(event, SurveyDescribed):
             self._live.begin(grid_from_description(event.text))
+            self._list_anew()
         elif isinstance(event, TracesRead):
             self._waiting = 0
             for problem in self.shown.take_page(event):
@@ -153,6 +155,11 @@ class TracePresenter(QObject):
             self._live.take_coverage(coverage)
         except SurveyNotReadableError as error:
             self.problem.emit(str(error))
+
+    def _list_anew(self) -> None:
+        self.views.past.refresh()
+        if self.views.past.isVisible():
+            self._source.list_surveys("")
 
     def _open(self, survey: SurveyRead) -> None:
         grid = grid_from_description(survey.text)

@@ -379,6 +379,10 @@
     <translation>INCOMPLETA</translation>
   </message>
   <message>
+    <source>It is on its way.</source>
+    <translation>Está en curso.</translation>
+  </message>
+  <message>
     <source>It has not ended properly.</source>
     <translation>No terminó correctamente.</translation>
   </message>

@@ -12,6 +12,7 @@ from typing import Any, Dict, Iterator, List, Tuple
 from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
 from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_files
 from gpr20_vna_processing.mid.survey_search import find_survey
+from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 MAX_SURVEYS_PER_PAGE = 50
@@ -164,6 +165,8 @@ class SurveyArchive:
         planned = _planned_traces(values.get("parameters"))
         outcome = _text(values.get("outcome"))
         report = values.get("report")
+        # The report of a survey that was cut off may be older than its last traces.
+        cut_off = outcome in ("", INTERRUPTED)
         return SurveySummary(
             folder=folder.name,
             survey_id=values["survey_id"],
@@ -171,7 +174,7 @@ class SurveyArchive:
             outcome=outcome,
             stored_traces=stored,
             planned_traces=planned,
-            verdict=_text(report.get("verdict")) if isinstance(report, dict) else "",
+            verdict="" if cut_off or not isinstance(report, dict) else _text(report.get("verdict")),
             complete=outcome == "finished" and 0 < planned == stored,
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,

@@ -108,13 +108,14 @@ class PastSurveysView(TranslatedWidget):
         elif chosen is None:
             text = self.tr("Touch a survey.")
         else:
-            text = (
-                robot_text(chosen.problem)
-                or robot_text(chosen.verdict)
-                or self.tr("It has not ended properly.")
-            )
-            text = f"{chosen.folder}: {text}"
+            text = f"{chosen.folder}: {self._sentence(chosen)}"
         self.details.setText(text)
+
+    def _sentence(self, survey: PastSurvey) -> str:
+        if self._surveys.verdict(survey) is Verdict.RUNNING:
+            return self.tr("It is on its way.")
+        told = robot_text(survey.problem) or robot_text(survey.verdict)
+        return told or self.tr("It has not ended properly.")
 
     def _on_open(self) -> None:
         if self.chosen is not None:
