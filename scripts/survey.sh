@@ -26,9 +26,11 @@ shut_down() {
 }
 trap shut_down EXIT
 
+area=(--x-start 100 --x-stop 120 --x-points 3 --y-start 100 --y-stop 120 --y-points 3)
+# A survey that exists has its own.
+case " $* " in *" --resume"*) area=() ;; esac
 status=0 survey=
-rosrun gpr20_user_interface run_survey \
-    --x-start 100 --x-stop 120 --x-points 3 --y-start 100 --y-stop 120 --y-points 3 "$@" || status=$?
+rosrun gpr20_user_interface run_survey "${area[@]}" "$@" || status=$?
 if [ "$status" -eq 0 ]; then
     # The control's last word names the folder; it is latched, so it comes at once.
     survey="$(timeout 20 rostopic echo -n 1 /control_status/message | sed -n 's/.* traces in \([^"]*\)"*$/\1/p')"

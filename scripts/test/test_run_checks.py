@@ -110,7 +110,11 @@ def test_checks_hear_ctrl_c_though_a_script_began_them_in_the_background():
     )
     line = f"'{sys.executable}' -c \"$0\" & wait $!"
     ended = subprocess.run(
-        ["bash", "-c", line, source], cwd=SCRIPT.parent, capture_output=True, text=True, timeout=60.0
+        ["bash", "-c", line, source],
+        cwd=SCRIPT.parent,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
     )
     assert ended.returncode == 0, ended.stderr
     assert "1 failed" in ended.stdout, ended.stdout

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What else may be started beside a robot: the robot once more, one of no known name, a recording."""
+"""What may be started beside a robot: it once more, one of no known name, a recording."""
 
 import os
 import shutil

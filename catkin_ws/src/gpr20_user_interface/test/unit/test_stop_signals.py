@@ -2,6 +2,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -63,3 +64,26 @@ def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )
     assert (ended.returncode, ended.stdout) == (130, b"last words\n")
+
+
+def test_ctrl_c_while_the_client_is_loaded_ends_it_quietly(tmp_path):
+    # In place of the first library that it loads; a shell may have begun this deaf to Ctrl-C.
+    (tmp_path / "rospy.py").write_text(
+        "import signal\nprint('loading', flush=True)\nwhile True: signal.pause()\n"
+    )
+    program = Path(__file__).resolve().parents[2] / "nodes" / "run_survey"
+    process = subprocess.Popen(
+        [sys.executable, str(program)],
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    try:
+        assert process.stdout.readline() == "loading\n"
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60.0)
+    finally:
+        process.kill()
+    assert (process.returncode, error) == (-signal.SIGINT, "")

@@ -44,6 +44,7 @@ def test_every_parameter_can_be_given():
         ("--attach", Mode.ATTACH, ""),
         ("--resume", Mode.RESUME, ""),
         ("--resume 1234", Mode.RESUME, "1234"),
+        ("--resume /data/20260921T141320_0f8fad5b/", Mode.RESUME, "20260921T141320_0f8fad5b"),
     ],
 )
 def test_a_survey_that_exists_can_be_followed(line, mode, resume_id):
@@ -62,6 +63,8 @@ def test_a_survey_that_exists_can_be_followed(line, mode, resume_id):
         ("--on-pause maybe", "exit"),
         ("--attach --resume", "not allowed with"),
         ("--unknown", "--unknown"),
+        ("--resume 1234 --x-points 5", "--x-points cannot be given with --resume"),
+        ("--attach --y-stop 9 --polar 0", "--y-stop-mm, --polarizations-deg cannot be given with"),
     ],
 )
 def test_wrong_command_line_has_status_2_and_names_the_fault(line, word, capsys):

@@ -91,7 +91,7 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
         "SURVEYING",
         9,
     ]
-    assert recorder.closed and session.simulated
+    assert recorder.closed and session.simulated and session.stored
 
 
 def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
@@ -152,6 +152,13 @@ def test_last_words_tell_outcome_survey_and_simulation(status):
     assert "survey id: an-id" in lines
     assert lines[-1] == SIMULATED
     assert any("--resume" in line for line in lines) == (status is ExitStatus.PAUSED)
+
+
+@pytest.mark.parametrize("status", list(ExitStatus))
+def test_last_words_tell_how_a_survey_that_ended_early_is_resumed(status):
+    lines = outcome_lines(Outcome(status, "why"), "an-id", simulated=False, stored=True)
+    resumable = status in (ExitStatus.STOPPED, ExitStatus.FAILED)
+    assert any("run_survey --resume an-id" in line for line in lines) == resumable
 
 
 def test_last_words_claim_no_simulation_and_no_survey_that_was_not():

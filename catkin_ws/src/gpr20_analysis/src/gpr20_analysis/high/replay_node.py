@@ -89,8 +89,8 @@ def _refuse_beside_others(topic: str) -> None:
     if others and topic not in SHARED_TOPICS:
         raise AnalysisError(
             f"{topic} is published by {', '.join(others)}: a robot or another replay runs on "
-            f"{rosgraph.get_master_uri()}, and its coordinates and states would be mixed with those "
-            "of the recording; end it, or replay on a master of its own "
+            f"{rosgraph.get_master_uri()}, and its coordinates and states would be mixed with "
+            "those of the recording; end it, or replay on a master of its own "
             "(ROS_MASTER_URI=http://localhost:11411 roslaunch gpr20 replay.launch survey:=...)"
         )
 

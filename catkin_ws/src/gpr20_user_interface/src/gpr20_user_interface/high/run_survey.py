@@ -81,7 +81,7 @@ def _follow(options: Options, events: EventQueue) -> int:
     client.listen()
     outcome = session.run()
     client.close()
-    lines = outcome_lines(outcome, watch.survey_id, session.simulated)
+    lines = outcome_lines(outcome, watch.survey_id, session.simulated, session.stored)
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
     return outcome.status

@@ -6,7 +6,7 @@ import argparse
 import enum
 import math
 from dataclasses import dataclass
-from typing import Optional, Sequence
+from typing import List, Optional, Sequence
 
 from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.survey_watch import Mode, OnPause
@@ -56,10 +56,17 @@ def parse_arguments(arguments: Sequence[str]) -> Options:
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
     """
-    given = _parser().parse_args(arguments)
+    parser = _new_parser()
+    parameters = _add_parameters(parser.add_argument_group("what to measure"))
+    _add_conduct(parser.add_argument_group("how to run it"))
+    given = parser.parse_args(arguments)
+    mode = _mode(given.attach, given.resume)
+    if mode is not Mode.START:
+        _refuse_parameters(parser, parameters, arguments, mode)
     return Options(
-        mode=_mode(given.attach, given.resume),
-        resume_id=given.resume or "",
+        mode=mode,
+        # Folders are told with their path; the control knows where they are.
+        resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
         parameters=SurveyParameters(
             vna_address=given.vna_address,
             start_frequency_hz=given.start_frequency_mhz,
@@ -85,28 +92,44 @@ def _mode(attach: bool, resume: Optional[str]) -> Mode:
     return Mode.START if resume is None else Mode.RESUME
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _new_parser() -> argparse.ArgumentParser:
+    return argparse.ArgumentParser(
         prog="run_survey",
         description=DESCRIPTION,
         epilog=EXIT_STATUS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    _add_parameters(parser.add_argument_group("what to measure"))
-    _add_conduct(parser.add_argument_group("how to run it"))
-    return parser
 
 
-def _add_parameters(group: argparse._ArgumentGroup) -> None:
+def _refuse_parameters(
+    parser: argparse.ArgumentParser,
+    parameters: List[argparse.Action],
+    arguments: Sequence[str],
+    mode: Mode,
+) -> None:
+    """End with a message if parameters were given that a survey which exists cannot take."""
+    # Defaults are not put over what is there already.
+    given = argparse.Namespace(**{one.dest: None for one in parameters})
+    parser.parse_args(arguments, given)
+    named = [one.option_strings[0] for one in parameters if getattr(given, one.dest) is not None]
+    if named:
+        option = "--attach" if mode is Mode.ATTACH else "--resume"
+        parser.error(
+            f"{', '.join(named)} cannot be given with {option}: that survey keeps the "
+            "parameters with which it was begun"
+        )
+
+
+def _add_parameters(group: argparse._ArgumentGroup) -> List[argparse.Action]:
     default = " (default %(default)s)"
-    group.add_argument(
+    address = group.add_argument(
         "--vna-address",
         default="127.0.0.1",
         metavar="A.B.C.D",
         help="address of the network analyzer" + default,
     )
     # argparse converts a default that is a string like an argument.
-    for name, megahertz in (("start", "600"), ("stop", "6000")):
+    ends = [
         group.add_argument(
             f"--{name}-frequency-mhz",
             type=_megahertz,
@@ -114,27 +137,29 @@ def _add_parameters(group: argparse._ArgumentGroup) -> None:
             metavar="MHZ",
             help=f"{name} of the sweep" + default,
         )
-    group.add_argument(
+        for name, megahertz in (("start", "600"), ("stop", "6000"))
+    ]
+    points = group.add_argument(
         "--frequency-points",
         type=int,
         default=501,
         metavar="N",
         help="points of the sweep" + default,
     )
-    for axis in ("x", "y"):
-        _add_axis(group, axis)
-    group.add_argument(
+    axes = _add_axis(group, "x") + _add_axis(group, "y")
+    polarizations = group.add_argument(
         "--polarizations-deg",
         type=_rotations,
         default="0,90",
         metavar="DEG,DEG",
         help="rotations measured at each stop" + default,
     )
+    return [address, *ends, points, *axes, polarizations]
 
 
-def _add_axis(group: argparse._ArgumentGroup, axis: str) -> None:
+def _add_axis(group: argparse._ArgumentGroup, axis: str) -> List[argparse.Action]:
     default = " (default %(default)g)"
-    for end, coordinate_mm in (("start", 50.0), ("stop", 150.0)):
+    ends = [
         group.add_argument(
             f"--{axis}-{end}-mm",
             type=float,
@@ -142,9 +167,12 @@ def _add_axis(group: argparse._ArgumentGroup, axis: str) -> None:
             metavar="MM",
             help=f"{end} of the area along {axis}" + default,
         )
-    group.add_argument(
+        for end, coordinate_mm in (("start", 50.0), ("stop", 150.0))
+    ]
+    points = group.add_argument(
         f"--{axis}-points", type=int, default=5, metavar="N", help=f"stops along {axis}" + default
     )
+    return [*ends, points]
 
 
 def _add_conduct(group: argparse._ArgumentGroup) -> None:
@@ -159,8 +187,8 @@ def _add_conduct(group: argparse._ArgumentGroup) -> None:
         "--resume",
         nargs="?",
         const="",
-        metavar="SURVEY_ID",
-        help="go on with the paused survey, or with the one named, and follow it",
+        metavar="SURVEY",
+        help="go on with the paused survey, or with the one of this id or folder, and follow it",
     )
     group.add_argument(
         "--on-pause",

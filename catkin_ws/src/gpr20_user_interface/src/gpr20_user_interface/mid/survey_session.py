@@ -33,6 +33,10 @@ _RESUME_HINT = (
     "resume it with `rosrun gpr20_user_interface run_survey --resume`, "
     "or end it with `rosservice call stop_survey` (in the robot's namespace)"
 )
+_LATER_HINT = (
+    "measure what is missing, when no survey runs, with "
+    "`rosrun gpr20_user_interface run_survey --resume {}`"
+)
 
 
 class Events(Protocol):
@@ -77,11 +81,17 @@ class SurveySession:
         self._display = display
         self._simulated = False
         self._complete = False
+        self._stored = False
 
     @property
     def simulated(self) -> bool:
         """Whether main_control said that the robot is simulated."""
         return self._simulated
+
+    @property
+    def stored(self) -> bool:
+        """Whether a trace of the survey is stored, so that it can be resumed."""
+        return self._stored
 
     def run(self) -> Outcome:
         """Return how the survey ended, when it has."""
@@ -110,6 +120,7 @@ class SurveySession:
 
     def _show_progress(self, progress: Progress) -> None:
         self._complete = progress.visited_points >= progress.total_points > 0
+        self._stored = progress.visited_points > 0
         self._display.progress(progress)
 
     def _show(self, event: Event) -> None:
@@ -134,13 +145,24 @@ def _accepted_text(plan: Accepted) -> str:
     return f"parameters accepted: {plan.total_points} traces, about {time_text(plan.estimated_s)}"
 
 
-def outcome_lines(outcome: Outcome, survey_id: str, simulated: bool) -> List[str]:
-    """Return the last words of the client."""
+def outcome_lines(
+    outcome: Outcome, survey_id: str, simulated: bool, stored: bool = False
+) -> List[str]:
+    """Return the last words of the client.
+
+    Args:
+        outcome: How it ended.
+        survey_id: Of the survey; empty if there was none.
+        simulated: Whether the robot is.
+        stored: Whether a trace of the survey is stored.
+    """
     lines = [_HEADLINES[outcome.status], outcome.message]
     if survey_id:
         lines.append(f"survey id: {survey_id}")
     if outcome.status is ExitStatus.PAUSED:
         lines.append(_RESUME_HINT)
+    elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored:
+        lines.append(_LATER_HINT.format(survey_id))
     if simulated:
         lines.append(SIMULATED)
     return lines
