@@ -59,6 +59,8 @@ def test_everything_can_be_given():
         ({"name": 3}, "cart/name is 3; it must be of type str"),
         ({"load": True}, "cart/load is True; it must be a number"),
         ({"load": "3"}, "cart/load is '3'"),
+        ({"load": 10**400}, "cart/load has too many digits"),
+        ({"spare": {"radius": 10**400}}, "cart/spare/radius has too many digits"),
         ({"colour": "green"}, "cart/colour is 'green'; allowed are red, blue"),
         ({"numbers": 3}, "cart/numbers is 3; it must be a list"),
         ({"numbers": [1, 2.5]}, r"cart/numbers\[1\] is 2.5"),

@@ -47,8 +47,17 @@ def test_zero_volts_is_infinitely_far():
         ("height_offset_m", 5.0),
         ("frozen_readings", -1),
         ("frozen_readings", 29),
+        ("spi_bus", -1),
+        ("spi_device", 32),
+        ("channel", 8),
+        ("spi_speed_hz", 5_000_000),
+        ("reference_voltage_v", 33.0),
+        ("update_period_s", 1e300),
+        ("max_spread_m", 1e300),
+        ("exponent", 1e300),
+        ("field_of_view_rad", math.nan),
     ],
 )
 def test_parameters_that_make_no_sense_are_refused(name, value):
-    with pytest.raises(HeightParameterError):
+    with pytest.raises(HeightParameterError, match=f"{name} is .*; it must "):
         HeightParameters(**{name: value})

@@ -90,6 +90,11 @@ def test_refuses_a_logarithmic_grid():
         ("max_level_db", math.inf),
         ("same_points", 1),
         ("duration_tolerance_s", -0.1),
+        ("connect_timeout_s", 1e300),
+        ("poll_interval_s", 1e-300),
+        ("link_check_s", 3601.0),
+        ("maker", ""),
+        ("model", " "),
     ],
 )
 def test_parameters_that_make_no_sense_are_named(name, value):

@@ -20,6 +20,10 @@ BOARD_PINS = frozenset(
 # A pause shorter than this is below what a DRV8825 accepts as a step pulse (1.9 us high).
 MIN_PAUSE_S = 2.0e-6
 MAX_PAUSE_S = 1.0
+# Finer than any motor; with less an axis would never leave its slowest speed.
+MIN_STEP_SIZE = 1.0e-5
+MAX_STEP_SIZE = 360.0
+MIN_DELTA_S = 1.0e-7
 # The most back-offs that homing ever makes in one go, away from a switch that was pressed.
 HOMING_BACKOFFS = 5
 # A gap of this length is no lateness any more: the process has been halted.
@@ -109,9 +113,8 @@ class AxisParameters:
     def _check_sizes(self) -> None:
         if self.type not in {one.value for one in AxisType}:
             raise InvalidValueError(f"type is '{self.type}'; it must be LIN or ROT")
-        positive_number("step_size", self.step_size, self.unit)
-        positive_number("homing_backoff", self.homing_backoff, self.unit)
-        positive_number("delta_step", self.delta_step, "s")
+        number_between("step_size", self.step_size, MIN_STEP_SIZE, MAX_STEP_SIZE, self.unit)
+        number_between("delta_step", self.delta_step, MIN_DELTA_S, MAX_PAUSE_S, "s")
         number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
         number_between("min_step", self.min_step, MIN_PAUSE_S, self.max_step, "s")
         number_between("min_coord", self.min_coord, -1.0e5, 1.0e5, self.unit)
@@ -129,7 +132,11 @@ class AxisParameters:
         if self.sensor_pin is not None:
             # Homing goes back and forth by it, and must stay within the axis.
             longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
-            number_between("homing_backoff", self.homing_backoff, 0.0, longest, self.unit)
+            number_between(
+                "homing_backoff", self.homing_backoff, self.step_size, longest, self.unit
+            )
+        else:
+            positive_number("homing_backoff", self.homing_backoff, self.unit)
 
     def _check_pulses(self) -> None:
         number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")

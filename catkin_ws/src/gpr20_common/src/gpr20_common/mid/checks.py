@@ -21,11 +21,12 @@ def number_between(name: str, value: float, lower: float, upper: float, unit: st
     Raises:
         InvalidValueError: The value is NaN, infinite or outside the bounds.
     """
+    number = _float_of(value)
     # Written so that NaN, which fails every comparison, is refused too.
-    if not (math.isfinite(value) and lower <= value <= upper):
+    if not (math.isfinite(number) and lower <= value <= upper):
         suffix = f" {unit}" if unit else ""
         raise InvalidValueError(
-            f"{name} is {value:.12g}{suffix}; it must lie between "
+            f"{name} is {number:.12g}{suffix}; it must lie between "
             f"{lower:.12g} and {upper:.12g}{suffix}"
         )
     return value
@@ -37,10 +38,19 @@ def positive_number(name: str, value: float, unit: str = "") -> float:
     Raises:
         InvalidValueError: The value is NaN, infinite, zero or negative.
     """
-    if not (math.isfinite(value) and value > 0.0):
+    number = _float_of(value)
+    if not (math.isfinite(number) and number > 0.0):
         suffix = f" {unit}" if unit else ""
-        raise InvalidValueError(f"{name} is {value:.12g}{suffix}; it must be more than zero")
+        raise InvalidValueError(f"{name} is {number:.12g}{suffix}; it must be more than zero")
     return value
+
+
+def _float_of(value: float) -> float:
+    # A whole number from a file may have hundreds of digits.
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def ipv4_address(name: str, address: str) -> str:

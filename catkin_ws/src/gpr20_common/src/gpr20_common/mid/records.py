@@ -108,6 +108,10 @@ def _number(place: str, value: Any, kind: type, bounds: typing.Tuple[float, floa
         raise InvalidValueError(
             f"{place} is {value!r}; it must be a number of type {kind.__name__}"
         )
+    try:
+        number = kind(value)
+    except OverflowError:
+        raise InvalidValueError(f"{place} has too many digits for a number of type float") from None
     if bounds is not UNBOUNDED:
         number_between(place, value, *bounds)
-    return kind(value)
+    return number

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.checks import number_between
 from gpr20_height_sensor.errors import HeightParameterError
+from gpr20_height_sensor.low.adc_interface import CHANNELS
 from gpr20_height_sensor.mid.range_curve import RangeCurve
 
 FEWEST_FROZEN = 30
+# Buses and chip-select lines beyond this are typing errors.
+MAX_SPI_NUMBER = 31
 
 
 @dataclass(frozen=True)
@@ -63,10 +67,15 @@ class HeightParameters:
 
     def __post_init__(self) -> None:
         try:
-            positive_number("reference_voltage_v", self.reference_voltage_v, "V")
-            positive_number("spi_speed_hz", self.spi_speed_hz, "Hz")
-            positive_number("update_period_s", self.update_period_s, "s")
-            positive_number("max_spread_m", self.max_spread_m, "m")
+            number_between("spi_bus", self.spi_bus, 0, MAX_SPI_NUMBER)
+            number_between("spi_device", self.spi_device, 0, MAX_SPI_NUMBER)
+            number_between("channel", self.channel, 0, CHANNELS - 1)
+            # The limits of the MCP3008's data sheet (DS21295).
+            number_between("spi_speed_hz", self.spi_speed_hz, 10_000, 3_600_000, "Hz")
+            number_between("reference_voltage_v", self.reference_voltage_v, 0.25, 5.5, "V")
+            number_between("update_period_s", self.update_period_s, 0.0001, 1.0, "s")
+            number_between("max_spread_m", self.max_spread_m, 0.0001, 1.0, "m")
+            number_between("field_of_view_rad", self.field_of_view_rad, 0.0, math.pi, "rad")
             number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
             # With fewer than three readings a single bad one decides.
             number_between("samples", self.samples, 3, 1000)

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.checks import positive_number
+from gpr20_common.mid.checks import number_between
 from gpr20_height_sensor.errors import HeightParameterError
+
+# No sensor of this kind sees as far.
+LONGEST_M = 10.0
 
 
 @dataclass(frozen=True)
@@ -35,10 +38,10 @@ class RangeCurve:
 
     def __post_init__(self) -> None:
         try:
-            positive_number("scale_m", self.scale_m, "m")
-            positive_number("exponent", self.exponent)
-            positive_number("min_distance_m", self.min_distance_m, "m")
-            positive_number("max_distance_m", self.max_distance_m, "m")
+            number_between("scale_m", self.scale_m, 0.001, LONGEST_M, "m")
+            number_between("exponent", self.exponent, 0.1, 10.0)
+            number_between("min_distance_m", self.min_distance_m, 0.001, LONGEST_M, "m")
+            number_between("max_distance_m", self.max_distance_m, 0.001, LONGEST_M, "m")
         except InvalidValueError as error:
             raise HeightParameterError(str(error)) from error
         if not self.min_distance_m < self.max_distance_m:

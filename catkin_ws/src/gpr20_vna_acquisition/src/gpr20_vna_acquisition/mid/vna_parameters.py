@@ -12,6 +12,18 @@ from gpr20_vna_acquisition.mid.trace_quality import QualityLimits
 
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
+# What a time limit or a period may be [s]: a socket refuses far longer ones.
+SHORTEST_S = 1.0e-4
+LONGEST_S = 3600.0
+TIMES = (
+    "connect_timeout_s",
+    "answer_timeout_s",
+    "settle_s",
+    "poll_interval_s",
+    "sweep_timeout_s",
+    "request_timeout_s",
+    "link_check_s",
+)
 
 
 @dataclass(frozen=True)
@@ -73,11 +85,14 @@ class VnaParameters:
     duration_tolerance_s: float = QualityLimits.duration_tolerance_s
 
     def __post_init__(self) -> None:
-        for name in ("connect_timeout_s", "answer_timeout_s", "settle_s", "poll_interval_s"):
-            positive_number(name, getattr(self, name), "s")
-        positive_number("sweep_timeout_s", self.sweep_timeout_s, "s")
-        positive_number("request_timeout_s", self.request_timeout_s, "s")
-        positive_number("link_check_s", self.link_check_s, "s")
+        for name in TIMES:
+            number_between(name, getattr(self, name), SHORTEST_S, LONGEST_S, "s")
+        for name in ("maker", "model"):
+            if not getattr(self, name).strip():
+                raise InvalidValueError(
+                    f"{name} is empty; it must be what the instrument answers to *IDN?, "
+                    f"such as {getattr(VnaParameters, name)}"
+                )
         positive_number("min_frequency_hz", self.min_frequency_hz, "Hz")
         number_between("max_frequency_hz", self.max_frequency_hz, self.min_frequency_hz, 1e12, "Hz")
         number_between("seconds_per_point", self.seconds_per_point, 0.0, 10.0, "s")
