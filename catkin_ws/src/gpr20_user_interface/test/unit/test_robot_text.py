@@ -1,3 +1,4 @@
+import re
 import string
 
 import pytest
@@ -60,6 +61,22 @@ def test_standard_sentence_is_told_in_the_language_of_the_window(languages, text
         (
             "finished, complete: all 18 planned traces are stored; 18 traces in /data/survey",
             "terminada, completa: guardadas las 18 trazas previstas; 18 trazas en /data/survey",
+        ),
+        (
+            "paused: get_data: the VNA's sweep failed 3 times: 9 of 402 numbers of the instrument "
+            "are not finite",
+            "en pausa: get_data: el barrido del VNA falló 3 veces: 9 de 402 números del "
+            "instrumento no son finitos",
+        ),
+        (
+            "the height sensor is stuck: 5 of 5 readings are 1023, the end of the converter's "
+            "scale (short circuit)",
+            "el sensor de altura está atascado: 5 de 5 lecturas son 1023, el extremo de la escala "
+            "del convertidor (cortocircuito)",
+        ),
+        (
+            "profile a/x_start_mm has too many digits for a number of type float",
+            "el perfil a/x_start_mm tiene demasiadas cifras para un número de tipo float",
         ),
         (
             "/z_axis/homing: the axis is not homed; home it before moving it",
@@ -164,3 +181,10 @@ def test_status_and_top_bar_change_their_sentence_with_the_language(window, lang
 @pytest.mark.parametrize("stored, word", [([0, 1], "completa"), ([1], "INCOMPLETA")])
 def test_verdict_as_the_coverage_words_it_is_translated(languages, stored, word):
     assert robot_text(Coverage(2, stored).verdict().text).startswith(f"{word}: ")
+
+
+@pytest.mark.parametrize("template", [one for one in SENTENCES if one.startswith("{")])
+def test_a_sentence_that_begins_with_a_value_leaves_those_around_it_in_spanish(languages, template):
+    inner = re.sub(r"\{\w+\}", "7", template)
+    told = robot_text(f"get_data: the VNA's sweep failed 3 times: {inner}")
+    assert told == f"get_data: el barrido del VNA falló 3 veces: {robot_text(inner)}"

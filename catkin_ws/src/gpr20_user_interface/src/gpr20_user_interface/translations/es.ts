@@ -1426,6 +1426,14 @@ lineal</translation>
     <translation>el número de puntos del VNA cambió solo a {points}</translation>
   </message>
   <message>
+    <source>short circuit</source>
+    <translation>cortocircuito</translation>
+  </message>
+  <message>
+    <source>profile {place} has too many digits for a number of type float</source>
+    <translation>el perfil {place} tiene demasiadas cifras para un número de tipo float</translation>
+  </message>
+  <message>
     <source>the VNA's sweep failed {count} times: {reason}</source>
     <translation>el barrido del VNA falló {count} veces: {reason}</translation>
   </message>

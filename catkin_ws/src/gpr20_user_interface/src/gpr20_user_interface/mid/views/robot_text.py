@@ -14,7 +14,7 @@ from gpr20_user_interface.mid.views.robot_sentences import SENTENCES
 BETWEEN_SENTENCES = "; "
 # Places that hold another sentence; all others hold a value, which stays as it is.
 SENTENCE_PLACES = frozenset(("reason", "error", "verdict", "lost", "meaning", "kind"))
-VALUE_PATTERNS = {"service": r"[\w/]+"}
+VALUE_PATTERNS = {"service": r"[\w/]+", "missing": r"\d+"}
 # The robot says few different things at a time, and each is shown again several times a second.
 REMEMBERED_TEXTS = 256
 # No sentence of the robot is as long; searching in text of any length takes time.
@@ -64,4 +64,9 @@ def _pattern(template: str) -> re.Pattern[str]:
     return re.compile("".join(pieces), re.DOTALL)
 
 
-_PATTERNS = tuple((template, _pattern(template)) for template in SENTENCES)
+def _rank(template: str) -> Tuple[bool, bool]:
+    # A value at the beginning would take in the beginning of a sentence around its own.
+    return template.startswith("{"), not template.startswith("{service}")
+
+
+_PATTERNS = tuple((template, _pattern(template)) for template in sorted(SENTENCES, key=_rank))

@@ -19,6 +19,7 @@ SENSORS: Tuple[str, ...] = (
         "converter's scale ({reason})",
     ),
     QT_TRANSLATE_NOOP("RobotText", "the sensor is off or unplugged"),
+    QT_TRANSLATE_NOOP("RobotText", "short circuit"),
     QT_TRANSLATE_NOOP("RobotText", "the height sensor's node is being shut down"),
     QT_TRANSLATE_NOOP("RobotText", "check its plug and supply"),
     QT_TRANSLATE_NOOP("RobotText", "the height sensor reads {distance} m"),

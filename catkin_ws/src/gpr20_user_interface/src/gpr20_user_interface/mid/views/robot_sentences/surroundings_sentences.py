@@ -33,6 +33,9 @@ SURROUNDINGS: Tuple[str, ...] = (
     QT_TRANSLATE_NOOP("RobotText", "profile {place} is unknown"),
     QT_TRANSLATE_NOOP("RobotText", "known are {names}"),
     QT_TRANSLATE_NOOP("RobotText", "profile {place} is missing"),
+    QT_TRANSLATE_NOOP(
+        "RobotText", "profile {place} has too many digits for a number of type float"
+    ),
     QT_TRANSLATE_NOOP("RobotText", "profile {place} is {found}"),
     QT_TRANSLATE_NOOP("RobotText", "it must be a number of type {kind_of}"),
     QT_TRANSLATE_NOOP("RobotText", "it must be of type {kind_of}"),
