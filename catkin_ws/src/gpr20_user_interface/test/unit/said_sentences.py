@@ -46,6 +46,7 @@ NOT_SHOWN = (
     "%s",
     "min_level_db",
     "it must be below",
+    "they are ignored: end it",
     "7 7 ",
     "7 could not 7",
     ", ",
