@@ -16,7 +16,7 @@ SOURCED = (
     "ROSLISP",
     "GPR20_",
     "CMAKE_PREFIX",
-    "PYTHONPATH",
+    "PYTHON",
     "PKG_CONFIG",
     "LD_LIBRARY",
 )
