@@ -107,7 +107,7 @@ def test_nothing_keeps_running_after_it(clean_survey):
     assert processes_about(str(folder.parent)) == []
 
 
-def test_ctrl_c_stops_the_survey_cleanly_and_ends_everything(tmp_path):
+def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(tmp_path):
     # As a terminal does: the signal goes to the whole foreground group.
     process = subprocess.Popen(
         [str(ROOT / "scripts/survey.sh"), "--x-stop", "600"],
@@ -126,6 +126,17 @@ def test_ctrl_c_stops_the_survey_cleanly_and_ends_everything(tmp_path):
     assert metadata["outcome"] == "stopped"
     assert metadata["stored_traces"] == len(list(survey.parent.glob("traces/*.json")))
     assert processes_about(str(tmp_path)) == []
+
+    ended = subprocess.run(
+        [str(ROOT / "scripts/survey.sh"), "--resume", str(survey.parent)],
+        env=user_environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert json.loads(survey.read_text())["stored_traces"] == 18
 
 
 def test_a_refused_parameter_is_told_and_the_status_says_so(tmp_path):
