@@ -26,11 +26,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Dict, List, Sequence, Set
 
+import psutil
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ROOT / "catkin_ws/src"
 PYTHON_38 = ROOT / ".venv38/bin/python"
 # Far more than any check takes: it ends what hangs.
 LIMIT_S = 900.0
+# Longer than roslaunch takes to end its nodes.
+END_LIMIT_S = 20.0
 # As pytest and rostest say how many tests there were.
 COUNTED = re.compile(r"(\d+ passed.*) in |\* TESTS: (\d+)")
 
@@ -80,12 +84,33 @@ class Outcome:
         return by_pytest or (f"{by_rostest} passed" if by_rostest else "")
 
 
+def end_with_descendants(pid: int) -> None:
+    """End a process and all that came from it, in whatever session: a launch ends its own nodes.
+
+    Args:
+        pid: Of the process; that it has ended is no error.
+    """
+    try:
+        parent = psutil.Process(pid)
+        family = [parent, *parent.children(recursive=True)]
+    except psutil.NoSuchProcess:
+        return
+    for one in family:
+        # psutil knows a process from another one that got its number later.
+        with contextlib.suppress(psutil.NoSuchProcess):
+            one.terminate()
+    _gone, alive = psutil.wait_procs(family, END_LIMIT_S)
+    for one in alive:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            one.kill()
+
+
 class Runner:
     """Runs checks, and ends those that run when it is told to."""
 
     def __init__(self, show: Callable[[str], None]) -> None:
         self._show = show
-        self._running: Set[int] = set()
+        self._running: Set[subprocess.Popen] = set()
         self._lock = threading.Lock()
         self._closed = False
 
@@ -114,10 +139,8 @@ class Runner:
         """End all that runs; nothing more begins."""
         with self._lock:
             self._closed = True
-            for group in self._running:
-                # It may have ended a moment ago.
-                with contextlib.suppress(ProcessLookupError):
-                    os.killpg(group, signal.SIGTERM)
+            for process in self._running:
+                end_with_descendants(process.pid)
 
     def _outcomes(
         self, checks: Sequence[Check], at_once: int, again: bool = False
@@ -158,16 +181,16 @@ class Runner:
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
-            self._running.add(process.pid)
+            self._running.add(process)
         try:
             return process.wait(LIMIT_S)
         except subprocess.TimeoutExpired:
             os.write(log, f"\nstill running after {LIMIT_S:g} s, and ended\n".encode())
-            os.killpg(process.pid, signal.SIGKILL)
+            end_with_descendants(process.pid)
             return process.wait()
         finally:
             with self._lock:
-                self._running.discard(process.pid)
+                self._running.discard(process)
 
 
 class Catalogue:

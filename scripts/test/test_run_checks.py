@@ -84,7 +84,8 @@ def test_parts_are_chosen_by_name_and_an_unknown_one_is_refused(tmp_path):
 
 
 def test_nothing_goes_on_when_it_is_ended(tmp_path):
-    line = f"echo $$ > {tmp_path}/pid; sleep 600"
+    # A process in a session of its own, as a launch that a test has begun.
+    line = f"setsid --wait bash -c 'echo $$ > {tmp_path}/pid; sleep 600'"
     source = (
         "import run_checks as r, signal, sys\n"
         "signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))\n"
