@@ -32,6 +32,20 @@ def test_the_readme_begins_with_the_two_commands():
     assert "scripts/test.sh" in (ROOT / ".ci/run").read_text()
 
 
+def test_help_of_the_first_command_explains_its_options_and_runs_nothing(tmp_path):
+    ended = subprocess.run(
+        [str(ROOT / "scripts/survey.sh"), "--help"],
+        env=user_environment(tmp_path / "data", TMPDIR=str(tmp_path)),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=True,
+    )
+    assert "--frequency-points" in ended.stdout
+    assert "The survey is in" not in ended.stdout
+    assert not (tmp_path / "data").exists()
+
+
 @pytest.fixture(scope="module")
 def clean_survey(tmp_path_factory):
     """A survey made by the first command in a clean clone: (what was printed, its folder)."""
