@@ -89,6 +89,20 @@ def test_a_scans_over_time_come_back_from_the_merged_file(folder, tmp_path):
     assert float(found.delay[-1]) < 1 / 1.35e9
 
 
+def test_the_real_parts_over_time_hold_two_samples_per_period_of_the_highest_frequency(
+    survey, folder, tmp_path
+):
+    assert export(folder, tmp_path / "t.h5", "merged-hdf5", "--domain", "time") == 0
+    highest_hz = float(survey.frequency[-1])
+    with h5py.File(tmp_path / "t.h5", "r") as file:
+        step_s = float(file["Time"].attrs["dt"])
+        own = file["A-Scan/Re{A-Scan y-pol}"][0]
+    assert step_s * 2.0 * highest_hz <= 1.0 + 1e-9
+    spectrum = survey.s21.sel(polarization=90.0).values[0, 0]
+    turns = np.exp(2j * np.pi * survey.frequency.values * 2.0 * step_s)
+    assert own[2] == pytest.approx((spectrum * turns).sum().real / len(spectrum), rel=1e-5)
+
+
 def test_segyio_reads_a_cube_whose_traces_are_the_a_scans(survey, tmp_path, folder):
     assert export(folder, tmp_path / "s.sgy", "segy") == 0
     with segyio.open(str(tmp_path / "s_090.sgy"), strict=True) as file:

@@ -55,6 +55,12 @@ def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
     assert answer["processing"][0]["step"] == "background"
 
 
+def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
+    narrow = ["--step", "background", "--step", "band:start_hz=1e9,stop_hz=1.1e9"]
+    told_why = refused(capsys, "image", survey_file, "--permittivity", 4, *narrow)
+    assert "take a wider band" in told_why
+
+
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
     netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
     told(

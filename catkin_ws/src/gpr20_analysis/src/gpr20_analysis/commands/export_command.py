@@ -24,7 +24,7 @@ from gpr20_analysis.mid.formats import (
     touchstone,
 )
 from gpr20_analysis.mid.processing.delay import to_time
-from gpr20_analysis.mid.processing.sweep import Window
+from gpr20_analysis.mid.processing.sweep import Sweep, Window
 from gpr20_analysis.mid.survey_source import Progress
 
 Writer = Callable[[xr.Dataset, Path, argparse.Namespace], str]
@@ -126,8 +126,15 @@ def _transformed(
 ) -> xr.Dataset:
     over_time = chosen.format == "merged-hdf5" and chosen.domain == "time"
     if over_time and dataset.A_SCAN not in survey:
-        return to_time(machines.spread(survey), Window.NONE, padding=1.0)
+        return to_time(machines.spread(survey), Window.NONE, _padding_for_real_parts(survey))
     return survey
+
+
+def _padding_for_real_parts(survey: xr.Dataset) -> float:
+    # The group's programs work on the real part alone, which needs two samples per period of the
+    # highest frequency; the complex values would need fewer.
+    sweep = Sweep.of(survey)
+    return 2.0 * float(sweep.frequency_hz[-1]) / (sweep.step_hz * sweep.count)
 
 
 def _write_all(survey: xr.Dataset, chosen: argparse.Namespace) -> None:

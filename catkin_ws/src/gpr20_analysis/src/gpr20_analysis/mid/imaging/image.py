@@ -223,6 +223,12 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
             f"{traces[0].sweep.step_hz:g} Hz tell delays up to {unambiguous_s:.3g} s only; image "
             "less deep, or measure with more points"
         )
+    band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
+    if longest_s * band_hz < 1.0:
+        raise WrongDatasetError(
+            f"a band of {band_hz:g} Hz tells no delays apart below {1.0 / band_hz:.3g} s, and the "
+            f"whole image spans {longest_s:.3g} s, so no echo could be seen; take a wider band"
+        )
 
 
 def _volume(traces: Traces, focus: Focus, method: Method, workers: Workers) -> Volume:
