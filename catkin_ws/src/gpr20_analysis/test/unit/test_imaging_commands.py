@@ -143,6 +143,8 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
         picture = tmp_path / f"{kind}.png"
         told(capsys, "plot", kind, image, *options, "-o", picture)
         assert picture.stat().st_size > 10_000
+    reason = refused(capsys, "plot", "c-scan", image, "--delay", 2, "-o", tmp_path / "x.png")
+    assert "--delay is of a survey" in reason
 
 
 @pytest.mark.parametrize(
@@ -155,6 +157,7 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
         (("process", "SURVEY", "-o", "x.nc"), "no step was given"),
         (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside of the survey"),
         (("plot", "c-scan", "SURVEY", "-o", "x.png"), "--delay"),
+        (("plot", "c-scan", "SURVEY", "--depth", "50", "-o", "x.png"), "--depth is of an image"),
         (("plot", "b-scan", "SURVEY", "--until", "0", "-o", "x.png"), "--until"),
         (("plot", "height", "SURVEY", "-o", "x.jpg"), "must end in"),
         (("plot", "projection", "SURVEY", "-o", "x.png"), "no 'image'"),

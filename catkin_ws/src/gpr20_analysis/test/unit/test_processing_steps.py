@@ -84,6 +84,12 @@ def test_reference_of_another_sweep_or_rotation_is_refused():
         subtract_coupling(survey(TARGET), reference.isel(polarization=[0]))
 
 
+def test_the_survey_itself_is_no_reference():
+    named = survey(TARGET).assign_attrs(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7")
+    with pytest.raises(WrongDatasetError, match="is the survey itself"):
+        subtract_coupling(named, named)
+
+
 @settings(deadline=None, max_examples=25)
 @given(
     delay_s=st.floats(0.5e-9, 17e-9),

@@ -94,11 +94,9 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
         return maps.height_figure(data)
     if chosen.kind == "projection":
         return scans.projection_figure(data, _turn(data, chosen.rotation))
-    if chosen.kind == "c-scan" and IMAGE in data:
-        return scans.c_scan_figure(data, _level(data, DEPTH, chosen.depth, MM_PER_M, "mm"))
-    in_time = data if A_SCAN in data else to_time(data)
     if chosen.kind == "c-scan":
-        return scans.c_scan_figure(in_time, _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns"))
+        return _c_scan(data, chosen)
+    in_time = data if A_SCAN in data else to_time(data)
     if chosen.until is not None:
         in_time = _until(in_time, chosen.until)
     x_m, y_m = _place(data, X, chosen.x), _place(data, Y, chosen.y)
@@ -107,6 +105,21 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
     along = chosen.along or X
     value = scans.Value(chosen.value) if chosen.value else scans.Value.MAGNITUDE
     return scans.b_scan_figure(in_time, along, y_m if along == X else x_m, value)
+
+
+def _c_scan(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
+    from gpr20_analysis.mid.plotting import scans
+
+    if IMAGE in data:
+        if chosen.delay is not None:
+            raise WrongDatasetError("--delay is of a survey; of an image name a --depth")
+        return scans.c_scan_figure(data, _level(data, DEPTH, chosen.depth, MM_PER_M, "mm"))
+    if chosen.depth is not None:
+        raise WrongDatasetError(
+            "--depth is of an image; make one with gpr20 image, or name a --delay of the survey"
+        )
+    in_time = data if A_SCAN in data else to_time(data)
+    return scans.c_scan_figure(in_time, _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns"))
 
 
 def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:

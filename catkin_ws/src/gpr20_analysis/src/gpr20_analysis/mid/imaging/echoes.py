@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
@@ -25,6 +26,8 @@ class Echo:
         y_m: Place along Y [m].
         depth_m: Depth below the surface [m].
         level_db: Magnitude below the brightest voxel of all polarizations [dB].
+        above_noise_db: Magnitude above what the brightest voxel would have if all were noise of
+            the same median magnitude [dB]; an echo below zero may be none.
         width_x_m: -3 dB width along X [m]; NaN if the image ends before.
         width_y_m: The same along Y.
         width_depth_m: The same in depth.
@@ -35,6 +38,7 @@ class Echo:
     y_m: float
     depth_m: float
     level_db: float
+    above_noise_db: float
     width_x_m: float
     width_y_m: float
     width_depth_m: float
@@ -58,12 +62,25 @@ def find_echoes(
         return []
     axes = [image[name].values for name in (DEPTH, Y, X)]
     threshold = brightest * 10.0 ** (faintest_db / 20.0)
-    echoes = [
-        _echo(float(turn), volume, axes, place, brightest)
-        for turn, volume in zip(image[POLARIZATION].values, magnitude)
-        for place in maxima(volume, axes, threshold, nearest_m)
-    ]
+    echoes = []
+    for turn, volume in zip(image[POLARIZATION].values, magnitude):
+        levels = (brightest, noise_peak(volume))
+        places = maxima(volume, axes, threshold, nearest_m)
+        echoes += [_echo(float(turn), volume, axes, place, levels) for place in places]
     return sorted(echoes, key=lambda echo: -echo.level_db)
+
+
+def noise_peak(volume: np.ndarray) -> float:
+    """Return how bright the brightest voxel would be if all were noise of the same median.
+
+    The magnitude of complex Gaussian noise is distributed by Rayleigh's law: its median is
+    s sqrt(2 ln 2), and the largest of N is near s sqrt(2 ln N), which one in N exceeds. Voxels
+    that are not independent make it smaller.
+
+    Args:
+        volume: Magnitudes.
+    """
+    return float(np.median(volume)) * math.sqrt(math.log2(max(2, volume.size)))
 
 
 def maxima(
@@ -107,15 +124,22 @@ def _echo(
     volume: np.ndarray,
     axes: List[np.ndarray],
     place: Tuple[int, ...],
-    brightest: float,
+    levels: Tuple[float, float],
 ) -> Echo:
     lines = lines_through(volume, place)
     depth_m, y_m, x_m = peak_place(volume, axes, place)
     width_depth_m, width_y_m, width_x_m = (
         _half_power_width(line, axis, index) for line, axis, index in zip(lines, axes, place)
     )
-    level_db = 20.0 * float(np.log10(volume[place] / brightest))
-    return Echo(turn_deg, x_m, y_m, depth_m, level_db, width_x_m, width_y_m, width_depth_m)
+    level_db, above_noise_db = (
+        20.0 * float(np.log10(volume[place] / one)) if one > 0.0 else math.inf for one in levels
+    )
+    return Echo(
+        turn_deg,
+        *(x_m, y_m, depth_m),
+        *(level_db, above_noise_db),
+        *(width_x_m, width_y_m, width_depth_m),
+    )
 
 
 def _step(axis: np.ndarray) -> float:

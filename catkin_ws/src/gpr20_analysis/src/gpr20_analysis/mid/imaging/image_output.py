@@ -35,14 +35,30 @@ def rotation_word(rotation_deg: float) -> str:
 
 
 def echo_lines(echoes: List[Echo]) -> List[str]:
-    """Return a table of echoes, one line each below its heading."""
-    heading = "polarization      x mm      y mm  depth mm  level dB   -3 dB width x, y, depth mm"
-    return [heading] + [
+    """Return a table of echoes, one line each below its heading, and what to doubt."""
+    heading = (
+        "polarization      x mm      y mm  depth mm  level dB  above noise dB   "
+        "-3 dB width x, y, depth mm"
+    )
+    lines = [heading] + [
         f"{rotation_word(echo.polarization_deg):>12} "
         f"{echo.x_m * MM_PER_M:9.1f} {echo.y_m * MM_PER_M:9.1f} "
-        f"{echo.depth_m * MM_PER_M:9.1f} {echo.level_db:9.1f}   {echo.width_x_m * MM_PER_M:8.1f} "
-        f"{echo.width_y_m * MM_PER_M:8.1f} {echo.width_depth_m * MM_PER_M:8.1f}"
+        f"{echo.depth_m * MM_PER_M:9.1f} {echo.level_db:9.1f} {echo.above_noise_db:15.1f}   "
+        f"{echo.width_x_m * MM_PER_M:8.1f} {echo.width_y_m * MM_PER_M:8.1f} "
+        f"{echo.width_depth_m * MM_PER_M:8.1f}"
         for echo in echoes
+    ]
+    return [*lines, *doubtful_echoes(echoes)]
+
+
+def doubtful_echoes(echoes: List[Echo]) -> List[str]:
+    """Return a sentence on echoes that may be noise; none if there are no such echoes."""
+    doubtful = sum(echo.above_noise_db <= 0.0 for echo in echoes)
+    if not doubtful:
+        return []
+    return [
+        f"{doubtful} of the {len(echoes)} are no brighter than the brightest voxel would be if the "
+        "whole image were noise: they may be no echoes"
     ]
 
 

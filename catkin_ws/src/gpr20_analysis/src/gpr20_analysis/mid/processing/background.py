@@ -54,8 +54,17 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
             sky or an absorber; its mean over all positions is subtracted.
 
     Raises:
-        WrongDatasetError: The reference has another sweep, or lacks a rotation.
+        WrongDatasetError: The reference is the survey itself, has another sweep, or lacks a
+            rotation.
     """
+    if (
+        survey.attrs.get("survey_id")
+        and reference.attrs.get("survey_id") == survey.attrs["survey_id"]
+    ):
+        raise WrongDatasetError(
+            "the reference is the survey itself: what the ground sends back would be taken for "
+            "coupling; name a survey made towards the sky, or take the step background"
+        )
     measured = require(survey, S21, S21_DIMS)
     empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
     ours, theirs = survey[FREQUENCY].values, reference[FREQUENCY].values

@@ -11,7 +11,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid import dataset
 from gpr20_analysis.mid.imaging.echoes import Echo, find_echoes
 from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.mid.imaging.image_output import permittivity_line
+from gpr20_analysis.mid.imaging.image_output import doubtful_echoes, permittivity_line
 from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
 from gpr20_analysis.mid.plotting import scans
 from gpr20_analysis.mid.processing.chain import Step, apply_steps
@@ -33,6 +33,7 @@ ECHO_HEADING = (
     "y mm",
     "depth mm",
     "level dB",
+    "above noise dB",
     "-3 dB width x, y, depth mm",
 )
 
@@ -99,8 +100,8 @@ def _image(image: xr.Dataset, options: ImageOptions) -> List[Section]:
         ("widest angle in air", f"{options.widest_angle_deg:g} deg"),
         ("height", "as recorded" if options.height_m is None else f"{options.height_m:g} m"),
     ]
-    line = "" if echoes else "No echo stands out."
-    listed = Section("Echoes", lines=[line] if line else [], heading=ECHO_HEADING)
+    lines = doubtful_echoes(echoes) if echoes else ["No echo stands out."]
+    listed = Section("Echoes", lines=lines, heading=ECHO_HEADING)
     listed.rows = [_row(echo) for echo in echoes]
     return [Section(IMAGE_TITLE, rows=rows, figures=figures), listed]
 
@@ -112,6 +113,7 @@ def _row(echo: Echo) -> Tuple[str, ...]:
         "combined" if np.isnan(turn_deg) else f"{turn_deg:g} deg",
         *(_mm(one) for one in (echo.x_m, echo.y_m, echo.depth_m)),
         f"{echo.level_db:.1f}",
+        f"{echo.above_noise_db:.1f}",
         ", ".join(_mm(one) for one in widths),
     )
 
