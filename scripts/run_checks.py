@@ -1,4 +1,4 @@
-"""Run the checks of the project side by side, one for each processor.
+"""Run the checks of the project side by side, one more than there are processors.
 
 The robot's time limits are real seconds, which a machine that stalls breaks without anybody's
 fault: checks that failed are tried once more when all others have ended, one after the other, and
@@ -291,7 +291,9 @@ def main(parts: Sequence[str]) -> int:
             return 2
         signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
         pass_on_ctrl_c()
-        return 1 if Runner(show).run(checks, os.cpu_count() or 1) else 0
+        # Many of them wait for the robot more than they compute.
+        at_once = (os.cpu_count() or 1) + 1
+        return 1 if Runner(show).run(checks, at_once) else 0
 
 
 if __name__ == "__main__":
