@@ -92,6 +92,16 @@ def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wr
     assert len(heard) == 1
 
 
+def test_too_many_points_in_all_turn_the_fields_of_both_axes(window):
+    window.refresh(snapshot(SurveyState.IDLE))
+    for name in ("x_points", "y_points"):
+        enter(window, name, "1000")
+    for name in ("x_points", "y_points"):
+        said = window.control.form.edit(name).toolTip()
+        assert "fewer, a survey has at most 1000000 traces" in said
+    assert not window.control.start.isEnabled()
+
+
 @pytest.mark.parametrize("octet", range(4))
 @pytest.mark.parametrize("wrong", ["256", "", "x", "01"])
 def test_each_number_of_the_address_is_checked(window, octet, wrong):

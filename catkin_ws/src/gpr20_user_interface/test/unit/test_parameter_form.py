@@ -89,9 +89,10 @@ def test_several_wrong_fields_are_all_marked_in_their_order():
     assert result.wrong_fields == ("vna_address", "x_stop_mm", "y_points")
 
 
-def test_fault_of_no_single_field_locks_the_start_too():
+def test_too_many_points_in_all_are_a_fault_of_both_axes():
     result = check(x_points="1000", y_points="1000")
-    assert (result.parameters, result.wrong_fields, result.broken) == (None, (), (Rule.SIZE,))
+    assert (result.parameters, result.broken) == (None, (Rule.SIZE,))
+    assert result.wrong_fields == ("x_points", "y_points")
 
 
 def test_limits_are_those_of_the_axes_that_are_given():

@@ -94,10 +94,10 @@ FIELDS: Tuple[Field, ...] = (
     _field("frequency_points", "501", _whole_number, str, Rule.FREQUENCY_POINTS),
     _field("x_start_mm", "50", _number, _number_text, Rule.X_START),
     _field("x_stop_mm", "150", _number, _number_text, Rule.X_STOP),
-    _field("x_points", "5", _whole_number, str, Rule.X_POINTS, Rule.X_SPACING),
+    _field("x_points", "5", _whole_number, str, Rule.X_POINTS, Rule.X_SPACING, Rule.SIZE),
     _field("y_start_mm", "50", _number, _number_text, Rule.Y_START),
     _field("y_stop_mm", "150", _number, _number_text, Rule.Y_STOP),
-    _field("y_points", "5", _whole_number, str, Rule.Y_POINTS, Rule.Y_SPACING),
+    _field("y_points", "5", _whole_number, str, Rule.Y_POINTS, Rule.Y_SPACING, Rule.SIZE),
     _field(ROTATIONS, "0, 90", rotations_from_text, rotations_text, Rule.POLARIZATIONS),
 )
 FIELDS_BY_NAME: Dict[str, Field] = {field.name: field for field in FIELDS}

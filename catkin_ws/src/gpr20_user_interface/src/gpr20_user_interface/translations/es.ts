@@ -27,8 +27,8 @@
 <context>
   <name>Fields</name>
   <message>
-    <source>A survey has at most {most} traces</source>
-    <translation>Una campaña tiene como máximo {most} trazas</translation>
+    <source>fewer, a survey has at most {most} traces</source>
+    <translation>menos, una campaña tiene como máximo {most} trazas</translation>
   </message>
   <message>
     <source>Antenna rotations (°)</source>

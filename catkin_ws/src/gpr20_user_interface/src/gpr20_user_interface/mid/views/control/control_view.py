@@ -33,7 +33,6 @@ from gpr20_user_interface.mid.views.control.number_field import TouchEdit
 from gpr20_user_interface.mid.views.control.parameter_form_view import ParameterFormView
 from gpr20_user_interface.mid.views.control.preview_panel import PreviewPanel
 from gpr20_user_interface.mid.views.control.problem_text import (
-    all_problems,
     allowed_text,
     field_problems,
     field_title,
@@ -213,7 +212,7 @@ class ControlView(TranslatedWidget):
     def _show_problems(self) -> None:
         by_field = field_problems(self._check, self._travel)
         self.form.show_problems(by_field)
-        text = "\n".join(all_problems(self._check, self._travel))
+        text = "\n".join(by_field.values())
         if text != self.problems.toPlainText():
             self.problems.setPlainText(text)
         self._below.setCurrentWidget(self.problems if text else self.preview)

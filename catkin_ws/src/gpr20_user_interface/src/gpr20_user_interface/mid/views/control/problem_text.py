@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List
+from typing import Dict
 
 from PyQt5.QtCore import QCoreApplication
 
@@ -73,20 +73,8 @@ def field_problems(check: FormCheck, travel: RobotTravel) -> Dict[str, str]:
     }
 
 
-def all_problems(check: FormCheck, travel: RobotTravel) -> List[str]:
-    """Return every sentence, in the order of the fields."""
-    sentences = list(field_problems(check, travel).values())
-    if Rule.SIZE in check.broken:
-        sentences.append(
-            QCoreApplication.translate("Fields", "A survey has at most {most} traces").format(
-                most=MAX_TRACES
-            )
-        )
-    return sentences
-
-
 def _wrong_text(name: str, check: FormCheck, travel: RobotTravel) -> str:
-    allowed = _spacing(name, check, travel) or allowed_text(name, travel)
+    allowed = _spacing(name, check, travel) or _size(name, check) or allowed_text(name, travel)
     if name in check.unreadable and name in DECIMALS:
         # Many a keyboard and country writes 12,5.
         return QCoreApplication.translate("Fields", "a number such as 12.5, {allowed}").format(
@@ -102,3 +90,11 @@ def _spacing(name: str, check: FormCheck, travel: RobotTravel) -> str:
     return QCoreApplication.translate(
         "Fields", "the points between start and stop must be at least {step} mm apart"
     ).format(step=f"{rules[name][1].step:g}")
+
+
+def _size(name: str, check: FormCheck) -> str:
+    if name not in ("x_points", "y_points") or Rule.SIZE not in check.broken:
+        return ""
+    return QCoreApplication.translate("Fields", "fewer, a survey has at most {most} traces").format(
+        most=MAX_TRACES
+    )
