@@ -18,6 +18,7 @@ from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.direct_service import DirectServiceClient
+from gpr20_user_interface.high.listening import Listening, in_background
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.mid.survey_state import Accepted, Answer, AxisLimits, Event, Request
@@ -41,9 +42,7 @@ class ControlClient:
     """
 
     def __init__(self, listener: Callable[[Event], None]) -> None:
-        self._to_listener = listener
-        self._telling = threading.Lock()
-        self._closed = False
+        self._listening = Listening(listener)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = DirectServiceClient("stop_survey", Trigger)
@@ -54,59 +53,48 @@ class ControlClient:
         }
         self._master = MasterWatch()
         self._reading_limits = threading.Lock()
-        self._subscribers: List[rospy.Subscriber] = []
 
     def listen(self) -> None:
         """Subscribe to what main_control says."""
-        self._subscribe("control_status", ControlStatus, conversions.control_state, None)
-        self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
+        self._listening.subscribe("control_status", ControlStatus, conversions.control_state, None)
+        self._listening.subscribe("control_survey_data", SurveyData, conversions.progress, None)
 
     def listen_to_robot(self) -> None:
         """Subscribe to where the robot is."""
-        self._subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
-        self._subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
-        self._subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
-        self._subscribe("measured_height", Range, conversions.measured_height, 1)
-
-        self._subscribers.append(
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20)
-        )
+        hear = self._listening.subscribe
+        hear("control_current_coordinate", Coordinates, conversions.current_position, 1)
+        hear("control_target_coordinate", Coordinates, conversions.target_position, 1)
+        hear("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
+        hear("measured_height", Range, conversions.measured_height, 1)
+        self._listening.subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
 
     def close(self) -> None:
         """Tell the listener nothing more, whatever is still on its way."""
-        with self._telling:
-            self._closed = True
-        for subscriber in self._subscribers:
-            subscriber.unregister()
-        self._subscribers.clear()
+        self._listening.close()
 
     def start_survey(self, parameters: SurveyParameters) -> None:
         """Ask to accept the parameters and to start; the answer is an event."""
-        self._in_background(
-            lambda: self._answer(Request.START, lambda: self._ask_start(parameters))
-        )
+        in_background(lambda: self._answer(Request.START, lambda: self._ask_start(parameters)))
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
-        self._in_background(lambda: self._answer(Request.STOP, self._ask_stop))
+        in_background(lambda: self._answer(Request.STOP, self._ask_stop))
 
     def pause_survey(self) -> None:
         """Ask to hold the survey; the answer is an event."""
-        self._in_background(
+        in_background(
             lambda: self._answer(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
         )
 
     def resume_survey(self, survey_id: str = "") -> None:
         """Ask to go on with the paused survey or with the one named; the answer is an event."""
-        self._in_background(
-            lambda: self._answer(Request.RESUME, lambda: self._ask_resume(survey_id))
-        )
+        in_background(lambda: self._answer(Request.RESUME, lambda: self._ask_resume(survey_id)))
 
     def read_axis_limits(self) -> None:
         """Read what the axes can do; the answer is an event."""
         # A master that hangs must not collect one thread per call.
         if self._reading_limits.acquire(blocking=False):
-            self._in_background(self._read_axis_limits)
+            in_background(self._read_axis_limits)
 
     def _read_axis_limits(self) -> None:
         try:
@@ -115,9 +103,9 @@ class ControlClient:
                 self._master.look()
                 for service in (self._stop, *self._axis_stops.values()):
                     service.remember()
-            self._tell(limits)
+            self._listening.tell(limits)
         except (rosgraph.MasterException, OSError) as error:
-            self._tell(AxisLimits(None, str(error), master_alive=False))
+            self._listening.tell(AxisLimits(None, str(error), master_alive=False))
         finally:
             self._reading_limits.release()
 
@@ -126,7 +114,7 @@ class ControlClient:
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
-        self._tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
+        self._listening.tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
     def _ask_stop(self) -> Any:
@@ -163,34 +151,11 @@ class ControlClient:
         try:
             response = ask()
         except (ServiceUnavailableError, rospy.ROSException) as error:
-            self._tell(Answer(request, False, str(error)))
+            self._listening.tell(Answer(request, False, str(error)))
         else:
             survey_id = getattr(response, "survey_id", "")
-            self._tell(Answer(request, response.success, response.message, survey_id))
+            self._listening.tell(Answer(request, response.success, response.message, survey_id))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._tell(health)
-
-    def _tell(self, event: Event) -> None:
-        # The listener may be gone once it has been told to close.
-        with self._telling:
-            if not self._closed:
-                self._to_listener(event)
-
-    def _subscribe(
-        self, name: str, message_class: Any, convert: Callable[[Any], Event], queue_size: Any
-    ) -> None:
-        self._subscribers.append(
-            rospy.Subscriber(
-                name,
-                message_class,
-                lambda message: self._tell(convert(message)),
-                queue_size=queue_size,
-            )
-        )
-
-    @staticmethod
-    def _in_background(work: Callable[[], None]) -> None:
-        # Daemons: a call that never returns must not keep the process alive.
-        threading.Thread(target=work, daemon=True).start()
+            self._listening.tell(health)

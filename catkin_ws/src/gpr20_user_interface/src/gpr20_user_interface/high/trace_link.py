@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import threading
-from typing import Any, Callable, List
+from typing import Any, Callable
 
-import rospy
 from PyQt5.QtCore import QObject, pyqtSignal
 from std_msgs.msg import String
 
@@ -13,6 +11,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_msgs.msg import SurveyCoverage, Trace
 from gpr20_msgs.srv import ListSurveys, ReadSurvey, ReadTraces
 from gpr20_user_interface.high import trace_conversions as conversions
+from gpr20_user_interface.high.listening import Listening, in_background
 from gpr20_user_interface.mid.trace_events import ReadingFailed, TraceEvent
 
 LIST_TIMEOUT_S = 20.0
@@ -34,23 +33,17 @@ class TraceLink(QObject):
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
-        self._subscribers: List[rospy.Subscriber] = []
-        self._telling = threading.Lock()
-        self._closed = False
+        self._listening = Listening(self._emit)
 
     def listen(self) -> None:
         """Begin to emit events."""
-        self._subscribe("survey_metadata", String, conversions.survey_described, 1)
-        self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
-        self._subscribe("trace", Trace, conversions.radar_trace, TRACE_QUEUE)
+        self._listening.subscribe("survey_metadata", String, conversions.survey_described, 1)
+        self._listening.subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
+        self._listening.subscribe("trace", Trace, conversions.radar_trace, TRACE_QUEUE)
 
     def close(self) -> None:
         """Emit nothing more, whatever is still on its way."""
-        with self._telling:
-            self._closed = True
-        for subscriber in self._subscribers:
-            subscriber.unregister()
-        self._subscribers.clear()
+        self._listening.close()
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""
@@ -79,32 +72,19 @@ class TraceLink(QObject):
         )
 
     def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
-        # Daemons: a call that never returns must not keep the process alive.
-        threading.Thread(target=self._answer, args=(call, convert), daemon=True).start()
+        in_background(lambda: self._answer(call, convert))
 
     def _answer(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
         try:
             response = call()
         except ServiceUnavailableError as error:
-            self._tell(ReadingFailed(str(error)))
+            self._listening.tell(ReadingFailed(str(error)))
             return
-        self._tell(convert(response) if response.success else ReadingFailed(response.message))
-
-    def _subscribe(
-        self, name: str, message_class: Any, convert: Callable[[Any], TraceEvent], queue_size: int
-    ) -> None:
-        self._subscribers.append(
-            rospy.Subscriber(
-                name,
-                message_class,
-                lambda message: self._tell(convert(message)),
-                queue_size=queue_size,
-            )
+        self._listening.tell(
+            convert(response) if response.success else ReadingFailed(response.message)
         )
 
     # A method, not the signal's own emit: a signal does not keep its object alive, and threads
     # of ROS may outlive everybody else who does; after the end even the object itself.
-    def _tell(self, event: TraceEvent) -> None:
-        with self._telling:
-            if not self._closed:
-                self.event.emit(event)
+    def _emit(self, event: TraceEvent) -> None:
+        self.event.emit(event)
