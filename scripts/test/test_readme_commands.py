@@ -26,6 +26,18 @@ def processes_about(text):
     return listed.stdout.splitlines()
 
 
+def run_survey(data, *options):
+    """Run the first command with options; return how it ended and what it printed."""
+    return subprocess.run(
+        [str(ROOT / "scripts/survey.sh"), *options],
+        env=user_environment(data),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+
+
 def test_the_readme_begins_with_the_two_commands():
     lines = fenced_lines((ROOT / "README.md").read_text())
     assert lines[:2] == ["scripts/survey.sh", "scripts/test.sh"]
@@ -141,27 +153,13 @@ def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(t
     assert metadata["stored_traces"] == len(list(survey.parent.glob("traces/*.json")))
     assert processes_about(str(tmp_path)) == []
 
-    ended = subprocess.run(
-        [str(ROOT / "scripts/survey.sh"), "--resume", str(survey.parent)],
-        env=user_environment(tmp_path),
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
+    ended = run_survey(tmp_path, "--resume", str(survey.parent))
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert json.loads(survey.read_text())["stored_traces"] == 18
 
 
 def test_a_refused_parameter_is_told_and_the_status_says_so(tmp_path):
-    ended = subprocess.run(
-        [str(ROOT / "scripts/survey.sh"), "--x-stop", "700"],
-        env=user_environment(tmp_path),
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
+    ended = run_survey(tmp_path, "--x-stop", "700")
     assert ended.returncode == 1, ended.stdout + ended.stderr
     assert "x stop is 700 mm; it must lie between 0 and 650 mm" in ended.stdout + ended.stderr
     assert not any(tmp_path.glob("*"))

@@ -17,7 +17,6 @@ import time
 import unittest
 import uuid
 from pathlib import Path
-from types import MappingProxyType
 
 import rosbag
 import rospy
@@ -27,6 +26,9 @@ from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
 from roscpp.srv import GetLoggers
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from sent_traces import make_trace, numbers
+
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, ReportSurvey, StoreData
 
@@ -34,44 +36,6 @@ PACKAGE = "gpr20_vna_processing"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
 TIME_LIMIT_S = 60.0
 TRACES = 6
-# One moment for all: a trace that is sent again must be the very same.
-MEASURED_S = math.floor(time.time()) - 1
-
-
-def make_trace(survey_id: str, index: int, changes=MappingProxyType({})) -> Trace:
-    now = rospy.Time(MEASURED_S)
-    later = rospy.Time(now.secs, 123_456_789)  # nanoseconds are cut off everywhere
-    trace = Trace(
-        format="gpr20-trace/1",
-        survey_id=survey_id,
-        sample_id=f"{survey_id}-{index:06d}",
-        index=index,
-        timestamp=later,
-        x_coord_mm=50.0 * index,
-        y_coord_mm=50.0,
-        z_coord_deg=90.0 * (index % 2),
-        antennae_height_m=math.nan if index == 0 else 0.1 * index,
-        frequency_hz=[600e6 + 512.0 * k for k in range(201)],
-        s21_real=[math.sin(k + index) * 1e-3 for k in range(201)],
-        s21_imag=[math.cos(k + index) * 1e-300 for k in range(201)],
-        sweep_started=now,
-        sweep_ended=later,
-        quality=["level low"] if index == 2 else [],
-    )
-    for name, value in changes.items():
-        setattr(trace, name, value)
-    return trace
-
-
-def numbers(trace) -> tuple:
-    """Return what must be the same in JSON, bag, MCAP and topic."""
-    get = trace.get if isinstance(trace, dict) else lambda name: getattr(trace, name)
-    height = get("antennae_height_m")
-    return (
-        *(get(name) for name in ("index", "sample_id", "x_coord_mm", "y_coord_mm", "z_coord_deg")),
-        None if height is None or math.isnan(height) else height,
-        *(tuple(get(name)) for name in ("frequency_hz", "s21_real", "s21_imag", "quality")),
-    )
 
 
 class StoreSurveyTest(unittest.TestCase):
