@@ -28,15 +28,15 @@ from std_srvs.srv import Trigger
 
 from gpr20_axis_driver.axis_exceptions import MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.process_engine import ProcessEngine
-from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus, CurrentCoordinate, SurveyParameters
 from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
 from gpr20_simulator.high.world_path import world_path
 from gpr20_simulator.low.world import AxisName, World, open_world
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.ramp import Ramp
 
 LIMIT_S = 120.0
 X = AxisParameters(13, 15, 0.01, 0.0015, 0.0050, 0.0001, 0.0, 650.0, "LIN", 16)

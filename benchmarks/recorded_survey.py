@@ -14,12 +14,13 @@ from typing import Any, Mapping
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_main_control.mid.survey_plan import survey_points
-from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_json
-from gpr20_vna_processing.mid.recordings import open_recordings
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.trace import trace_json
+from gpr20_survey.trace.trace import TraceRecord
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_000_000

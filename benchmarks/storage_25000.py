@@ -29,10 +29,10 @@ from typing import Any, Dict, Iterator, List
 import numpy as np
 import rospy
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_main_control.mid.survey_plan import SurveyPoint, survey_points
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 
 ROOT = Path(__file__).resolve().parents[1]
 NODE = ROOT / "catkin_ws/src/gpr20_vna_processing/nodes/vna_processing"

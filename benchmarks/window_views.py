@@ -19,7 +19,7 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 import numpy as np
 from PyQt5.QtWidgets import QApplication, QWidget
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop, SurveyGrid
 from gpr20_user_interface.mid.radar_model import RadarTrace

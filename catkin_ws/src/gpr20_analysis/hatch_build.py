@@ -7,7 +7,7 @@ from typing import Any, Dict
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-BENEATH = ("gpr20_common", "gpr20_main_control", "gpr20_vna_processing")
+BENEATH = ("gpr20_common", "gpr20_survey")
 
 
 class PackagesBeneath(BuildHookInterface):  # type: ignore[type-arg]

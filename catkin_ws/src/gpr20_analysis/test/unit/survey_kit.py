@@ -13,14 +13,14 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_main_control.mid.survey_plan import survey_points
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.recordings import open_recordings, stored_recordings
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
-from gpr20_vna_processing.mid.recordings import open_recordings, stored_recordings
 from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
@@ -44,7 +44,7 @@ TYPES.register(
 )
 
 
-def planned_trace(index: int, **changes: Any) -> TraceRecord:
+def planned_trace(index: int, **changes: Any) -> Trace:
     """Return the trace of a planned point, with some fields changed."""
     noise = np.random.default_rng(index)
     point = POINTS[index]
@@ -65,13 +65,13 @@ def planned_trace(index: int, **changes: Any) -> TraceRecord:
         "sweep_ended_us": STARTED_US + 1_000_001,
         "quality": (),
     }
-    return TraceRecord(**{**fields, **changes})
+    return Trace(**{**fields, **changes})
 
 
 class PlainMessages:
     """Serializes as the node does, without ROS."""
 
-    def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
+    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
         values["quality"] = list(trace.quality)
         for name in ("timestamp", "sweep_started", "sweep_ended"):
@@ -84,7 +84,7 @@ class PlainMessages:
         message = _recorded("/survey_metadata", "std_msgs/String", {"data": text}, time_ns)
         return replace(message, latching=True)
 
-    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
         raise NotImplementedError("these surveys are not reopened")
 
 

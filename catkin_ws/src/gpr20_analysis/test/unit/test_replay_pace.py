@@ -9,7 +9,7 @@ from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid.replay import Due, Pace, paced, recorded
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_survey.recording.recording import RecordedMessage
 
 
 class JumpingClock:

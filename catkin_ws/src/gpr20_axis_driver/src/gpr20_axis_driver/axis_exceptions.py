@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_survey.axes.errors import AxisException, AxisParameterError, TravelError
 
-
-class AxisException(Gpr20Error):
-    """An axis refused or failed to do what it was told."""
-
-
-class AxisParameterError(AxisException, InvalidValueError):
-    """A parameter of the axis is not allowed."""
-
-
-class TravelError(AxisException, ValueError):
-    """A target lies outside the axis."""
+__all__ = [
+    "AxisBusyError",
+    "AxisException",
+    "AxisParameterError",
+    "EndstopError",
+    "MotionStopped",
+    "NodeHungError",
+    "NotHomedError",
+    "PositionLostError",
+    "PulseProcessError",
+    "StepMemoryError",
+    "TravelError",
+    "ZeroUnknownError",
+]
 
 
 class NotHomedError(AxisException, RuntimeError):

@@ -14,8 +14,8 @@ from axis_under_test import LIMIT_S, Axis, exists, killed_client, start_client, 
 
 from gpr20_axis_driver.high.goal_clients import SILENCE_LIMIT_S
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S
-from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_simulator.low.world import AxisName
+from gpr20_survey.axes.ramp import Ramp
 
 X_TIME_SCALE = 10.0
 X_STEPS_PER_MM = 100

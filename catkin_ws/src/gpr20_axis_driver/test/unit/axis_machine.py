@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import List, Optional, Tuple
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.motion import Ending
 from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
 from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 X_PARAMETERS = AxisParameters(
     dir_pin=13,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_axis_driver.axis_exceptions import NotHomedError, PositionLostError
-from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_survey.axes.ramp import Ramp
 
 LATE_S = X_PARAMETERS.late_limit_s
 GAP_S = X_PARAMETERS.gap_limit_s

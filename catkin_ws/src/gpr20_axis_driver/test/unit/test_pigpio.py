@@ -13,10 +13,10 @@ from gpr20_axis_driver.axis_exceptions import MotionStopped, PositionLostError, 
 from gpr20_axis_driver.low.pigpio_waves import GPIO_OF_BOARD, lock_wave_transmitter
 from gpr20_axis_driver.low.pins import PinLibraryError
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.axis_parameters import BOARD_PINS
 from gpr20_axis_driver.mid.motion import Ending, Motion
-from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
+from gpr20_survey.axes.axis_parameters import BOARD_PINS
+from gpr20_survey.axes.ramp import Ramp
 
 DIR, STEP, SENSOR = 27, 22, 23
 RAMP = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)

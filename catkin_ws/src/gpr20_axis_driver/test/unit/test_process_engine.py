@@ -26,9 +26,9 @@ from gpr20_axis_driver.axis_exceptions import (
 from gpr20_axis_driver.low import pulse_process
 from gpr20_axis_driver.mid import process_engine
 from gpr20_axis_driver.mid.process_engine import ProcessEngine
-from gpr20_axis_driver.mid.ramp import Ramp
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_survey.axes.ramp import Ramp
 
 # What a stop may take besides the ramp.
 STOP_S = 0.1

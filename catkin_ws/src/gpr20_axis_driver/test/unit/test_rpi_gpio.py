@@ -6,7 +6,7 @@ from recorded_rpi_gpio import HIGH, IN, LOW, OUT, PUD_OFF, PUD_UP, RecordedRpiGp
 
 from gpr20_axis_driver.mid.motion import Ending, Motion, Until
 from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
-from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_survey.axes.ramp import Ramp
 
 SLOW = Ramp(0.005, 0.005, 0.001)
 

@@ -7,48 +7,31 @@ import threading
 import time
 from dataclasses import replace
 
+import numpy as np
 from fake_clocks import FastClock
+from survey_examples import AXES, PARAMETERS
 
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.robot import (
-    AxisId,
+    AnalyzerSweep,
     AxisReading,
     MoveOutcome,
     OpenedSurvey,
     ReopenedSurvey,
     Robot,
-    Sweep,
 )
-from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.survey_factory import Surroundings
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
-from gpr20_main_control.mid.survey_settings import SurveySettings
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.sweep import Sweep
 
 LIMIT_S = 20.0
+FIRST_SWEEP_US = 1_800_000_000_000_000
 NODES = ("x_axis/axis_driver", "vna_acquisition", "vna_processing")
-AXES = {
-    AxisId.X: AxisParameters(13, 15, 0.01, 0.0015, 0.005, 0.0001, 0.0, 650.0, "LIN", 16),
-    AxisId.Y: AxisParameters(37, 38, 0.01, 0.0025, 0.005, 0.0001, 0.0, 800.0, "LIN", 40),
-    AxisId.Z: AxisParameters(11, 12, 1.8, 0.010, 0.025, 0.005, -90.0, 90.0, "ROT"),
-}
-TRAVEL = RobotFacts(AXES, simulated=True).travel
-PARAMETERS = SurveyParameters(
-    vna_address="127.0.0.1",
-    start_frequency_hz=600.0e6,
-    stop_frequency_hz=6.0e9,
-    frequency_points=5,
-    x_start_mm=10.0,
-    x_stop_mm=30.0,
-    x_points=3,
-    y_start_mm=5.0,
-    y_stop_mm=35.0,
-    y_points=4,
-)
 
 
 class FakeAxis:
@@ -137,10 +120,7 @@ class FakeAnalyzer:
     def frequencies_hz(self):
         span = self._setting.stop_frequency_hz - self._setting.start_frequency_hz
         step = span / (self._setting.points - 1)
-        return tuple(
-            self._setting.start_frequency_hz + step * number
-            for number in range(self._setting.points)
-        )
+        return self._setting.start_frequency_hz + step * np.arange(self._setting.points)
 
     def sweep(self):
         self.on_sweep()
@@ -148,10 +128,11 @@ class FakeAnalyzer:
             self.failures -= 1
             raise DeviceError("the VNA did not answer")
         self.sweeps += 1
-        values = (float(self.sweeps),) * self._setting.points
-        began_ns = self.sweeps * 10
+        values = np.full(self._setting.points, float(self.sweeps))
+        began_us = FIRST_SWEEP_US + self.sweeps * 10
         setting = self._setting if self.other_setting is None else self.other_setting
-        return Sweep(values, values, began_ns, began_ns + 5, (), setting, self.calibration_status)
+        sweep = Sweep(self.frequencies_hz(), values, values, began_us, began_us + 5, ())
+        return AnalyzerSweep(sweep, setting, self.calibration_status)
 
 
 class FakeHeightSensor:
@@ -238,12 +219,12 @@ class Bench:
         self.parameters = []
         surroundings = Surroundings(
             robot,
-            RobotFacts(AXES, simulated=True, time_scale=time_scale),
+            RobotConfig(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.nodes,
             self.board,
             clock,
-            time.time_ns,
+            lambda: time.time_ns() // 1000,
             lambda coverage: self.coverages.append((coverage.states, coverage.verdict())),
         )
         self.control = MainControl(surroundings, self.parameters.append)

@@ -45,7 +45,7 @@ class KeepingStorage:
             self.records[survey_id].metadata_json,
             self.reports.get(survey_id, ""),
             tuple(sorted(stored)),
-            list(stored.values())[-1].as_stored() if stored else None,
+            list(stored.values())[-1] if stored else None,
             interrupted,
         )
 

@@ -2,21 +2,47 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.control_measurement import compare
-from gpr20_main_control.mid.coverage import Coverage, SampleState
-from gpr20_main_control.mid.robot import StoredTrace, Sweep, SweepSetting
 from gpr20_main_control.mid.survey_report import SurveyReport
+from gpr20_survey.plan.coverage import Coverage, SampleState
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.trace import Trace
 
-STORED = StoredTrace(7, 0.2, (1.0e9, 2.0e9), (3.0, 0.0), (0.0, 4.0))
+MOMENT_US = 1_800_000_000_000_000
+
+
+def numbers(real, imag):
+    return {
+        "frequency_hz": np.array([1.0e9, 2.0e9]),
+        "s21_real": np.array(real),
+        "s21_imag": np.array(imag),
+        "sweep_started_us": MOMENT_US,
+        "sweep_ended_us": MOMENT_US,
+        "quality": (),
+    }
+
+
+STORED = Trace(
+    **numbers([3.0, 0.0], [0.0, 4.0]),
+    survey_id="5ec1a5d2-0000-4000-8000-000000000000",
+    sample_id="1",
+    index=7,
+    timestamp_us=MOMENT_US,
+    x_coord_mm=0.0,
+    y_coord_mm=0.0,
+    z_coord_deg=0.0,
+    antennae_height_m=0.2,
+)
 
 
 def sweep(real, imag):
-    return Sweep(tuple(real), tuple(imag), 1, 2, (), SweepSetting(1.0e9, 2.0e9, 2), 1)
+    return Sweep(**numbers(real, imag))
 
 
 def test_nothing_is_complete_until_every_sample_is_stored():
@@ -78,7 +104,7 @@ def test_a_control_measurement_without_height_tells_none():
 
 def test_a_report_goes_on_where_the_former_one_ended():
     first = SurveyReport(Coverage(9, [7]), "", lambda coverage: None)
-    first.note_control(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**9)
+    first.note_control(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
     told = []
     second = SurveyReport(Coverage(9, [7]), first.to_json(), told.append)
     assert second.coverage.states[7] is SampleState.REMEASURED

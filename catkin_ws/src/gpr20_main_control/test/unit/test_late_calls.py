@@ -8,7 +8,7 @@ from fake_robot import LIMIT_S, Bench, FakeAnalyzer, FakeStorage
 
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.background import Turns
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"
 

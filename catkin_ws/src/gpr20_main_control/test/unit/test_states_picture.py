@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from gpr20_main_control.mid.survey_state import TRANSITIONS, SurveyState
+from gpr20_survey.plan.survey_state import TRANSITIONS, SurveyState
 
 ARCHITECTURE = Path(__file__).resolve().parents[5] / "docs" / "architecture.md"
 ARROW = re.compile(r"^ +(\w+) --> (\w+)(?: : .+)?$", re.MULTILINE)

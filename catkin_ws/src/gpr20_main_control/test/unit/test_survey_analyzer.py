@@ -3,11 +3,12 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from fake_robot import Bench
 
 from gpr20_main_control.mid.robot import SweepSetting
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_a_failed_sweep_is_repeated_after_connecting_again(bench):
@@ -75,7 +76,7 @@ def test_a_survey_never_goes_on_with_other_frequencies(bench):
     bench.wait_for(State.PAUSED)
     bench.y.fail_move = ""
     usual = bench.analyzer.frequencies_hz
-    bench.analyzer.frequencies_hz = lambda: (*usual()[:-1], 5.9e9)
+    bench.analyzer.frequencies_hz = lambda: np.append(usual()[:-1], 5.9e9)
     bench.control.resume("")
     bench.wait_for_message("no longer those of this survey")
     bench.wait_for(State.PAUSED)

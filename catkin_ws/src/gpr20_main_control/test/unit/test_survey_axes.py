@@ -4,7 +4,7 @@ import pytest
 from fake_clocks import ManualClock
 from fake_robot import Bench
 
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_each_axis_gets_its_own_targets(bench):

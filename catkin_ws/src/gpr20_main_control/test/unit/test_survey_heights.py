@@ -2,7 +2,7 @@
 
 import pytest
 
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench, monkeypatch):

@@ -5,17 +5,18 @@ import time
 from dataclasses import replace
 
 import pytest
-from fake_robot import LIMIT_S, NODES, PARAMETERS, TRAVEL, Bench, FakeAnalyzer
+from fake_robot import LIMIT_S, NODES, Bench, FakeAnalyzer
 from hypothesis import event, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from keeping_storage import KeepingStorage, folder_of
+from survey_examples import PARAMETERS, TRAVEL
 
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.survey_parameters import SurveyParametersError
-from gpr20_main_control.mid.survey_plan import survey_points
-from gpr20_main_control.mid.survey_state import AT_REST, RUNNING, TRANSITIONS
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_parameters import SurveyParametersError
+from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_state import AT_REST, RUNNING, TRANSITIONS
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 SMALL = replace(PARAMETERS, y_points=3, polarizations_deg=(0.0,))
 PLAN = survey_points(SMALL, TRAVEL)
@@ -279,7 +280,7 @@ class SurveyMachine(RuleBasedStateMachine):
     def nothing_is_lost_or_measured_twice(self):
         for survey_id, samples in self.storage.samples.items():
             assert set(self.stored_before.get(survey_id, ())) <= set(samples)
-            sweeps = [sample.sweep.s21_real[0] for sample in samples.values()]
+            sweeps = [sample.s21_real[0] for sample in samples.values()]
             assert len(set(sweeps)) == len(sweeps)
             for index, sample in samples.items():
                 point = PLAN[index]

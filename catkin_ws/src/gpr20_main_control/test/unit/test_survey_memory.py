@@ -4,7 +4,7 @@ import tracemalloc
 
 from fake_robot import Bench, FakeStorage
 
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 OURS = tracemalloc.Filter(True, "*gpr20_main_control/src/*")
 ROWS = 400

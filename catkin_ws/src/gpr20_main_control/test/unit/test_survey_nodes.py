@@ -6,7 +6,7 @@ import pytest
 from fake_robot import LIMIT_S, Bench
 
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
 
@@ -58,7 +58,7 @@ def test_the_sample_in_flight_is_measured_again_after_connecting_anew(patient_be
     come_back(bench, VNA)
     bench.complete()
     assert len(bench.analyzer.connections) > connections
-    sweeps = [sample.sweep.s21_real[0] for sample in bench.storage.samples]
+    sweeps = [sample.s21_real[0] for sample in bench.storage.samples]
     assert len(set(sweeps)) == 24
 
 

@@ -5,7 +5,7 @@ from fake_clocks import ManualClock
 from fake_robot import Bench
 
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_resume_names_the_survey_that_is_paused(bench):

@@ -3,12 +3,15 @@
 import json
 from dataclasses import asdict
 
+import numpy as np
 import pytest
-from fake_robot import AXES, PARAMETERS, FakeAnalyzer
+from fake_robot import FIRST_SWEEP_US
+from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.robot import ReopenedSurvey, StoredTrace, SweepSetting
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.trace.trace import Trace
 
 
 def test_after_an_axis_was_homed_again_the_last_point_is_measured_as_a_control(bench):
@@ -38,11 +41,7 @@ def cut_off_survey(bench, stored, **changes):
         "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
         **changes,
     }
-    last = (
-        StoredTrace(max(stored), 0.2, analyzer_frequencies(), (1.0,) * 5, (1.0,) * 5)
-        if stored
-        else None
-    )
+    last = stored_trace(max(stored)) if stored else None
     bench.storage.reopened = ReopenedSurvey(
         "5ec1a5d2-0000-4000-8000-000000000000",
         "/data/survey",
@@ -53,10 +52,23 @@ def cut_off_survey(bench, stored, **changes):
     )
 
 
-def analyzer_frequencies():
-    analyzer = FakeAnalyzer()
-    analyzer.configure(SweepSetting(600.0e6, 6.0e9, 5))
-    return analyzer.frequencies_hz()
+def stored_trace(index):
+    return Trace(
+        frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
+        s21_real=np.ones(5),
+        s21_imag=np.ones(5),
+        sweep_started_us=FIRST_SWEEP_US,
+        sweep_ended_us=FIRST_SWEEP_US,
+        quality=(),
+        survey_id="5ec1a5d2-0000-4000-8000-000000000000",
+        sample_id="1",
+        index=index,
+        timestamp_us=FIRST_SWEEP_US,
+        x_coord_mm=0.0,
+        y_coord_mm=0.0,
+        z_coord_deg=0.0,
+        antennae_height_m=0.2,
+    )
 
 
 @pytest.mark.parametrize("stored", [[], [0], [0, 1, 2, 3, 4], [0, 2, 5, 23], list(range(23))])

@@ -3,12 +3,13 @@
 from dataclasses import replace
 
 import pytest
-from fake_robot import PARAMETERS, TRAVEL, Bench
+from fake_robot import Bench
+from survey_examples import PARAMETERS, TRAVEL
 
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.survey_parameters import SurveyParametersError
-from gpr20_main_control.mid.survey_plan import survey_points
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_parameters import SurveyParametersError
+from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 @pytest.mark.parametrize("x_points", [3, 4])
@@ -34,7 +35,7 @@ def test_every_sample_has_a_sweep_of_its_own_taken_where_it_says(bench):
     bench.start()
     bench.wait_for(State.FINISHED)
     samples = bench.storage.samples
-    assert [sample.sweep.s21_real[0] for sample in samples] == list(range(1, 25))
+    assert [sample.s21_real[0] for sample in samples] == list(range(1, 25))
     assert [(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in samples] == places
 
 

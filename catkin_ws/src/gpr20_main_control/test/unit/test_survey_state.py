@@ -3,7 +3,7 @@
 import pytest
 
 from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_state import (
+from gpr20_survey.plan.survey_state import (
     AT_REST,
     RUNNING,
     TRANSITIONS,

@@ -4,7 +4,7 @@ import threading
 
 from fake_robot import LIMIT_S
 
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):

@@ -5,8 +5,8 @@ import threading
 
 from fake_robot import LIMIT_S
 
-from gpr20_main_control.mid.coverage import SampleState
-from gpr20_main_control.mid.survey_state import SurveyState as State
+from gpr20_survey.plan.coverage import SampleState
+from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_the_metadata_say_what_was_measured_with_what(bench):

@@ -12,7 +12,6 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.services import advertise
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel, check
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import (
@@ -23,6 +22,7 @@ from gpr20_msgs.srv import (
     StartSurvey,
     StartSurveyResponse,
 )
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel, check
 
 TRAVEL = RobotTravel(
     x=Travel(0.0, 650.0, 0.01), y=Travel(0.0, 800.0, 0.01), z=Travel(-90.0, 90.0, 1.8)

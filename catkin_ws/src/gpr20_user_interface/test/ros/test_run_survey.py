@@ -19,8 +19,8 @@ import rostest
 from fake_main_control import FakeMainControl
 from waiting import LIMIT_S, wait_until
 
-from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_msgs.msg import ControlStatus
+from gpr20_survey.plan.survey_state import SurveyState
 
 SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
 

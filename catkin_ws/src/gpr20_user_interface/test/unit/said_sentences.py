@@ -12,7 +12,6 @@ FILES = (
         f"gpr20_main_control/src/gpr20_main_control/mid/{name}.py"
         for name in (
             "control_measurement",
-            "coverage",
             "main_control",
             "measurement",
             "node_book",
@@ -26,14 +25,15 @@ FILES = (
         )
     ),
     "gpr20_main_control/src/gpr20_main_control/high/axis_link.py",
+    "gpr20_survey/src/gpr20_survey/plan/coverage.py",
     "gpr20_common/src/gpr20_common/high/service_client.py",
     "gpr20_axis_driver/src/gpr20_axis_driver/mid/axis_driver.py",
     "gpr20_axis_driver/src/gpr20_axis_driver/mid/homing.py",
     "gpr20_height_sensor/src/gpr20_height_sensor/mid/height_driver.py",
     "gpr20_vna_acquisition/src/gpr20_vna_acquisition/mid/trace_quality.py",
-    "gpr20_vna_processing/src/gpr20_vna_processing/errors.py",
-    "gpr20_vna_processing/src/gpr20_vna_processing/low/committed_file.py",
-    "gpr20_vna_processing/src/gpr20_vna_processing/low/regular_file.py",
+    "gpr20_survey/src/gpr20_survey/errors.py",
+    "gpr20_survey/src/gpr20_survey/files/append_only_file.py",
+    "gpr20_survey/src/gpr20_survey/files/regular_file.py",
     "gpr20_vna_processing/src/gpr20_vna_processing/mid/storage_thread.py",
     "gpr20_user_interface/src/gpr20_user_interface/high/control_client.py",
     "gpr20_user_interface/src/gpr20_user_interface/low/profile_folder.py",

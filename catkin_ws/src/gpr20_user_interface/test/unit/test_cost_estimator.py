@@ -10,11 +10,11 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from window_helpers import application
 
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters, AxisType
-from gpr20_main_control.mid.robot import AxisId
-from gpr20_main_control.mid.robot_facts import RobotFacts
-from gpr20_main_control.mid.survey_cost import survey_cost
-from gpr20_main_control.mid.survey_settings import SurveySettings
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_cost import survey_cost
+from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_user_interface.mid.cost_estimator import CostEstimator
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.survey_state import RobotFigures
@@ -26,7 +26,7 @@ LINEAR = dict(
     delta_step=0.0001, min_coord=0.0, max_coord=650.0, type=AxisType.LINEAR.value,
 )  # fmt: skip
 AXIS = AxisParameters(**LINEAR)
-FIGURES = RobotFigures(RobotFacts(dict.fromkeys(AxisId, AXIS), simulated=True), SurveySettings())
+FIGURES = RobotFigures(RobotConfig(dict.fromkeys(AxisId, AXIS), simulated=True), SurveySettings())
 
 
 @pytest.fixture

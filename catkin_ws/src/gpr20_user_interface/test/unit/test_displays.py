@@ -2,7 +2,7 @@ import io
 
 import pytest
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.bar_display import BarDisplay
 from gpr20_user_interface.mid.plain_display import PlainDisplay

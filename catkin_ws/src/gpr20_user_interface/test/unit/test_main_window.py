@@ -6,7 +6,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QPushButton
 from window_helpers import application, click, snapshot, window, wishes
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_state import Progress, Request
 from gpr20_user_interface.mid.views.main_window import TabName

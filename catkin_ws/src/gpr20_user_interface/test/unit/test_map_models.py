@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from view_kit import SURVEY, TRAVEL, cell, description, make_grid
 
-from gpr20_main_control.mid.coverage import Coverage, SampleState
-from gpr20_main_control.mid.survey_plan import survey_points
+from gpr20_survey.plan.coverage import Coverage, SampleState
+from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import (
     CoverageRuns,

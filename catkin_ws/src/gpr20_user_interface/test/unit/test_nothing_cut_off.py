@@ -9,8 +9,8 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
 from window_helpers import application, snapshot, window
 
-from gpr20_main_control.mid.survey_cost import SurveyCost
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.robot_health import CALIBRATION, EXPECTED_NODES, HealthReport

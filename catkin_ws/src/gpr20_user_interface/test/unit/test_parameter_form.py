@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_main_control.mid.survey_parameters import (
+from gpr20_survey.plan.survey_parameters import (
     RobotTravel,
     Rule,
     SurveyParameters,

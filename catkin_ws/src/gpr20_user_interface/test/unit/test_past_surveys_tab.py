@@ -7,7 +7,7 @@ pytest.importorskip("PyQt5")
 from view_kit import SURVEY, description
 from window_helpers import application, snapshot
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_state import ControlState
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed

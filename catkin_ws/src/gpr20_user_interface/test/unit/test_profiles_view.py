@@ -1,7 +1,7 @@
 import pytest
 from window_helpers import application, click, enter, snapshot, window
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.profiles_presenter import ProfilesPresenter

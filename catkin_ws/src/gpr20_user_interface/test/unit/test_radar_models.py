@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, trace_at
 
-from gpr20_main_control.mid.coverage import SampleState
+from gpr20_survey.plan.coverage import SampleState
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
 from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan

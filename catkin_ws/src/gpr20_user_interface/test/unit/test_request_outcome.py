@@ -1,6 +1,6 @@
 import pytest
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
 from gpr20_user_interface.mid.survey_state import Answer, ControlState, Request
 

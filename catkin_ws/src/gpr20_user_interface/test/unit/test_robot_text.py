@@ -5,8 +5,8 @@ import pytest
 from said_sentences import said_by_the_robot
 from window_helpers import application, snapshot, window
 
-from gpr20_main_control.mid.coverage import Coverage
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.translation_file import FOLDER, read_translations

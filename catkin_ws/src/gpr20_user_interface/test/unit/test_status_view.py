@@ -6,7 +6,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QTextEdit
 from window_helpers import application, snapshot, window
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.survey_state import (
     CurrentPosition,

@@ -1,6 +1,6 @@
 import pytest
 
-from gpr20_main_control.mid.survey_parameters import SurveyParameters, problems
+from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
 from gpr20_user_interface.mid.survey_arguments import Bar, parse_arguments
 from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL
 from gpr20_user_interface.mid.survey_watch import Mode, OnPause

@@ -1,6 +1,6 @@
 import pytest
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
 from gpr20_user_interface.mid.survey_state import (
     Accepted,

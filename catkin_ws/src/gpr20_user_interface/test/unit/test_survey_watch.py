@@ -1,6 +1,6 @@
 import pytest
 
-from gpr20_main_control.mid.survey_state import RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.mid.survey_state import Answer, ControlState, Progress, Request, StopWish
 from gpr20_user_interface.mid.survey_watch import (
     ExitStatus,

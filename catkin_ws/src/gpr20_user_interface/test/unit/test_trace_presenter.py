@@ -11,7 +11,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from view_kit import SURVEY, description, make_grid, trace_at
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey

@@ -10,7 +10,7 @@ from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_state import Answer, ControlState, Progress, Request

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
 from gpr20_user_interface.mid.radar_model import RadarTrace
 from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S

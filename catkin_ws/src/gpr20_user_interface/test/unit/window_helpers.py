@@ -11,7 +11,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_main_control.mid.survey_parameters import RobotTravel, Travel
+from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_state import ControlState

@@ -20,7 +20,7 @@ from storage_kit import (
     text_message,
 )
 
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(7)]
 FIRST = 4  # traces before the survey is cut off

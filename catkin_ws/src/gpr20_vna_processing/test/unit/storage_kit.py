@@ -12,14 +12,14 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gpr20_common.low.clock import Clock
-from gpr20_vna_processing.errors import TraceRefusedError
-from gpr20_vna_processing.low.mcap_file import McapFile
-from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import survey_metadata
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.recordings import stored_recordings
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
-from gpr20_vna_processing.mid.recordings import stored_recordings
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
@@ -34,7 +34,7 @@ TYPES.register(
 )
 
 
-def make_trace(index: int = 0, **changes: Any) -> TraceRecord:
+def make_trace(index: int = 0, **changes: Any) -> Trace:
     """Return a good trace with some fields changed."""
     points = 5
     noise = np.random.default_rng(abs(index))
@@ -55,7 +55,7 @@ def make_trace(index: int = 0, **changes: Any) -> TraceRecord:
         "sweep_ended_us": STARTED_US + 1_000_001,
         "quality": ("level low",),
     }
-    return TraceRecord(**{**fields, **changes})
+    return Trace(**{**fields, **changes})
 
 
 def ros_time(time_us: int) -> Any:
@@ -82,7 +82,7 @@ def text_message(topic: str, text: str, time_ns: int = NOW_NS, latching: bool = 
 class PlainMessages:
     """Serializes as the node does, without ROS."""
 
-    def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
+    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
         values["quality"] = list(trace.quality)
         for name in ("timestamp", "sweep_started", "sweep_ended"):
@@ -90,7 +90,7 @@ class PlainMessages:
         message = TYPES.types["gpr20_msgs/msg/Trace"](**values)
         return recorded("/trace", "gpr20_msgs/Trace", message, time_ns)
 
-    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
         if message.datatype != "gpr20_msgs/Trace":
             return None
         if message.md5sum != TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1]:
@@ -106,7 +106,7 @@ class PlainMessages:
         fields["quality"] = tuple(fields["quality"])
         for name in ("frequency_hz", "s21_real", "s21_imag"):
             fields[name] = np.array(fields[name], np.float64)
-        return TraceRecord(**fields)
+        return Trace(**fields)
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         return text_message("/survey_metadata", text, time_ns, latching=True)
@@ -180,7 +180,7 @@ class Kit:
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
     ) -> None:
-        self.stored: List[TraceRecord] = []
+        self.stored: List[Trace] = []
         self.opened: List[str] = []
         self.now_ns = now_ns
         self.processing = DataProcessing(
@@ -216,7 +216,7 @@ def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
         time.sleep(0.01)
 
 
-def assert_same_numbers(trace: TraceRecord, values: Any) -> None:
+def assert_same_numbers(trace: Trace, values: Any) -> None:
     """Compare a trace with a message or the values of a JSON file, bit for bit."""
     get = values.get if isinstance(values, dict) else lambda name: getattr(values, name)
     for name in ("frequency_hz", "s21_real", "s21_imag"):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from storage_kit import Kit, make_trace, open_mcap, text_message
 
-from gpr20_vna_processing.low.bag_file import BagFile
+from gpr20_survey.recording.bag_writer import BagFile
 
 
 def open_both(folder, *arguments):

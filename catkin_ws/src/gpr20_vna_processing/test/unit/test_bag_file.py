@@ -18,7 +18,7 @@ from storage_kit import (  # noqa: E402
     text_message,
 )
 
-from gpr20_vna_processing.low.bag_file import BagFile  # noqa: E402
+from gpr20_survey.recording.bag_writer import BagFile  # noqa: E402
 
 HEADER_BYTES = 13 + 4096
 TRACES = [make_trace(index) for index in range(4)]

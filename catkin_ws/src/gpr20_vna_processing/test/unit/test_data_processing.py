@@ -23,7 +23,7 @@ from storage_kit import (
     wait_until,
 )
 
-from gpr20_vna_processing.errors import (
+from gpr20_survey.errors import (
     StorageFailedError,
     SurveyRefusedError,
     TraceRefusedError,

@@ -11,10 +11,10 @@ import pytest
 from reopening_kit import messages_in_mcap, traces_in_bag
 from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json, wait_until
 
-from gpr20_vna_processing.errors import StorageFailedError
-from gpr20_vna_processing.low.json_trace_file import is_temporary
+from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.files.durable_files import is_temporary
+from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.processing_records import Limits
-from gpr20_vna_processing.mid.recordings import open_recordings
 
 LIMITS = Limits(timeout_s=20.0, period_s=0.05, disk_reserve_bytes=0)
 

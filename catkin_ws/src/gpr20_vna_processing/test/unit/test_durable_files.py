@@ -5,8 +5,8 @@ import os
 
 import pytest
 
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.low.committed_file import CommittedFile
+from gpr20_survey.files import durable_files
+from gpr20_survey.files.append_only_file import CommittedFile
 
 
 def full_disk(*_arguments):
@@ -17,19 +17,19 @@ def test_a_new_file_never_overwrites_another(tmp_path):
     path = tmp_path / "a.json"
     path.write_bytes(b"first")
     with pytest.raises(FileExistsError):
-        json_trace_file.write_new_file(path, b"second")
+        durable_files.write_new_file(path, b"second")
     assert path.read_bytes() == b"first"
     assert os.listdir(tmp_path) == ["a.json"]
 
 
 def test_writing_the_same_file_again_is_no_error(tmp_path):
     path = tmp_path / "a.json"
-    json_trace_file.write_new_file(path, b"same")
-    json_trace_file.write_new_file(path, b"same")
+    durable_files.write_new_file(path, b"same")
+    durable_files.write_new_file(path, b"same")
     assert os.listdir(tmp_path) == ["a.json"]
 
 
-@pytest.mark.parametrize("write", [json_trace_file.write_new_file, json_trace_file.replace_file])
+@pytest.mark.parametrize("write", [durable_files.write_new_file, durable_files.replace_file])
 def test_a_full_disk_leaves_no_part_of_a_file(tmp_path, monkeypatch, write):
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(OSError, match="No space"):
@@ -48,7 +48,7 @@ def test_a_file_and_its_name_are_on_the_disk_before_the_call_returns(tmp_path, m
         real_fsync(descriptor)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    json_trace_file.write_new_file(tmp_path / "a.json", b"content")
+    durable_files.write_new_file(tmp_path / "a.json", b"content")
     content, folder = synced
     assert content.startswith(str(tmp_path / ".a.json."))
     assert folder == str(tmp_path)
@@ -56,7 +56,7 @@ def test_a_file_and_its_name_are_on_the_disk_before_the_call_returns(tmp_path, m
     assert seen == [[], [tmp_path / "a.json"]]
 
 
-@pytest.mark.parametrize("make", [json_trace_file.make_new_folder, CommittedFile])
+@pytest.mark.parametrize("make", [durable_files.make_new_folder, CommittedFile])
 def test_the_name_of_a_new_folder_or_recording_is_durable(tmp_path, monkeypatch, make):
     synced = []
     monkeypatch.setattr(
@@ -71,7 +71,7 @@ def test_replacing_keeps_the_former_content_when_the_disk_is_full(tmp_path, monk
     path.write_bytes(b"former")
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(OSError, match="No space"):
-        json_trace_file.replace_file(path, b"new")
+        durable_files.replace_file(path, b"new")
     assert path.read_bytes() == b"former"
 
 

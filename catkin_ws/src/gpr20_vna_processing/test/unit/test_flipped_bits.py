@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from reopening_kit import assert_whole
 from storage_kit import STARTED_US, SURVEY, Kit, make_trace, text_message
 
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 EXAMPLES = 25

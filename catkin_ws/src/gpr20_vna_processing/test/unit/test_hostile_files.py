@@ -17,9 +17,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from storage_kit import STARTED_US, SURVEY, Kit, make_trace
 
-from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError
-from gpr20_vna_processing.low.bag_file import EMPTY_CHUNK
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
+from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 PARTS = ["survey.json", "traces", "survey.bag", "survey.mcap"]

@@ -12,7 +12,7 @@ rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs withou
 from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json  # noqa: E402
 from test_mcap_file import read_forward, traces_of  # noqa: E402
 
-from gpr20_vna_processing.mid.recordings import open_recordings  # noqa: E402
+from gpr20_survey.recording.recordings import open_recordings  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 REINDEX = "import rosbag; rosbag.rosbagmain(['rosbag', 'reindex', '--quiet', {!r}])"

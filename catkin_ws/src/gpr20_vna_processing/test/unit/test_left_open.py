@@ -3,8 +3,8 @@
 import pytest
 from storage_kit import OTHER_SURVEY, SURVEY, Kit, make_trace, read_json
 
-from gpr20_vna_processing.errors import SurveyRefusedError
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.recording.recordings import open_recordings
 
 METADATA = '{"planned_traces": 2}'
 

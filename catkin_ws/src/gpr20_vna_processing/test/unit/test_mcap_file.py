@@ -11,7 +11,7 @@ from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
 from storage_kit import STARTED_US, SURVEY, Kit, assert_same_numbers, make_trace, text_message
 
-from gpr20_vna_processing.low.mcap_file import McapFile
+from gpr20_survey.recording.mcap_writer import McapFile
 
 TRACES = [make_trace(index) for index in range(4)]
 

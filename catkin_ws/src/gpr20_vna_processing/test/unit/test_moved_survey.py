@@ -10,8 +10,8 @@ import pytest
 from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, STARTED_US, SURVEY, Kit, make_trace
 
-from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 

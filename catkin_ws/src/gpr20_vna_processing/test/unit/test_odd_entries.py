@@ -10,9 +10,9 @@ import pytest
 from storage_kit import STARTED_US, SURVEY, Kit, make_trace
 
 from gpr20_analysis.mid.manifest_check import check_files
-from gpr20_vna_processing.errors import StorageFailedError
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.files import durable_files
+from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 
@@ -91,7 +91,7 @@ def test_a_folder_put_aside_takes_the_place_of_nothing(tmp_path):
     for number in range(3):
         (tmp_path / "trace.json").mkdir()
         (tmp_path / "trace.json" / str(number)).touch()
-        kept.append(json_trace_file.move_aside(tmp_path / "trace.json", aside))
+        kept.append(durable_files.move_aside(tmp_path / "trace.json", aside))
     assert [one.name for one in kept] == ["trace.json", "trace.json.1", "trace.json.2"]
     assert [next(one.iterdir()).name for one in kept] == ["0", "1", "2"]
 
@@ -104,7 +104,7 @@ def test_another_users_file_of_which_no_second_name_may_be_made_is_moved(kit, fo
     torn.write_bytes(b"")
     with monkeypatch.context() as patched:
         patched.setattr(os, "link", refuse)
-        target = json_trace_file.move_aside(torn, folder / "damaged")
+        target = durable_files.move_aside(torn, folder / "damaged")
     assert target.read_bytes() == b"" and not torn.exists()
     go_on_and_close(kit)
 

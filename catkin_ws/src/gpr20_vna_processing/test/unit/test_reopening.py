@@ -26,9 +26,9 @@ from storage_kit import (
     read_json,
 )
 
-from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError
-from gpr20_vna_processing.low.mcap_file import McapFile
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.recordings import open_recordings
 
 __all__ = ["data", "folder", "kit"]
 

@@ -20,9 +20,9 @@ from storage_kit import (
     read_json,
 )
 
-from gpr20_vna_processing.low.stored_bag import StoredBag
-from gpr20_vna_processing.low.stored_mcap import StoredMcap
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recordings import open_recordings
 
 __all__ = ["data", "folder", "kit"]
 

@@ -10,7 +10,7 @@ import pytest
 from reopening_kit import METADATA, TRACES, assert_whole, messages_in_mcap
 from storage_kit import SURVEY, Kit, text_message
 
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.recording.recordings import open_recordings
 
 STORED = 4
 CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")

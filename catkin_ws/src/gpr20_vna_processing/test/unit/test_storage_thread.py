@@ -6,7 +6,7 @@ import pytest
 from storage_kit import text_message, wait_until
 
 from gpr20_common.low.clock import Clock
-from gpr20_vna_processing.errors import StorageFailedError, TraceRefusedError
+from gpr20_survey.errors import StorageFailedError, TraceRefusedError
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, StorageThread
 
 TIME_LIMIT_S = 10.0

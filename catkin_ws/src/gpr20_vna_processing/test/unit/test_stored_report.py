@@ -15,7 +15,7 @@ from storage_kit import (
     read_json,
 )
 
-from gpr20_vna_processing.errors import SurveyRefusedError
+from gpr20_survey.errors import SurveyRefusedError
 
 __all__ = ["data", "folder", "kit"]
 

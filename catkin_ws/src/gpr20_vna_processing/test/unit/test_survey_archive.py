@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from storage_kit import OTHER_SURVEY, STARTED_US, SURVEY, Kit, assert_same_numbers, make_trace
 
-from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_vna_processing.mid.survey_archive import (
     MAX_POINTS_PER_PAGE,
     SurveyArchive,

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from storage_kit import STARTED_US, SURVEY, make_trace
 
-from gpr20_vna_processing.errors import SurveyRefusedError
-from gpr20_vna_processing.mid import survey_folder, survey_metadata
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import survey_folder, survey_metadata
 
 DATA = Path("/data")
 COORDINATE = st.floats(-10_000, 10_000)

@@ -7,11 +7,12 @@ import shutil
 import pytest
 from storage_kit import STARTED_US, SURVEY, Kit, PlainMessages, make_trace, text_message
 
-from gpr20_vna_processing.errors import TraceRefusedError
-from gpr20_vna_processing.low.stored_bag import StoredBag
-from gpr20_vna_processing.low.stored_mcap import StoredMcap
-from gpr20_vna_processing.mid import trace_files, trace_json
-from gpr20_vna_processing.mid.recordings import open_recordings
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.folder import trace_files
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.trace import trace_json
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from storage_kit import STARTED_US, assert_same_numbers, make_trace, read_json
 
-from gpr20_vna_processing.mid import trace_json, utc_time
+from gpr20_survey.trace import trace_json, utc_time
 
 KEYS = [
     "format", "survey_id", "sample_id", "index", "timestamp", "x_coord_mm", "y_coord_mm",

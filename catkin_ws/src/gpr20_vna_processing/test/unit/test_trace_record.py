@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from storage_kit import STARTED_US, make_trace
 
-from gpr20_vna_processing.errors import TraceRefusedError
+from gpr20_survey.errors import TraceRefusedError
 
 NAN, INF = math.nan, math.inf
 

@@ -11,7 +11,7 @@ from typing import List, Sequence
 
 from gpr20_analysis.errors import ExportError
 from gpr20_analysis.mid.dataset_files import NETCDF, ZARR, is_dataset
-from gpr20_vna_processing.mid import survey_folder
+from gpr20_survey.folder import survey_folder
 
 SURVEY_PARTS = (survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from gpr20_analysis.commands import survey_input
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.mid.verification import verify
-from gpr20_vna_processing.errors import printable
+from gpr20_survey.errors import printable
 
 FAULTS_TOLD = 50
 

@@ -10,10 +10,12 @@ import rospy
 
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.mid.replay import Content
+from gpr20_common.high.raw_message import preserialized
 from gpr20_msgs.msg import Trace
-from gpr20_vna_processing.high.messages import TRACE_TOPIC, trace_message
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import trace_message
 
+TRACE_TOPIC = "trace"
 QUEUE_LENGTH = 1000
 POLL_S = 0.05
 # Every node speaks there, a window that shows the replay as well.
@@ -50,7 +52,7 @@ class ReplayNode:
                 self._publish_recorded(content)
             else:
                 publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), None)
-                publisher.publish(trace_message(content))
+                publisher.publish(preserialized(Trace, trace_message.encode(content)))
                 self.traces += 1
             self.published += 1
 
@@ -59,7 +61,7 @@ class ReplayNode:
         raw = publisher.data_class()
         raw._buff = message.data
         publisher.publish(raw)
-        self.traces += message.datatype == "gpr20_msgs/Trace"
+        self.traces += message.datatype == trace_message.DATATYPE
 
     def _publisher(self, topic: str, message: object) -> rospy.Publisher:
         if topic not in self._publishers:

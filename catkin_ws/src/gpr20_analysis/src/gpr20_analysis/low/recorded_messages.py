@@ -14,7 +14,7 @@ from rosbags.rosbag1 import Reader
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.low.trace_decoder import DATATYPE, TRACE, TraceDecoder
-from gpr20_vna_processing.low.stored_recording import StoredRecording
+from gpr20_survey.recording.stored_recording import StoredRecording
 
 RECORD_HEAD_BYTES = 9  # opcode and length
 

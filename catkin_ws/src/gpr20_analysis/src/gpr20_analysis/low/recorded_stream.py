@@ -9,8 +9,8 @@ from mcap.reader import make_reader
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.low.recorded_survey import mcap_has_end, never
-from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.low.stored_mcap import StoredMcap
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recording import RecordedMessage
 
 
 def mcap_messages(path: Path) -> Iterator[RecordedMessage]:

@@ -15,11 +15,11 @@ from rosbags.rosbag1 import Reader
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.low import recorded_messages
 from gpr20_analysis.low.trace_decoder import TRACE
-from gpr20_vna_processing.errors import SurveyRefusedError
-from gpr20_vna_processing.low.mcap_file import MAGIC
-from gpr20_vna_processing.low.stored_bag import StoredBag
-from gpr20_vna_processing.low.stored_mcap import StoredMcap
-from gpr20_vna_processing.low.stored_recording import StoredRecording
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import MAGIC
+from gpr20_survey.recording.stored_recording import StoredRecording
 
 METADATA_TOPIC = "survey_metadata"
 ATTACHMENT = "survey.json"

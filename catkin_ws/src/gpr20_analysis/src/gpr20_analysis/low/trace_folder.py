@@ -8,11 +8,12 @@ from typing import List
 
 import orjson
 
-from gpr20_vna_processing.errors import TraceRefusedError
-from gpr20_vna_processing.low.regular_file import open_regular
-from gpr20_vna_processing.mid import survey_folder, trace_json
-from gpr20_vna_processing.mid.trace_files import MAX_FILE_BYTES
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.trace_files import MAX_FILE_BYTES
+from gpr20_survey.trace import trace_json
+from gpr20_survey.trace.trace import Trace
 
 
 def trace_files(folder: Path) -> List[Path]:
@@ -22,7 +23,7 @@ def trace_files(folder: Path) -> List[Path]:
     return [folder / name for name in sorted(names) if name != survey_folder.SURVEY_FILE]
 
 
-def read_trace(path: Path) -> TraceRecord:
+def read_trace(path: Path) -> Trace:
     """Return the trace of a file.
 
     Raises:

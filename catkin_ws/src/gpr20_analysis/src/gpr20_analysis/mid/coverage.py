@@ -6,9 +6,9 @@ from typing import Any, Dict, List
 
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.errors import InvalidValueError
-from gpr20_main_control.mid.recorded_plan import recorded_plan
-from gpr20_main_control.mid.survey_plan import SurveyPoint, survey_points
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.plan.recorded_plan import recorded_plan
+from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
+from gpr20_survey.trace.trace import Trace
 
 
 class Plan:
@@ -28,7 +28,7 @@ class Plan:
             ) from error
         self.points: List[SurveyPoint] = survey_points(self._parameters, self._travel)
 
-    def misplaced(self, trace: TraceRecord) -> List[str]:
+    def misplaced(self, trace: Trace) -> List[str]:
         """Return how a trace is not what was planned for its index."""
         if trace.index >= len(self.points):
             return [f"trace {trace.index} was not planned, the plan has {len(self.points)}"]

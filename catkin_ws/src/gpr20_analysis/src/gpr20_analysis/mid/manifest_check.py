@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import Any, Dict, List
 
-from gpr20_vna_processing.errors import SurveyRefusedError
-from gpr20_vna_processing.low import file_sums
-from gpr20_vna_processing.low.regular_file import open_regular
-from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.files import file_sums
+from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 
 MAX_BYTES = 512 << 20  # a million traces
 

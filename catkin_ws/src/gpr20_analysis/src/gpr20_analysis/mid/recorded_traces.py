@@ -7,15 +7,15 @@ from typing import Any, Dict, Iterable, List
 import numpy as np
 
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_vna_processing.errors import TraceRefusedError
-from gpr20_vna_processing.mid import utc_time
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.trace import Trace
 
 TIMES = ("timestamp", "sweep_started", "sweep_ended")
 ARRAYS = ("frequency_hz", "s21_real", "s21_imag")
 
 
-def trace_of(fields: Dict[str, Any]) -> TraceRecord:
+def trace_of(fields: Dict[str, Any]) -> Trace:
     """Return the trace of a decoded message, checked.
 
     Raises:
@@ -31,7 +31,7 @@ def trace_of(fields: Dict[str, Any]) -> TraceRecord:
         for name in ARRAYS:
             values[name] = np.array(values[name], np.float64)
         values["quality"] = tuple(values["quality"])
-        return TraceRecord(**values)
+        return Trace(**values)
     except (KeyError, AttributeError, TypeError) as error:
         raise UnreadableFileError(f"a recorded trace lacks a field: {error}") from error
 

@@ -11,14 +11,14 @@ from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_analysis.low.recorded_stream import mcap_messages
 from gpr20_analysis.mid.sources import open_source
 from gpr20_common.low.clock import Clock
-from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import survey_folder
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace.trace import Trace
 
 NS_PER_S = 1_000_000_000
 NS_PER_US = 1_000
 
-Content = Union[RecordedMessage, TraceRecord]
+Content = Union[RecordedMessage, Trace]
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from gpr20_analysis.low import recorded_survey, trace_folder
 from gpr20_analysis.low.recorded_survey import RecordedSurvey
 from gpr20_analysis.mid.recorded_traces import trace_of
 from gpr20_analysis.mid.survey_source import Fault, SurveySource
-from gpr20_vna_processing.errors import SurveyRefusedError, TraceRefusedError
-from gpr20_vna_processing.mid import survey_folder, survey_metadata
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.trace.trace import Trace
 
 INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 
@@ -56,7 +56,7 @@ class JsonSource:
         self.notes: List[str] = []
         self._files = files
 
-    def traces(self) -> Iterator[TraceRecord]:
+    def traces(self) -> Iterator[Trace]:
         """Yield every whole trace."""
         for path in self._files:
             try:
@@ -79,7 +79,7 @@ class RecordingSource:
         self.description = self._description(recording.metadata)
         self._recording = recording
 
-    def traces(self) -> Iterator[TraceRecord]:
+    def traces(self) -> Iterator[Trace]:
         """Yield every whole trace."""
         try:
             for fields in self._recording.traces:

@@ -16,7 +16,7 @@ from typing import (
     TypeVar,
 )
 
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.trace.trace import Trace
 
 Item = TypeVar("Item")
 Progress = Callable[[Iterable[Item], Optional[int]], Iterable[Item]]
@@ -50,7 +50,7 @@ class SurveySource(Protocol):
     notes: List[str]
     """What else should be known."""
 
-    def traces(self) -> Iterator[TraceRecord]:
+    def traces(self) -> Iterator[Trace]:
         """Yield every whole trace; what is damaged is left out and named in `faults`."""
 
 

@@ -9,7 +9,7 @@ from typing import Callable, Dict, List, Optional, Set, Tuple
 import numpy as np
 
 from gpr20_analysis.mid.survey_source import Fault, Position
-from gpr20_vna_processing.mid.trace_record import TraceRecord
+from gpr20_survey.trace.trace import Trace
 
 Allocate = Callable[[Tuple[int, int]], np.ndarray]
 """Makes an array of complex128 of a shape (traces, frequencies), filled with NaN."""
@@ -61,7 +61,7 @@ class TraceTable:
         self._alike = 0
         self._void: Set[int] = set()
 
-    def add(self, trace: TraceRecord) -> None:
+    def add(self, trace: Trace) -> None:
         """Take a trace, or name why it cannot be taken."""
         if self.frequency_hz is None:
             self.frequency_hz = trace.frequency_hz
@@ -95,7 +95,7 @@ class TraceTable:
         """Say whether what was taken in a row was contradicted later."""
         return row in self._void
 
-    def _take(self, trace: TraceRecord) -> None:
+    def _take(self, trace: Trace) -> None:
         row = len(self.samples)
         if row == len(self.rows):
             grown = self._allocate((2 * row, self.rows.shape[1]))
@@ -108,7 +108,7 @@ class TraceTable:
         self._places[trace.index] = row
         self.samples.append(_facts(trace))
 
-    def _repeat(self, trace: TraceRecord) -> None:
+    def _repeat(self, trace: Trace) -> None:
         row = self._places[trace.index]
         values = self.rows[row]
         # By their texts: NaN stands for a height that was not measured, and differs from itself.
@@ -123,16 +123,16 @@ class TraceTable:
         self._void.add(row)
         self._refuse(trace, "is stored twice with different content; none of both is used")
 
-    def _refuse(self, trace: TraceRecord, reason: str) -> None:
+    def _refuse(self, trace: Trace, reason: str) -> None:
         self.faults.append(Fault(f"{trace.label} {reason}", trace.index, position_of(trace)))
 
 
-def position_of(trace: TraceRecord) -> Position:
+def position_of(trace: Trace) -> Position:
     """Return the rotation [deg], y and x [mm] of a trace."""
     return trace.z_coord_deg, trace.y_coord_mm, trace.x_coord_mm
 
 
-def _facts(trace: TraceRecord) -> SampleFacts:
+def _facts(trace: Trace) -> SampleFacts:
     return SampleFacts(
         trace.index,
         trace.sample_id,

@@ -11,11 +11,11 @@ from gpr20_analysis.low import recorded_messages
 from gpr20_analysis.mid import manifest_check, recorded_traces
 from gpr20_analysis.mid.coverage import Plan
 from gpr20_analysis.mid.survey_source import Progress, silent
-from gpr20_vna_processing.errors import SurveyRefusedError, TraceRefusedError
-from gpr20_vna_processing.low.stored_bag import StoredBag
-from gpr20_vna_processing.low.stored_mcap import StoredMcap
-from gpr20_vna_processing.low.stored_recording import StoredRecording
-from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.stored_recording import StoredRecording
 from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 
 FILES = (

@@ -11,7 +11,6 @@ from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goal_clients import GoalClients
 from gpr20_axis_driver.high.goal_server import GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.process_engine import AxisHardware, ProcessEngine
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.high import diagnostics
@@ -20,6 +19,7 @@ from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 MOVING_RATE_HZ = 50
 # At rest every fifth tick is published: 10 Hz.

@@ -14,7 +14,6 @@ from gpr20_axis_driver.axis_exceptions import (
     PositionLostError,
     ZeroUnknownError,
 )
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.homing import Homing
 from gpr20_axis_driver.mid.motion import (
     Ending,
@@ -24,7 +23,8 @@ from gpr20_axis_driver.mid.motion import (
     PulseEngine,
     StopRequested,
 )
-from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.ramp import Ramp
 
 
 class AxisDriver:

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass, field
 from typing import Callable, Protocol, Sequence
 
-from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_survey.axes.ramp import Ramp
 
 # Asked at every step: whether the motion shall end now.
 StopRequested = Callable[[], bool]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from gpr20_axis_driver.low.endstop_interface import EndstopInterface
 from gpr20_axis_driver.low.pins import Pins
 from gpr20_axis_driver.low.stepper_interface import StepperInterface
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.motion import LateLimits, StepCount
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 
 def pulse_loop_on_pins(

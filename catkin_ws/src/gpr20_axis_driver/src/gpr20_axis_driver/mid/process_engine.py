@@ -10,9 +10,9 @@ from typing import Optional, Protocol
 from gpr20_axis_driver.axis_exceptions import AxisException, NodeHungError, PulseProcessError
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_memory import StepMemory, open_step_memory
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.motion import Ending, Motion, MotionReport, MotionRunner, StopRequested
 from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 # A former node's pulse process ramps down before it lets go of the axis.
 LOCK_LIMIT_S = 5.0

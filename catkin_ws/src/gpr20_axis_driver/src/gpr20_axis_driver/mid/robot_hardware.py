@@ -10,11 +10,11 @@ from typing import ClassVar, Optional
 from gpr20_axis_driver.low.pigpio_waves import WAVE_LOCK, lock_wave_transmitter, pigpio_daemon
 from gpr20_axis_driver.low.pins import raspberry_pi_pins
 from gpr20_axis_driver.low.step_memory import StepMemory
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters, Backend
 from gpr20_axis_driver.mid.motion import MotionRunner
 from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
 from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters, Backend
 
 SHARED_MEMORY = Path("/dev/shm")
 

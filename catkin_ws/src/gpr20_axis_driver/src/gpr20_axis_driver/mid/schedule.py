@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 
 from gpr20_axis_driver.mid.motion import LateLimits
-from gpr20_axis_driver.mid.ramp import Ramp
+from gpr20_survey.axes.ramp import Ramp
 
 
 class Schedule:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import IO, Any, Deque, List
 
 from gpr20_axis_driver.low.pigpio_waves import StepWaves
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.motion import (
     Ending,
     LateLimits,
@@ -20,6 +19,7 @@ from gpr20_axis_driver.mid.motion import (
 )
 from gpr20_axis_driver.mid.pin_hardware import late_limits
 from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 # Two waves of this length, or of one step, are under way: a stop takes effect after them.
 WAVE_S = 0.025

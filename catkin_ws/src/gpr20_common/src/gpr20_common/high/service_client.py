@@ -33,11 +33,12 @@ class ServiceClient:
         """The name the service was given, relative to this node's namespace."""
         return self._name
 
-    def call(self, timeout_s: float, **fields: Any) -> Any:
+    def call(self, timeout_s: float, *request: Any, **fields: Any) -> Any:
         """Call the service and return its response, whatever it says.
 
         Args:
             timeout_s: Time limit for the whole call [s].
+            request: The request, if its fields are not given.
             fields: Fields of the request.
 
         Raises:
@@ -47,7 +48,7 @@ class ServiceClient:
         given_up = threading.Event()
         # The thread outlives a call that never returns; being a daemon it ends with the node.
         threading.Thread(
-            target=self._ask, args=(timeout_s, fields, answers, given_up), daemon=True
+            target=self._ask, args=(timeout_s, (request, fields), answers, given_up), daemon=True
         ).start()
         try:
             answer = answers.get(timeout=timeout_s)
@@ -64,7 +65,7 @@ class ServiceClient:
         return answer
 
     def _ask(
-        self, timeout_s: float, fields: Any, answers: queue.Queue, given_up: threading.Event
+        self, timeout_s: float, arguments: Any, answers: queue.Queue, given_up: threading.Event
     ) -> None:
         try:
             # By the time of day: it takes longer if the clock is set back meanwhile.
@@ -72,6 +73,7 @@ class ServiceClient:
             if given_up.is_set():
                 return
             proxy = rospy.ServiceProxy(self._name, self._service_class)
-            answers.put(proxy(**fields))
+            request, fields = arguments
+            answers.put(proxy(*request, **fields))
         except (rospy.ROSException, rospy.ServiceException, OSError) as error:
             answers.put(error)

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, Tuple
+import dataclasses
+from typing import Any
 
 import genpy
+import numpy as np
 import rospy
 
+from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import (
+    AnalyzerSweep,
     OpenedSurvey,
     ReopenedSurvey,
-    Sample,
-    StoredTrace,
     SurveyRecord,
-    Sweep,
     SweepSetting,
 )
-from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
     Connection,
@@ -31,9 +31,12 @@ from gpr20_msgs.srv import (
     ReopenSurvey,
     ReportSurvey,
     StoreData,
+    StoreDataRequest,
 )
+from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.trace import Trace
 
-TRACE_FORMAT = "gpr20-trace/1"
 # Opening again and closing read every file of a survey, and so does opening a survey when
 # another is to be closed [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
@@ -46,14 +49,18 @@ class Caller:
         self._client = ServiceClient(name, service_class)
         self._time_limit_s = time_limit_s
 
-    def __call__(self, **fields: Any) -> Any:
+    def __call__(self, *request: Any, **fields: Any) -> Any:
         """Call the service and return the response of a success.
+
+        Args:
+            request: The request, if its fields are not given.
+            fields: Fields of the request.
 
         Raises:
             DeviceError: No answer came, or the answer was a failure.
         """
         try:
-            response = self._client.call(self._time_limit_s, **fields)
+            response = self._client.call(self._time_limit_s, *request, **fields)
         except ServiceUnavailableError as error:
             raise DeviceError(str(error)) from error
         if not response.success:
@@ -90,22 +97,23 @@ class AnalyzerLink:
             accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
         )
 
-    def frequencies_hz(self) -> Tuple[float, ...]:
+    def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
-        return tuple(self._frequencies().frequency_hz)
+        return np.array(self._frequencies().frequency_hz)
 
-    def sweep(self) -> Sweep:
+    def sweep(self) -> AnalyzerSweep:
         """Take one sweep that starts now."""
         data = self._data()
-        return Sweep(
-            s21_real=tuple(data.s21_real),
-            s21_imag=tuple(data.s21_imag),
-            started_ns=data.sweep_started.to_nsec(),
-            ended_ns=data.sweep_ended.to_nsec(),
+        setting = SweepSetting(data.start_frequency_hz, data.stop_frequency_hz, data.points)
+        sweep = Sweep(
+            frequency_hz=np.linspace(*dataclasses.astuple(setting)),
+            s21_real=np.array(data.s21_real),
+            s21_imag=np.array(data.s21_imag),
+            sweep_started_us=data.sweep_started.to_nsec() // utc_time.NS_PER_US,
+            sweep_ended_us=data.sweep_ended.to_nsec() // utc_time.NS_PER_US,
             quality=tuple(data.quality),
-            setting=SweepSetting(data.start_frequency_hz, data.stop_frequency_hz, data.points),
-            calibration=data.calibration_status,
         )
+        return AnalyzerSweep(sweep, setting, data.calibration_status)
 
 
 class HeightLink:
@@ -133,7 +141,7 @@ class StorageLink:
         """Begin a survey; one that is still open is closed as interrupted."""
         response = self._open(
             survey_id=record.survey_id,
-            started=_time(record.started_ns),
+            started=_time(record.started_us),
             metadata_json=record.metadata_json,
             needed_bytes=record.needed_bytes,
             interrupt_open=True,
@@ -144,20 +152,13 @@ class StorageLink:
         """Open a survey again, by its id or folder; another that is open is interrupted."""
         response = self._reopen(survey=survey, interrupt_open=True)
         last = response.last
-        stored_last = StoredTrace(
-            last.index,
-            last.antennae_height_m,
-            tuple(last.frequency_hz),
-            tuple(last.s21_real),
-            tuple(last.s21_imag),
-        )
         return ReopenedSurvey(
             survey_id=response.survey_id,
             folder=response.path,
             metadata_json=response.metadata_json,
             report_json=response.report_json,
             stored_indices=tuple(response.stored_indices),
-            last=stored_last if last.frequency_hz else None,
+            last=trace_message.decode(serialized(last)) if last.frequency_hz else None,
             interrupted=response.interrupted,
         )
 
@@ -165,9 +166,10 @@ class StorageLink:
         """Keep a report of the survey beside its metadata."""
         self._report(survey_id=survey_id, report_json=report_json)
 
-    def store(self, sample: Sample) -> None:
+    def store(self, trace: Trace) -> None:
         """Store a trace; returning means that it is durable."""
-        self._store(trace=trace_message(sample))
+        # The request holds nothing but the trace, so their bytes are the same.
+        self._store(preserialized(StoreDataRequest, trace_message.encode(trace)))
 
     def close(self, survey_id: str, outcome: str, reason: str) -> int:
         """End a survey and return how many traces its folder holds."""
@@ -175,31 +177,11 @@ class StorageLink:
         return int(response.stored_traces)
 
 
-def trace_message(sample: Sample) -> Trace:
-    """Return the message of a sample; the names are the same."""
-    return Trace(
-        format=TRACE_FORMAT,
-        survey_id=sample.survey_id,
-        sample_id=sample.sample_id,
-        index=sample.index,
-        timestamp=_time(sample.timestamp_ns),
-        x_coord_mm=sample.x_coord_mm,
-        y_coord_mm=sample.y_coord_mm,
-        z_coord_deg=sample.z_coord_deg,
-        antennae_height_m=sample.antennae_height_m,
-        frequency_hz=sample.frequency_hz,
-        s21_real=sample.sweep.s21_real,
-        s21_imag=sample.sweep.s21_imag,
-        sweep_started=_time(sample.sweep.started_ns),
-        sweep_ended=_time(sample.sweep.ended_ns),
-        quality=list(sample.quality),
-    )
+def utc_now_us() -> int:
+    """Return the time of day [us since 1970, UTC]."""
+    return int(rospy.Time.now().to_nsec()) // utc_time.NS_PER_US
 
 
-def utc_now_ns() -> int:
-    """Return the time of day [ns UTC] in whole microseconds, the resolution on disk."""
-    return int(rospy.Time.now().to_nsec()) // 1000 * 1000
-
-
-def _time(time_ns: int) -> genpy.Time:
-    return genpy.Time(*divmod(time_ns, 1_000_000_000))
+def _time(time_us: int) -> genpy.Time:
+    seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
+    return genpy.Time(seconds, rest_us * utc_time.NS_PER_US)

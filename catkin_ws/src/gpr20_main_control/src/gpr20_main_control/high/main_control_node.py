@@ -9,7 +9,6 @@ import rosgraph
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high import diagnostics
 from gpr20_common.high.node import run_node
@@ -24,19 +23,15 @@ from gpr20_main_control.high.device_links import (
     AnalyzerLink,
     HeightLink,
     StorageLink,
-    utc_now_ns,
+    utc_now_us,
 )
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.node_watcher import ANSWER_LIMIT_S, NodeWatcher
-from gpr20_main_control.mid.robot import AxisId, Robot
-from gpr20_main_control.mid.robot_facts import RobotFacts
+from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.survey_factory import Surroundings
-from gpr20_main_control.mid.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
-from gpr20_main_control.mid.survey_settings import SurveySettings
-from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_msgs.srv import (
     ResumeSurvey,
     ResumeSurveyResponse,
@@ -45,6 +40,12 @@ from gpr20_msgs.srv import (
     StartSurvey,
     StartSurveyResponse,
 )
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_state import SurveyState
 
 COORDINATE_RATE_HZ = 10.0
 PROGRESS_RATE_HZ = 2.0
@@ -80,7 +81,7 @@ class MainControlNode:
     def __init__(
         self,
         robot: Robot,
-        facts: RobotFacts,
+        facts: RobotConfig,
         settings: SurveySettings,
         clock: Clock,
     ) -> None:
@@ -95,7 +96,7 @@ class MainControlNode:
             nodes,
             self._board,
             clock,
-            utc_now_ns,
+            utc_now_us,
             lambda coverage: self._topics.publish_coverage(coverage, self._board.status.survey_id),
         )
         self._control = MainControl(surroundings, self._topics.publish_parameters)
@@ -180,7 +181,7 @@ def build_main_control_node() -> MainControlNode:
     """
     settings = read_parameters(SurveySettings, others=_names(TimeLimits))
     limits = read_parameters(TimeLimits, others=_names(SurveySettings))
-    facts = RobotFacts(
+    facts = RobotConfig(
         axes={axis_id: _axis_parameters(axis_id) for axis_id in AxisId},
         simulated=_simulated(),
         time_scale=positive_number("time_scale", float(rospy.get_param("time_scale", 1.0))),

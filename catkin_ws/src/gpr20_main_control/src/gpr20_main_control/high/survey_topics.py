@@ -6,12 +6,12 @@ from dataclasses import asdict
 
 import rospy
 
-from gpr20_main_control.mid.coverage import Coverage
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.status_board import Status
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 NO_TARGET = -1.0
 

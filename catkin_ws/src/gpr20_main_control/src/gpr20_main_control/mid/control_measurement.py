@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Sequence
 
-from gpr20_main_control.mid.robot import StoredTrace, Sweep
+import numpy as np
+
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.trace import Trace
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class ControlMeasurement:
         )
 
 
-def compare(stored: StoredTrace, sweep: Sweep, height_m: float) -> ControlMeasurement:
+def compare(stored: Trace, sweep: Sweep, height_m: float) -> ControlMeasurement:
     """Compare a new sweep of a point with the stored one.
 
     Args:
@@ -44,10 +46,7 @@ def compare(stored: StoredTrace, sweep: Sweep, height_m: float) -> ControlMeasur
         sweep: The new one, at the same frequencies.
         height_m: The new height [m].
     """
-    difference = _power(
-        [new - old for new, old in zip(sweep.s21_real, stored.s21_real)],
-        [new - old for new, old in zip(sweep.s21_imag, stored.s21_imag)],
-    )
+    difference = _power(sweep.s21_real - stored.s21_real, sweep.s21_imag - stored.s21_imag)
     reference = _power(stored.s21_real, stored.s21_imag)
     if difference == 0.0:
         difference_db = -math.inf
@@ -56,5 +55,5 @@ def compare(stored: StoredTrace, sweep: Sweep, height_m: float) -> ControlMeasur
     return ControlMeasurement(stored.index, difference_db, height_m - stored.antennae_height_m)
 
 
-def _power(real: Sequence[float], imag: Sequence[float]) -> float:
-    return sum(value * value for value in real) + sum(value * value for value in imag)
+def _power(real: np.ndarray, imag: np.ndarray) -> float:
+    return float(np.sum(real**2) + np.sum(imag**2))

@@ -17,10 +17,10 @@ from gpr20_main_control.mid.preparation import interruption_remark
 from gpr20_main_control.mid.resumption import resumable_parameters
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_main_control.mid.survey_factory import Surroundings, SurveyFactory
-from gpr20_main_control.mid.survey_parameters import SurveyParameters, check
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_run import SurveyRun
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_parameters import SurveyParameters, check
+from gpr20_survey.plan.survey_state import SurveyState
 
 # A request waits so long for another one that is still being carried out [s].
 REQUEST_LIMIT_S = 5.0

@@ -12,9 +12,10 @@ from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Position, Positioner
 from gpr20_main_control.mid.preparation import Preparation
-from gpr20_main_control.mid.robot import Robot, Sweep
-from gpr20_main_control.mid.survey_plan import SurveyPoint
-from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
+from gpr20_main_control.mid.robot import AnalyzerSweep, Robot
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_settings import HeightPolicy, SurveySettings
+from gpr20_survey.trace.sweep import Sweep
 
 LONGEST_REMARK = 200
 
@@ -69,14 +70,15 @@ class PointMeasurement:
         self._interruption.check()
         before = self._positioner.position()
         self._check_position(point, before)
-        sweep, height_m, remarks = self._sweep_and_height()
+        analyzed, height_m, remarks = self._sweep_and_height()
         self._interruption.check()
         if self._positioner.position() != before:
             raise DeviceError(
                 f"the axes moved during the sweep at point {point.index}; nobody else may move "
                 "them during a survey"
             )
-        self._preparation.check_sweep(sweep)
+        self._preparation.check_sweep(analyzed)
+        sweep = analyzed.sweep
         return Measured(before, sweep, height_m, sweep.quality + remarks)
 
     def _check_position(self, point: SurveyPoint, position: Position) -> None:
@@ -87,7 +89,7 @@ class PointMeasurement:
                 f"{point.index}; nobody else may move them during a survey"
             )
 
-    def _sweep_and_height(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
+    def _sweep_and_height(self) -> Tuple[AnalyzerSweep, float, Tuple[str, ...]]:
         given_up = threading.Event()
 
         def check() -> None:
@@ -105,7 +107,7 @@ class PointMeasurement:
             given_up.set()
         return sweep, height_m, remarks
 
-    def _sweep(self, check: Callable[[], None]) -> Sweep:
+    def _sweep(self, check: Callable[[], None]) -> AnalyzerSweep:
         for _attempt in range(self._settings.attempts - 1):
             try:
                 return self._robot.analyzer.sweep()

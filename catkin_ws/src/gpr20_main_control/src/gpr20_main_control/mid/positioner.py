@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Callable, Dict, List, Optional, Tuple
 
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
-from gpr20_main_control.mid.survey_cost import axis_move_duration_s
-from gpr20_main_control.mid.survey_plan import SurveyPoint
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.survey_cost import axis_move_duration_s
+from gpr20_survey.plan.survey_plan import SurveyPoint
 
 # An axis publishes at 10 Hz at rest; one that was silent for so long is not alive.
 SILENCE_LIMIT_S = 2.0

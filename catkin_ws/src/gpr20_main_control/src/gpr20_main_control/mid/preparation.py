@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import Callable, Optional, Tuple
+from typing import Callable, Optional
+
+import numpy as np
 
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.background import DeviceTurns, in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord, Sweep, SweepSetting
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
-from gpr20_main_control.mid.survey_settings import HeightPolicy, SurveySettings
+from gpr20_main_control.mid.robot import (
+    AnalyzerSweep,
+    ReopenedSurvey,
+    Robot,
+    SurveyRecord,
+    SweepSetting,
+)
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_settings import HeightPolicy, SurveySettings
 
+NO_FREQUENCIES = np.empty(0)
 CALIBRATION_MEANINGS = {
     0: "no calibration",
     1: "calibrated, accuracy high",
@@ -68,7 +77,7 @@ class Preparation:
         self._record: Optional[SurveyRecord] = None
         self._folder = "" if reopened is None else reopened.folder
         last = None if reopened is None else reopened.last
-        self._frequencies_hz: Tuple[float, ...] = () if last is None else last.frequency_hz
+        self._frequencies_hz = NO_FREQUENCIES if last is None else last.frequency_hz
 
     @property
     def survey_is_open(self) -> bool:
@@ -81,7 +90,7 @@ class Preparation:
         return self._folder
 
     @property
-    def frequencies_hz(self) -> Tuple[float, ...]:
+    def frequencies_hz(self) -> np.ndarray:
         """Frequencies of every sweep [Hz]."""
         return self._frequencies_hz
 
@@ -114,7 +123,7 @@ class Preparation:
         self._check_calibration(calibration)
         setting = self._configure(check)
         frequencies_hz = turns.take(analyzer.frequencies_hz, check)
-        if self._frequencies_hz and frequencies_hz != self._frequencies_hz:
+        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
             raise DeviceError(
                 "the VNA's frequencies are no longer those of this survey; stop it and start anew"
             )
@@ -156,7 +165,7 @@ class Preparation:
             self._recorded = self._instrument
         return self._record
 
-    def check_sweep(self, sweep: Sweep) -> None:
+    def check_sweep(self, sweep: AnalyzerSweep) -> None:
         """Refuse a sweep that is not this survey's, or was made without calibration.
 
         Raises:

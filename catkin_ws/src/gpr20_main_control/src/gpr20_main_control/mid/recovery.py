@@ -10,7 +10,7 @@ from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 
 # A survey that loses nodes so often without storing anything meanwhile is left to its operator.
 MOST_RECOVERIES = 3

@@ -10,14 +10,14 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.robot import ReopenedSurvey
-from gpr20_main_control.mid.robot_facts import RobotFacts
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 # What of an axis decides where its coordinates are on the ground.
 GRID_PARAMETERS = ("step_size", "min_coord", "max_coord", "type", "homing_backoff")
 
 
-def resumable_parameters(reopened: ReopenedSurvey, facts: RobotFacts) -> SurveyParameters:
+def resumable_parameters(reopened: ReopenedSurvey, facts: RobotConfig) -> SurveyParameters:
     """Return the parameters with which a survey began, if this robot can go on with it.
 
     Raises:
@@ -41,7 +41,7 @@ def resumable_parameters(reopened: ReopenedSurvey, facts: RobotFacts) -> SurveyP
     return parameters
 
 
-def _check_axes(recorded: Dict[str, Dict[str, Any]], facts: RobotFacts, folder: str) -> None:
+def _check_axes(recorded: Dict[str, Dict[str, Any]], facts: RobotConfig, folder: str) -> None:
     for axis_id, parameters in facts.axes.items():
         present = asdict(parameters)
         for name in GRID_PARAMETERS:

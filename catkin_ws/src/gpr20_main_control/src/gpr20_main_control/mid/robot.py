@@ -5,22 +5,14 @@ Every call returns or raises `DeviceError` within a time limit of its own.
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from typing import List, Optional, Protocol, Tuple
 
+import numpy as np
 
-class AxisId(enum.Enum):
-    """The three axes, with the unit of their coordinates."""
-
-    X = "x"
-    Y = "y"
-    Z = "z"
-
-    @property
-    def unit(self) -> str:
-        """Unit of the coordinates: mm or deg."""
-        return "deg" if self is AxisId.Z else "mm"
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.trace import Trace
 
 
 @dataclass(frozen=True)
@@ -77,24 +69,16 @@ class SweepSetting:
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """One S21 sweep.
+class AnalyzerSweep:
+    """One sweep, and what the analyzer said of itself after it.
 
     Attributes:
-        s21_real: Real part, linear, one per frequency.
-        s21_imag: Imaginary part, linear, one per frequency.
-        started_ns: When it was triggered [ns UTC].
-        ended_ns: When it ended [ns UTC].
-        quality: Remarks; empty means none.
+        sweep: What was measured.
         setting: The sweep as the instrument confirmed it.
         calibration: The calibration after the sweep, on the instrument's own scale.
     """
 
-    s21_real: Tuple[float, ...]
-    s21_imag: Tuple[float, ...]
-    started_ns: int
-    ended_ns: int
-    quality: Tuple[str, ...]
+    sweep: Sweep
     setting: SweepSetting
     calibration: int
 
@@ -111,10 +95,10 @@ class Analyzer(Protocol):
     def configure(self, setting: SweepSetting) -> SweepSetting:
         """Configure the sweep and return what the instrument accepted."""
 
-    def frequencies_hz(self) -> Tuple[float, ...]:
+    def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
 
-    def sweep(self) -> Sweep:
+    def sweep(self) -> AnalyzerSweep:
         """Take one sweep that starts now."""
 
 
@@ -126,56 +110,18 @@ class HeightSensor(Protocol):
 
 
 @dataclass(frozen=True)
-class StoredTrace:
-    """What is compared of a trace that is on the disk; units stand in the names."""
-
-    index: int
-    antennae_height_m: float
-    frequency_hz: Tuple[float, ...]
-    s21_real: Tuple[float, ...]
-    s21_imag: Tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Sample:
-    """One trace with all that goes on disk with it; units stand in the names."""
-
-    survey_id: str
-    sample_id: str
-    index: int
-    timestamp_ns: int
-    x_coord_mm: float
-    y_coord_mm: float
-    z_coord_deg: float
-    antennae_height_m: float
-    frequency_hz: Tuple[float, ...]
-    sweep: Sweep
-    quality: Tuple[str, ...]
-
-    def as_stored(self) -> StoredTrace:
-        """Return what a later measurement of the same point is compared with."""
-        return StoredTrace(
-            self.index,
-            self.antennae_height_m,
-            self.frequency_hz,
-            self.sweep.s21_real,
-            self.sweep.s21_imag,
-        )
-
-
-@dataclass(frozen=True)
 class SurveyRecord:
     """What is known of a survey when it begins.
 
     Attributes:
         survey_id: UUID.
-        started_ns: When it began [ns UTC].
+        started_us: When it began [us since 1970, UTC].
         metadata_json: Parameters, instrument and axes, as they go on disk.
         needed_bytes: Estimate of the whole survey on disk [bytes].
     """
 
     survey_id: str
-    started_ns: int
+    started_us: int
     metadata_json: str
     needed_bytes: int
 
@@ -212,7 +158,7 @@ class ReopenedSurvey:
     metadata_json: str
     report_json: str
     stored_indices: Tuple[int, ...]
-    last: Optional[StoredTrace]
+    last: Optional[Trace]
     interrupted: str = ""
 
 
@@ -228,7 +174,7 @@ class Storage(Protocol):
     def report(self, survey_id: str, report_json: str) -> None:
         """Keep a report of the survey beside its metadata."""
 
-    def store(self, sample: Sample) -> None:
+    def store(self, trace: Trace) -> None:
         """Store a trace; returning means that it is durable."""
 
     def close(self, survey_id: str, outcome: str, reason: str) -> int:

@@ -6,8 +6,8 @@ import threading
 from dataclasses import dataclass, replace
 from typing import Callable, Optional
 
-from gpr20_main_control.mid.survey_plan import SurveyPoint
-from gpr20_main_control.mid.survey_state import SurveyState, check_transition
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_state import SurveyState, check_transition
 
 
 @dataclass(frozen=True)

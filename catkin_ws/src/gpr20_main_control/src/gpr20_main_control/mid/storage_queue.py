@@ -8,7 +8,8 @@ from typing import Callable, Deque, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import Sample, Storage
+from gpr20_main_control.mid.robot import Storage
+from gpr20_survey.trace.trace import Trace
 
 # Traces that may wait for the disk; when it is slower than the survey, the survey waits.
 CAPACITY = 4
@@ -18,9 +19,9 @@ POLL_S = 0.1
 
 
 class StorageQueue:
-    """Stores samples one after another in a thread of its own.
+    """Stores traces one after another in a thread of its own.
 
-    A sample leaves the queue only when it is durable. After a failure everything stays
+    A trace leaves the queue only when it is durable. After a failure everything stays
     where it is until `retry` is called.
     """
 
@@ -30,15 +31,15 @@ class StorageQueue:
         """Start the thread.
 
         Args:
-            storage: Where samples go.
+            storage: Where traces go.
             clock: Decides how long the wait before another attempt takes.
-            on_stored: Called with the number of samples stored so far and the index of the last.
+            on_stored: Called with the number of traces stored so far and the index of the last.
         """
         self._storage = storage
         self._clock = clock
         self._on_stored = on_stored
         self._changed = threading.Condition()
-        self._samples: Deque[Sample] = deque()
+        self._traces: Deque[Trace] = deque()
         self._stored = 0
         self._failure: Optional[DeviceError] = None
         self._retries = 0
@@ -48,34 +49,34 @@ class StorageQueue:
 
     @property
     def stored(self) -> int:
-        """Number of samples that are durable."""
+        """Number of traces that are durable."""
         return self._stored
 
     @property
     def waiting(self) -> int:
-        """Number of samples that are not durable yet."""
-        return len(self._samples)
+        """Number of traces that are not durable yet."""
+        return len(self._traces)
 
-    def put(self, sample: Sample, check: Callable[[], None]) -> None:
-        """Take over a sample; it will be stored whatever the survey does next.
+    def put(self, trace: Trace, check: Callable[[], None]) -> None:
+        """Take over a trace; it will be stored whatever the survey does next.
 
         Args:
-            sample: What to store. It is taken over even if an error is raised.
+            trace: What to store. It is taken over even if an error is raised.
             check: Called again and again while there is no room; what it raises ends the wait.
 
         Raises:
-            DeviceError: Storing has failed; the sample waits for `retry`.
+            DeviceError: Storing has failed; the trace waits for `retry`.
         """
         with self._changed:
-            self._samples.append(sample)
+            self._traces.append(trace)
             self._changed.notify_all()
-            while len(self._samples) > CAPACITY and self._failure is None:
+            while len(self._traces) > CAPACITY and self._failure is None:
                 self._changed.wait(POLL_S)
                 check()
             self._raise_failure()
 
     def drain(self, check: Callable[[], None]) -> None:
-        """Return when every sample is durable.
+        """Return when every trace is durable.
 
         Args:
             check: Called again and again meanwhile; what it raises ends the wait.
@@ -84,37 +85,37 @@ class StorageQueue:
             DeviceError: Storing has failed.
         """
         with self._changed:
-            while self._samples and self._failure is None:
+            while self._traces and self._failure is None:
                 self._changed.wait(POLL_S)
                 check()
             self._raise_failure()
 
     def drain_within(self, time_limit_s: float) -> None:
-        """Return when every sample is durable.
+        """Return when every trace is durable.
 
         Raises:
             DeviceError: Storing has failed, or it takes longer than the limit [s].
         """
         with self._changed:
             self._changed.wait_for(
-                lambda: not self._samples or self._failure is not None, time_limit_s
+                lambda: not self._traces or self._failure is not None, time_limit_s
             )
             self._raise_failure()
-            if self._samples:
+            if self._traces:
                 raise DeviceError(
-                    f"{len(self._samples)} traces were not stored within {time_limit_s:g} s; "
+                    f"{len(self._traces)} traces were not stored within {time_limit_s:g} s; "
                     "check the disk and the processing node"
                 )
 
     def retry(self) -> None:
-        """Forget a failure and try again with the sample that failed."""
+        """Forget a failure and try again with the trace that failed."""
         with self._changed:
             self._failure = None
             self._retries += 1
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End the thread; samples that are not durable are given up."""
+        """End the thread; traces that are not durable are given up."""
         self._closing.set()
         with self._changed:
             self._changed.notify_all()
@@ -123,28 +124,28 @@ class StorageQueue:
         while True:
             with self._changed:
                 self._changed.wait_for(
-                    lambda: self._closing.is_set() or (self._samples and self._failure is None)
+                    lambda: self._closing.is_set() or (self._traces and self._failure is None)
                 )
                 if self._closing.is_set():
                     return
-                sample, retries = self._samples[0], self._retries
-            failure = self._store(sample)
+                trace, retries = self._traces[0], self._retries
+            failure = self._store(trace)
             if failure is None:
                 self._stored += 1
-                # Told before the sample leaves: who waits for an empty queue has heard of all.
-                self._on_stored(self._stored, sample.index)
+                # Told before the trace leaves: who waits for an empty queue has heard of all.
+                self._on_stored(self._stored, trace.index)
             with self._changed:
                 if failure is None:
-                    self._samples.popleft()
+                    self._traces.popleft()
                 elif retries == self._retries:
                     self._failure = failure
                 self._changed.notify_all()
 
-    def _store(self, sample: Sample) -> Optional[DeviceError]:
+    def _store(self, trace: Trace) -> Optional[DeviceError]:
         failure: Optional[DeviceError] = None
         for _attempt in range(ATTEMPTS):
             try:
-                self._storage.store(sample)
+                self._storage.store(trace)
                 return None
             except DeviceError as error:
                 failure = error
@@ -155,5 +156,5 @@ class StorageQueue:
     def _raise_failure(self) -> None:
         if self._failure is not None:
             raise DeviceError(
-                f"trace {self._samples[0].index} could not be stored: {self._failure}"
+                f"trace {self._traces[0].index} could not be stored: {self._failure}"
             ) from self._failure

@@ -8,7 +8,6 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.mid.background import DeviceTurns
-from gpr20_main_control.mid.coverage import Coverage
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.measurement import PointMeasurement
 from gpr20_main_control.mid.node_book import NodeBook
@@ -20,15 +19,17 @@ from gpr20_main_control.mid.preparation import (
 )
 from gpr20_main_control.mid.recovery import Recovery
 from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord
-from gpr20_main_control.mid.robot_facts import RobotFacts
 from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_cost import planned_durations_s
-from gpr20_main_control.mid.survey_estimate import needed_bytes
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
-from gpr20_main_control.mid.survey_plan import SurveyPlan, survey_points
+from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_run import SurveyRun
-from gpr20_main_control.mid.survey_settings import SurveySettings
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_cost import planned_durations_s
+from gpr20_survey.plan.survey_estimate import needed_bytes
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_settings import SurveySettings
 
 
 @dataclass(frozen=True)
@@ -36,12 +37,12 @@ class Surroundings:
     """What every survey of a control works with."""
 
     robot: Robot
-    facts: RobotFacts
+    facts: RobotConfig
     settings: SurveySettings
     nodes: NodeBook
     board: StatusBoard
     clock: Clock
-    utc_now_ns: Callable[[], int]
+    utc_now_us: Callable[[], int]
     on_coverage: Callable[[Coverage], None]
 
 
@@ -91,7 +92,7 @@ class SurveyFactory:
             self._interruption,
             self._turns.storage,
             around.clock,
-            around.utc_now_ns,
+            around.utc_now_us,
         )
 
     def _preparation(
@@ -156,4 +157,4 @@ class SurveyFactory:
             "settings": asdict(around.settings),
         }
         size = needed_bytes(len(plan.points), parameters.frequency_points, sum(plan.durations_s))
-        return SurveyRecord(plan.survey_id, around.utc_now_ns(), json.dumps(metadata), size)
+        return SurveyRecord(plan.survey_id, around.utc_now_us(), json.dumps(metadata), size)

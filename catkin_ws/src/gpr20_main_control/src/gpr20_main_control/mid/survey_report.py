@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List
 
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.control_measurement import ControlMeasurement
-from gpr20_main_control.mid.coverage import Coverage, SampleState
+from gpr20_survey.plan.coverage import Coverage, SampleState
 
 COVERAGE_LETTERS = {
     SampleState.NOT_VISITED: "-",
@@ -60,13 +60,13 @@ class SurveyReport:
         self._coverage.note_failed(index, reason)
         self._on_coverage(self._coverage)
 
-    def note_control(self, control: ControlMeasurement, time_ns: int) -> None:
+    def note_control(self, control: ControlMeasurement, time_us: int) -> None:
         """Note that a stored point was measured again, and how far it was from the trace."""
         self._coverage.note_remeasured(control.index)
         self._controls.append(
             {
                 "index": control.index,
-                "time": datetime.fromtimestamp(time_ns / 1e9, tz=timezone.utc).isoformat(),
+                "time": datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat(),
                 "difference_db": _finite_or_none(control.difference_db),
                 "height_difference_m": _finite_or_none(control.height_difference_m),
             }

@@ -15,13 +15,15 @@ from gpr20_main_control.mid.measurement import PointMeasurement
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.preparation import Preparation
 from gpr20_main_control.mid.recovery import REST_LIMIT_S, Recovery
-from gpr20_main_control.mid.robot import Robot, Sample, StoredTrace
+from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.status_board import StatusBoard
 from gpr20_main_control.mid.storage_queue import StorageQueue
-from gpr20_main_control.mid.survey_estimate import RemainingTime
-from gpr20_main_control.mid.survey_plan import SurveyPlan, SurveyPoint
+from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_estimate import RemainingTime
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.trace import Trace
 
 # Traces that wait for the disk when a survey is stopped get this long to be stored [s].
 STOPPING_LIMIT_S = 60.0
@@ -44,7 +46,7 @@ class SurveyRun:
         interruption: Interruption,
         storage_turns: Turns,
         clock: Clock,
-        utc_now_ns: Callable[[], int],
+        utc_now_us: Callable[[], int],
     ) -> None:
         self._plan = plan
         self._robot = robot
@@ -57,7 +59,7 @@ class SurveyRun:
         self._interruption = interruption
         self._storage_turns = storage_turns
         self._clock = clock
-        self._utc_now_ns = utc_now_ns
+        self._utc_now_us = utc_now_us
         self._pause_requested = threading.Event()
         self._resume = threading.Event()
         self._queue = StorageQueue(robot.storage, clock, self._count_stored)
@@ -137,13 +139,13 @@ class SurveyRun:
             self._visit(self._pending[self._next])
         return True
 
-    def _measure_control(self, stored: StoredTrace) -> None:
+    def _measure_control(self, stored: Trace) -> None:
         self._board.say(f"measuring point {stored.index} again as a control")
         point = self._plan.points[stored.index]
         self._board.aim(point)
         measured = self._measurement.measure(point)
         control = compare(stored, measured.sweep, measured.height_m)
-        self._report.note_control(control, self._utc_now_ns())
+        self._report.note_control(control, self._utc_now_us())
         report_json = self._report.to_json()
         self._storage_turns.take(
             lambda: self._robot.storage.report(self._plan.survey_id, report_json),
@@ -158,23 +160,27 @@ class SurveyRun:
         except DeviceError as error:
             self._report.note_failed(point.index, str(error))
             raise
-        sample = Sample(
+        sweep = measured.sweep
+        trace = Trace(
             survey_id=self._plan.survey_id,
             sample_id=str(uuid.uuid4()),
             index=point.index,
-            timestamp_ns=self._utc_now_ns(),
+            timestamp_us=self._utc_now_us(),
             x_coord_mm=measured.position.x_mm,
             y_coord_mm=measured.position.y_mm,
             z_coord_deg=measured.position.z_deg,
             antennae_height_m=measured.height_m,
-            frequency_hz=self._preparation.frequencies_hz,
-            sweep=measured.sweep,
+            frequency_hz=sweep.frequency_hz,
+            s21_real=sweep.s21_real,
+            s21_imag=sweep.s21_imag,
+            sweep_started_us=sweep.sweep_started_us,
+            sweep_ended_us=sweep.sweep_ended_us,
             quality=measured.remarks,
         )
-        # Counted before the wait for room: the queue has the sample even if that fails.
+        # Counted before the wait for room: the queue has the trace even if that fails.
         self._next += 1
-        self._last = sample.as_stored()
-        self._queue.put(sample, self._interruption.check)
+        self._last = trace
+        self._queue.put(trace, self._interruption.check)
 
     def _recover_or_hold(self, error: DeviceError) -> None:
         """Return when the survey can go on: because a node is back, or it was resumed."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import rospy
 
 from gpr20_axis_driver.high.axis_node import AxisNode, build_axis_node
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.high.node import run_node
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.high.world_path import world_path
 from gpr20_simulator.low.world import AxisName
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.carriage import mechanics_of
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 
 def main() -> None:

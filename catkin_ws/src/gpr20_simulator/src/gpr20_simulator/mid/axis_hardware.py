@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import ClassVar, Optional
 
 from gpr20_axis_driver.low.step_memory import StepMemory
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_axis_driver.mid.motion import LateLimits, MotionRunner
 from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
 from gpr20_common.low.clock import Clock
@@ -18,6 +17,7 @@ from gpr20_simulator.low.world import AxisName, open_world
 from gpr20_simulator.mid.carriage import AxisMotor
 from gpr20_simulator.mid.scene import AxisMechanics
 from gpr20_simulator.mid.wiring import WIRING
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 # The faster robot's pulses come as fast as this computer can make them, so their lateness says
 # nothing about the motor.

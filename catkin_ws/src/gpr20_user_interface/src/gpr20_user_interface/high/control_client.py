@@ -12,10 +12,10 @@ from sensor_msgs.msg import Range
 from std_srvs.srv import Trigger
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.direct_service import DirectServiceClient
 from gpr20_user_interface.high.listening import Listening, in_background

@@ -9,10 +9,10 @@ from typing import Any, List
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
-from gpr20_main_control.mid.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
-from gpr20_main_control.mid.survey_state import SurveyState
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.survey_state import (
     ControlParameters,
     ControlState,

@@ -9,14 +9,14 @@ from xmlrpc.client import Error as XmlRpcError
 
 import rospy
 
-from gpr20_axis_driver.mid.axis_parameters import AxisParameters
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.mid.checks import positive_number
 from gpr20_common.mid.records import record_from
-from gpr20_main_control.mid.robot import AxisId
-from gpr20_main_control.mid.robot_facts import RobotFacts
-from gpr20_main_control.mid.survey_parameters import RobotTravel, Travel
-from gpr20_main_control.mid.survey_settings import SurveySettings
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
+from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_user_interface.mid.survey_state import AxisLimits, RobotFigures
 
 FIELDS = ("min_coord", "max_coord", "step_size")
@@ -40,7 +40,7 @@ def read_axis_limits() -> AxisLimits:
         travels.append(Travel(*values))
     try:
         axes = {axis_id: _record(AxisParameters, group) for axis_id, group in groups.items()}
-        facts = RobotFacts(axes, bool(simulated), positive_number("time_scale", time_scale))
+        facts = RobotConfig(axes, bool(simulated), positive_number("time_scale", time_scale))
         figures = RobotFigures(facts, _record(SurveySettings, control))
     except (Gpr20Error, TypeError) as error:
         return AxisLimits(RobotTravel(*travels), str(error))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import rospy
 from PyQt5.QtCore import QObject, pyqtSignal
 
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.mid.survey_state import Event
 

@@ -9,7 +9,7 @@ import rospy
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.mid.survey_parameters import RobotTravel, problems
+from gpr20_survey.plan.survey_parameters import RobotTravel, problems
 from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph

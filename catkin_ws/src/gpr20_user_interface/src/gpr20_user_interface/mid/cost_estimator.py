@@ -7,8 +7,8 @@ from typing import Optional, Tuple
 
 from PyQt5.QtCore import QObject, pyqtSignal
 
-from gpr20_main_control.mid.survey_cost import survey_cost
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_cost import survey_cost
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.survey_state import RobotFigures
 
 

@@ -8,8 +8,8 @@ from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
-from gpr20_main_control.mid.coverage import SampleState
-from gpr20_main_control.mid.survey_parameters import MAX_TRACES
+from gpr20_survey.plan.coverage import SampleState
+from gpr20_survey.plan.survey_parameters import MAX_TRACES
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_grid import SurveyGrid
 

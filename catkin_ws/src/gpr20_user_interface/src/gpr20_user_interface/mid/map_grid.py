@@ -8,12 +8,12 @@ from typing import Optional, Tuple
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_main_control.mid.recorded_plan import recorded_plan
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters
-from gpr20_main_control.mid.survey_plan import grid, on_step
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.recorded_plan import recorded_plan
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_survey.plan.survey_plan import grid, on_step
 from gpr20_user_interface.errors import SurveyNotReadableError
-from gpr20_vna_processing.errors import SurveyRefusedError
-from gpr20_vna_processing.mid.survey_metadata import MAX_FILE_BYTES, parse_object
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Tuple
 
-from gpr20_main_control.mid.survey_parameters import (
+from gpr20_survey.plan.survey_parameters import (
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,
     MIN_FREQUENCY_HZ,

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, Protocol
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.errors import ProfileError
 
 MAX_NAME_LENGTH = 32

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import FrozenSet, Generic, Optional, Set, TypeVar
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.mid.survey_parameters import RobotTravel, SurveyParameters
-from gpr20_main_control.mid.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.alarms import Alarm, worst_alarm
 from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
 from gpr20_user_interface.mid.survey_state import (

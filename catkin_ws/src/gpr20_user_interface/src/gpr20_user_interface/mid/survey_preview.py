@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
-from gpr20_main_control.mid.survey_cost import SurveyCost
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 SPEED_OF_LIGHT_M_PER_S = 299_792_458.0
 

@@ -6,16 +6,16 @@ import enum
 from dataclasses import dataclass
 from typing import Mapping, Optional, Union
 
-from gpr20_main_control.mid.robot_facts import RobotFacts
-from gpr20_main_control.mid.survey_parameters import (
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
     RobotTravel,
     SurveyParameters,
     Travel,
 )
-from gpr20_main_control.mid.survey_settings import SurveySettings
-from gpr20_main_control.mid.survey_state import SurveyState
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_state import SurveyState
 
 # The limits of the documented system, for as long as the axes' own are not known:
 # main_control, which knows them, refuses what lies between the two.
@@ -81,7 +81,7 @@ class MeasuredHeight:
 class RobotFigures:
     """What the estimate of a survey's time and size rests on."""
 
-    facts: RobotFacts
+    facts: RobotConfig
     settings: SurveySettings
 
 

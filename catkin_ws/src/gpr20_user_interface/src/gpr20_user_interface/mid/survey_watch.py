@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import List, Optional
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.mid.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.survey_state import (
     Answer,
     ControlState,

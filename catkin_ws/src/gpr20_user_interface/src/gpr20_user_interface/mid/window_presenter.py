@@ -7,8 +7,8 @@ from typing import Callable, Optional, Protocol
 
 from PyQt5.QtCore import QObject, QTimer, pyqtSignal
 
-from gpr20_main_control.mid.survey_cost import SurveyCost
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.cost_estimator import CostEstimator
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel

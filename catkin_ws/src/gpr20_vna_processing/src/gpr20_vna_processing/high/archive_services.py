@@ -8,8 +8,9 @@ from typing import Any, List
 
 import rospy
 
+from gpr20_common.high.raw_message import deserialized
 from gpr20_common.high.services import advertise
-from gpr20_msgs.msg import SurveySummary
+from gpr20_msgs.msg import SurveySummary, Trace
 from gpr20_msgs.srv import (
     ListSurveys,
     ListSurveysResponse,
@@ -18,7 +19,7 @@ from gpr20_msgs.srv import (
     ReadTraces,
     ReadTracesResponse,
 )
-from gpr20_vna_processing.high.messages import trace_message
+from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 
@@ -54,7 +55,7 @@ class ArchiveServices:
             success=True,
             message=f"{len(page.traces)} traces, {len(page.unreadable)} files cannot be read",
             survey_id=page.survey_id,
-            traces=[trace_message(trace) for trace in page.traces],
+            traces=[deserialized(Trace, trace_message.encode(trace)) for trace in page.traces],
             unreadable=[f"{index}: {reason}" for index, reason in page.unreadable],
             next_index=page.next_index,
             more=page.more,

@@ -16,6 +16,7 @@ import gpr20_vna_processing
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.raw_message import deserialized, preserialized, serialized
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import number_between, positive_number
@@ -32,22 +33,21 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_vna_processing.errors import ProcessingError
+from gpr20_survey.errors import ProcessingError
+from gpr20_survey.recording.recordings import open_recordings, stored_recordings
+from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.messages import (
     METADATA_TOPIC,
     TRACE_TOPIC,
     RosMessages,
     microseconds,
-    trace_message,
-    trace_record,
 )
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.disk import free_bytes
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
-from gpr20_vna_processing.mid.recordings import open_recordings, stored_recordings
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
@@ -135,7 +135,9 @@ class ProcessingNode:
             ),
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),
-            on_stored=lambda trace: _publish(self._trace, trace_message(trace)),
+            on_stored=lambda trace: _publish(
+                self._trace, preserialized(Trace, trace_message.encode(trace))
+            ),
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
@@ -171,6 +173,9 @@ class ProcessingNode:
         self._connect_recorder()
         reopened = self._processing.reopen_survey(request.survey)
         stored = len(reopened.stored_indices)
+        last = Trace()
+        if reopened.last:
+            last = deserialized(Trace, trace_message.encode(reopened.last))
         message = f"survey {reopened.survey_id} goes on with {stored} traces stored"
         return ReopenSurveyResponse(
             success=True,
@@ -180,7 +185,7 @@ class ProcessingNode:
             metadata_json=reopened.metadata_json,
             report_json=reopened.report_json,
             stored_indices=reopened.stored_indices,
-            last=trace_message(reopened.last) if reopened.last else Trace(),
+            last=last,
             interrupted=interrupted,
         )
 
@@ -202,7 +207,8 @@ class ProcessingNode:
         return ReportSurveyResponse(success=True, message="the report is in survey.json")
 
     def _store_data(self, request: Any) -> StoreDataResponse:
-        trace = trace_record(request.trace)
+        # The request holds nothing but the trace, so their bytes are the same.
+        trace = trace_message.decode(serialized(request))
         path = self._processing.store(trace)
         return StoreDataResponse(success=True, message=f"{trace.label} is stored", path=str(path))
 

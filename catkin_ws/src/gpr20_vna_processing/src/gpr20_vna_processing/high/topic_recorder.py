@@ -9,8 +9,8 @@ from typing import Callable, Iterable, List
 import rosgraph
 import rospy
 
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_vna_processing.high.messages import METADATA_TOPIC, TRACE_TOPIC
-from gpr20_vna_processing.low.recording import RecordedMessage
 
 # Topics that make an axis move or stop.
 COMMANDS = ("/axis/goal", "/axis/cancel")

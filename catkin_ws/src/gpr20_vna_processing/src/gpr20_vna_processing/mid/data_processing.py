@@ -6,13 +6,15 @@ import threading
 from pathlib import Path
 from typing import Any, Callable, Optional, Sequence
 
-from gpr20_vna_processing.errors import (
+from gpr20_survey.errors import (
     ProcessingError,
     StorageFailedError,
     SurveyRefusedError,
 )
-from gpr20_vna_processing.low.recording import RecordedMessage
-from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
@@ -23,7 +25,6 @@ from gpr20_vna_processing.mid.processing_records import (
 )
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 from gpr20_vna_processing.mid.survey_slot import SurveySlot
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 OUTCOMES = ("finished", "stopped", "failed")
 MAX_REASON_CHARACTERS = 4096
@@ -40,7 +41,7 @@ class DataProcessing:
         storage: Storage,
         limits: Limits,
         on_opened: Callable[[str], None],
-        on_stored: Callable[[TraceRecord], None],
+        on_stored: Callable[[Trace], None],
     ) -> None:
         """Build the storage; `start` begins its thread.
 
@@ -136,7 +137,7 @@ class DataProcessing:
         survey_folder.check_survey_id(survey_id)
         self._do(lambda: self._slot.opened_as(survey_id).report(report))
 
-    def store(self, trace: TraceRecord) -> Path:
+    def store(self, trace: Trace) -> Path:
         """Store a trace; return its JSON file when it is durable in all three forms.
 
         Raises:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Optional
 
-from gpr20_vna_processing.errors import SurveyRefusedError
-from gpr20_vna_processing.mid import manifest
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import manifest
+from gpr20_survey.folder.survey_search import find_survey
 from gpr20_vna_processing.mid.processing_records import ClosedSurvey
-from gpr20_vna_processing.mid.survey_search import find_survey
 
 
 def find_ended_survey(data: Path, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:

@@ -6,7 +6,7 @@ import dataclasses
 import threading
 from typing import Dict, List
 
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_survey.recording.recording import RecordedMessage
 
 # Of one message that is kept for later recordings; a status has a thousandth of it.
 LARGEST_BYTES = 1 << 20

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict
 
-from gpr20_vna_processing.errors import SurveyRefusedError, storing
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.mid import survey_folder, survey_metadata, utc_time
+from gpr20_survey.errors import SurveyRefusedError, storing
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
 
 
@@ -59,7 +60,7 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
     """
     data = storage.data
     with storing("the data folder", data):
-        json_trace_file.ensure_folder(data)
+        durable_files.ensure_folder(data)
         free = storage.free_bytes(data)
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
@@ -77,9 +78,9 @@ def make_folder(folder: Path) -> None:
         OSError: The disk refused.
     """
     try:
-        json_trace_file.make_new_folder(folder)
+        durable_files.make_new_folder(folder)
     except FileExistsError:
         raise SurveyRefusedError(
             f"{folder} exists already; every survey needs an id and a folder of its own"
         ) from None
-    json_trace_file.make_new_folder(folder / survey_folder.TRACES_FOLDER)
+    durable_files.make_new_folder(folder / survey_folder.TRACES_FOLDER)

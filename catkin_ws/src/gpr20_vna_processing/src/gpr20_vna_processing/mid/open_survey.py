@@ -5,17 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
 
-from gpr20_vna_processing.errors import (
+from gpr20_survey.errors import (
     StorageFailedError,
     SurveyRefusedError,
     TraceRefusedError,
     storing,
 )
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.low.recording import RecordedMessage, Recording
-from gpr20_vna_processing.mid import manifest, survey_folder, survey_metadata, trace_json, utc_time
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.stored_traces import StoredTraces
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 COMMIT_BYTES = 1 << 20
 
@@ -23,13 +24,13 @@ COMMIT_BYTES = 1 << 20
 class MessageMaker(Protocol):
     """Makes the messages that the storage itself puts on the graph, and reads them again."""
 
-    def trace(self, trace: TraceRecord, time_ns: int) -> RecordedMessage:
+    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         """Serialize a trace as a message of the topic `trace`."""
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         """Serialize the survey's description as a message of `survey_metadata`."""
 
-    def recorded_trace(self, message: RecordedMessage) -> Optional[TraceRecord]:
+    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
         """Return the trace of a recorded message, or None if it is no trace.
 
         Raises:
@@ -46,9 +47,9 @@ class OpenSurvey:
         description: Dict[str, Any],
         recordings: Sequence[Recording],
         messages: MessageMaker,
-        on_stored: Callable[[TraceRecord], None],
+        on_stored: Callable[[Trace], None],
         stored: Optional[StoredTraces] = None,
-        last: Optional[TraceRecord] = None,
+        last: Optional[Trace] = None,
     ) -> None:
         """Take over the files.
 
@@ -72,11 +73,11 @@ class OpenSurvey:
         self._recordings = list(recordings)
         self._messages = messages
         self._on_stored = on_stored
-        self._uncommitted: Dict[int, TraceRecord] = {}  # in the recordings, not yet durable
+        self._uncommitted: Dict[int, Trace] = {}  # in the recordings, not yet durable
         self._missing: Dict[int, List[Recording]] = {}  # recordings that lack a trace
         self._types: Dict[str, str] = {}  # type of each topic, by its checksum
 
-    def store(self, trace: TraceRecord, time_ns: int) -> Path:
+    def store(self, trace: Trace, time_ns: int) -> Path:
         """Store a trace in the JSON file and the recordings; return when all are durable.
 
         A trace that is stored already with the same content is not written again.
@@ -224,7 +225,7 @@ class OpenSurvey:
     def _describe(self, description: Dict[str, Any]) -> None:
         path = self.folder / survey_folder.SURVEY_FILE
         with storing("survey.json", path):
-            json_trace_file.replace_file(path, survey_metadata.encode(description))
+            durable_files.replace_file(path, survey_metadata.encode(description))
         self.description = description
 
     def _keep_collected_small(self) -> None:
@@ -232,7 +233,7 @@ class OpenSurvey:
         if any(one.collected_bytes > COMMIT_BYTES for one in self._recordings):
             self.commit()
 
-    def _check_survey(self, trace: TraceRecord) -> None:
+    def _check_survey(self, trace: Trace) -> None:
         if self._ending:
             raise TraceRefusedError(
                 f"{trace.label} is refused: the survey is being closed; call close_survey again"
@@ -248,7 +249,7 @@ class OpenSurvey:
                     f"not {trace.index}; every sample needs an id of its own"
                 )
 
-    def _store_json(self, trace: TraceRecord) -> Path:
+    def _store_json(self, trace: Trace) -> Path:
         content = trace_json.encode(trace)
         path = self._traces / survey_folder.trace_file_name(trace)
         if trace.index in self._stored:
@@ -256,7 +257,7 @@ class OpenSurvey:
             self._check_same(trace, path, content)
             return path
         with storing(trace.label, path):
-            json_trace_file.write_new_file(path, content)
+            durable_files.write_new_file(path, content)
         self._stored.add(trace.index, trace.sample_id)
         self._missing[trace.index] = list(self._recordings)
         return path
@@ -276,18 +277,18 @@ class OpenSurvey:
             )
         return found[0]
 
-    def _stored_trace(self, index: int) -> TraceRecord:
+    def _stored_trace(self, index: int) -> Trace:
         path = self._path_of(index)
         return trace_json.decode(_content_of(path, f"trace {index}"))
 
-    def _check_same(self, trace: TraceRecord, path: Path, content: bytes) -> None:
+    def _check_same(self, trace: Trace, path: Path, content: bytes) -> None:
         if _content_of(path, trace.label) != content:
             raise TraceRefusedError(
                 f"{trace.label} is refused: index {trace.index} is stored already with other "
                 f"content in {path}, which was left alone"
             )
 
-    def _record_trace(self, trace: TraceRecord, message: RecordedMessage) -> None:
+    def _record_trace(self, trace: Trace, message: RecordedMessage) -> None:
         missing = self._missing.get(trace.index)
         while missing:
             # A chunk of its own: readers of traces need not unpack the other topics.

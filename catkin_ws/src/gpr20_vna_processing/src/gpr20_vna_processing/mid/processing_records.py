@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_vna_processing.low.recording import Recording
-from gpr20_vna_processing.low.stored_recording import StoredRecording
+from gpr20_survey.recording.recording import Recording
+from gpr20_survey.recording.stored_recording import StoredRecording
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.open_survey import MessageMaker
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 BYTES_PER_MB = 1_000_000
 
@@ -69,7 +69,7 @@ class ReopenedSurvey:
     """As it was reported last; empty if it never was."""
     stored_indices: List[int]
     """Places in the plan whose traces are stored and readable, ascending."""
-    last: Optional[TraceRecord]
+    last: Optional[Trace]
     """The trace that was stored last."""
     repairs: Tuple[str, ...]
     """What was repaired, for people."""

@@ -6,13 +6,13 @@ import dataclasses
 import secrets
 from typing import Dict, Iterator, List, Optional, Set, Tuple
 
-from gpr20_vna_processing.errors import TraceRefusedError
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.low.recording import RecordedMessage, Recording
-from gpr20_vna_processing.low.stored_recording import StoredRecording
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER
+from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.stored_recording import StoredRecording
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.open_survey import COMMIT_BYTES, MessageMaker
-from gpr20_vna_processing.mid.survey_folder import DAMAGED_FOLDER
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 # Topic and checksum of a type -> its name and its definition.
 Types = Dict[Tuple[str, str], Tuple[str, str]]
@@ -73,13 +73,13 @@ class RecordedTraces:
             return
         self.prints[trace.index] = trace.fingerprint()
 
-    def _trace_of(self, message: RecordedMessage) -> Optional[TraceRecord]:
+    def _trace_of(self, message: RecordedMessage) -> Optional[Trace]:
         trace = self._messages.recorded_trace(message)
         if trace is not None and trace.survey_id != self._survey_id:
             raise TraceRefusedError(f"{trace.label} belongs to survey {trace.survey_id}")
         return trace
 
-    def traces(self) -> Iterator[TraceRecord]:
+    def traces(self) -> Iterator[Trace]:
         """Yield the traces that can be read."""
         for message in self._recording.messages():
             try:
@@ -111,8 +111,8 @@ class RecordedTraces:
             OSError: The disk refused; the call may be repeated.
         """
         path = self._recording.path
-        name = f"{json_trace_file.TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}"
-        temporary = path.with_name(name + json_trace_file.TEMPORARY_SUFFIX)
+        name = f"{durable_files.TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}"
+        temporary = path.with_name(name + durable_files.TEMPORARY_SUFFIX)
         new = self._recording.create(temporary)
         try:
             self._copy_to(new, truth, types)
@@ -121,8 +121,8 @@ class RecordedTraces:
             new.abandon()
             temporary.unlink()
             raise
-        json_trace_file.keep_aside(path, path.parent / DAMAGED_FOLDER)
-        json_trace_file.put_in_place(temporary, path)
+        durable_files.keep_aside(path, path.parent / DAMAGED_FOLDER)
+        durable_files.put_in_place(temporary, path)
         self._read()
 
     def _copy_to(self, new: Recording, truth: Dict[int, bytes], types: Types) -> None:

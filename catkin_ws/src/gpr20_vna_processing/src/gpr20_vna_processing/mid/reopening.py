@@ -8,27 +8,21 @@ from collections import Counter
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
-from gpr20_vna_processing.errors import (
+from gpr20_survey.errors import (
     SurveyRefusedError,
     TraceRefusedError,
     printable,
     storing,
 )
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.low.recording import Recording
-from gpr20_vna_processing.mid import (
-    manifest,
-    survey_folder,
-    survey_metadata,
-    trace_files,
-    trace_json,
-    utc_time,
-)
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.recording.recording import Recording
+from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey, Storage
 from gpr20_vna_processing.mid.recorded_traces import RecordedTraces, Types
 from gpr20_vna_processing.mid.stored_traces import StoredTraces
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 MAX_RESUMPTIONS = 100_000
 
@@ -41,7 +35,7 @@ class RepairedSurvey:
     description: Dict[str, Any]
     recordings: List[Recording]
     stored: StoredTraces
-    last: Optional[TraceRecord]
+    last: Optional[Trace]
     """The trace that was stored last."""
     repairs: Tuple[str, ...]
     """What was done, for people."""
@@ -83,7 +77,7 @@ class Reopening:
         self._survey_id: str = description["survey_id"]
         self._repairs: List[str] = []
         self._truth: Dict[int, bytes] = {}
-        self._last: Optional[TraceRecord] = None
+        self._last: Optional[Trace] = None
         started_ns = _started_us(description) * utc_time.NS_PER_US
         with storing("the survey", folder, "be read again from"):
             self._files = trace_files.read_all(self._traces, self._survey_id)
@@ -111,7 +105,7 @@ class Reopening:
         """
         with storing("the repair", self._folder):
             self._mark_open(utc_time.iso_text(now_us))
-            json_trace_file.ensure_folder(self._traces)
+            durable_files.ensure_folder(self._traces)
             self._remove_torn()
             self._repair_traces()
             self._repair_recordings()
@@ -173,11 +167,11 @@ class Reopening:
         self._keep_damaged_description()
         # In this order: a manifest beside a survey that has not ended is known to be old.
         path = self._folder / survey_folder.SURVEY_FILE
-        json_trace_file.replace_file(path, survey_metadata.encode(self._description))
+        durable_files.replace_file(path, survey_metadata.encode(self._description))
         old = self._folder / manifest.MANIFEST_FILE
         if old.is_dir() and not old.is_symlink():
             self._set_aside(old, "this is a folder, no file")
-        json_trace_file.remove_file(old)
+        durable_files.remove_file(old)
 
     def _keep_damaged_description(self) -> None:
         path = self._folder / survey_folder.SURVEY_FILE
@@ -189,12 +183,10 @@ class Reopening:
                 "samples that failed is lost"
             )
             if path.exists():
-                json_trace_file.keep_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
+                durable_files.keep_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
 
     def _remove_torn(self) -> None:
-        removed = sum(
-            json_trace_file.remove_temporaries(one) for one in (self._folder, self._traces)
-        )
+        removed = sum(durable_files.remove_temporaries(one) for one in (self._folder, self._traces))
         if removed:
             self._repairs.append(f"removed {removed} files that were never finished")
 
@@ -213,12 +205,12 @@ class Reopening:
                     lost = lost - {trace.index}
 
     def _set_aside(self, path: Path, reason: str) -> None:
-        kept = json_trace_file.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
+        kept = durable_files.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
         self._repairs.append(f"moved {printable(path.name)} to {kept.parent.name}/: {reason}")
 
-    def _restore(self, trace: TraceRecord) -> None:
+    def _restore(self, trace: Trace) -> None:
         name = survey_folder.trace_file_name(trace)
-        json_trace_file.write_new_file(self._traces / name, trace_json.encode(trace))
+        durable_files.write_new_file(self._traces / name, trace_json.encode(trace))
         self._files.prints[trace.index] = trace.fingerprint()
         self._files.names[trace.index] = name
         self._repairs.append(f"wrote {name} again from the recordings")
@@ -264,7 +256,7 @@ class Reopening:
         if missing:
             self._repairs.append(f"added {len(missing)} traces to {recording.name}")
 
-    def _read(self, index: int) -> TraceRecord:
+    def _read(self, index: int) -> Trace:
         path = self._traces / self._files.names[index]
         try:
             return trace_files.read_trace(path, self._survey_id)
@@ -272,7 +264,7 @@ class Reopening:
             raise OSError(f"{path} has changed while it was read: {error}") from error
 
 
-def _order(trace: TraceRecord) -> Tuple[int, int]:
+def _order(trace: Trace) -> Tuple[int, int]:
     return trace.timestamp_us, trace.index
 
 

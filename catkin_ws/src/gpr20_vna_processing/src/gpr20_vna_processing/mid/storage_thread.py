@@ -11,8 +11,8 @@ from typing import Any, Callable, Deque, Generic, List, Optional, Sequence, Tupl
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import positive_number
-from gpr20_vna_processing.errors import StorageFailedError
-from gpr20_vna_processing.low.recording import RecordedMessage
+from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.recording.recording import RecordedMessage
 
 Result = TypeVar("Result")
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Tuple
 
-from gpr20_vna_processing.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
-from gpr20_vna_processing.mid import survey_folder, survey_metadata, trace_files
-from gpr20_vna_processing.mid.survey_search import find_survey
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
+from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 MAX_SURVEYS_PER_PAGE = 50
 MAX_TRACES_PER_PAGE = 200
@@ -54,7 +54,7 @@ class TracePage:
     """Some traces of a survey, in the order of the plan."""
 
     survey_id: str
-    traces: Tuple[TraceRecord, ...]
+    traces: Tuple[Trace, ...]
     unreadable: Tuple[Tuple[int, str], ...]
     """Index and reason of the files that hold no whole trace."""
     next_index: int
@@ -119,7 +119,7 @@ class SurveyArchive:
         folder, description = find_survey(self._data, survey)
         survey_id = description["survey_id"]
         due = [one for one in _trace_files(folder) if one[0] >= first_index]
-        traces: List[TraceRecord] = []
+        traces: List[Trace] = []
         unreadable: List[Tuple[int, str]] = []
         points = 0
         used = 0

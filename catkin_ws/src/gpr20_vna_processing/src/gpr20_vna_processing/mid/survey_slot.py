@@ -5,16 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
-from gpr20_vna_processing.errors import StorageFailedError, SurveyRefusedError, storing
-from gpr20_vna_processing.low import json_trace_file
-from gpr20_vna_processing.mid import new_survey, survey_folder, survey_metadata, utc_time
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.ended_survey import find_ended_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
 from gpr20_vna_processing.mid.reopening import Reopening, reopened_survey
-from gpr20_vna_processing.mid.survey_search import find_survey
-from gpr20_vna_processing.mid.trace_record import TraceRecord
 
 INTERRUPTED = "interrupted"
 
@@ -28,7 +30,7 @@ class SurveySlot:
         disk_reserve_bytes: int,
         latched: LatchedTopics,
         on_opened: Callable[[str], None],
-        on_stored: Callable[[TraceRecord], None],
+        on_stored: Callable[[Trace], None],
     ) -> None:
         """Build it empty.
 
@@ -142,7 +144,7 @@ class SurveySlot:
             self._begin_recording(survey, content.decode("ascii"), now_ns)
             with storing("the survey's description", path):
                 # Last: a folder with a survey.json is whole.
-                json_trace_file.write_new_file(path, content)
+                durable_files.write_new_file(path, content)
         except Exception:
             self._latched.end()
             survey.abandon()

@@ -18,7 +18,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_main_control.mid.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.parameter_form import (
     FormCheck,
     check_form,

@@ -6,7 +6,7 @@ from typing import Dict
 
 from PyQt5.QtCore import QCoreApplication
 
-from gpr20_main_control.mid.survey_parameters import MAX_TRACES, RobotTravel, Rule
+from gpr20_survey.plan.survey_parameters import MAX_TRACES, RobotTravel, Rule
 from gpr20_user_interface.mid.parameter_form import ADDRESS, ROTATIONS, FormCheck, limits
 
 # Fields of one number that need not be whole.

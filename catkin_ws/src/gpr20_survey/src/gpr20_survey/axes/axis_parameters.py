@@ -1,0 +1,187 @@
+"""The parameters of one axis."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import PurePosixPath
+from typing import Optional
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_survey.axes.errors import AxisParameterError, TravelError
+
+# Pins of the 40-pin header that carry a GPIO line, in BOARD numbering (Raspberry Pi 4).
+BOARD_PINS = frozenset(
+    [3, 5, 7, 8, 10, 11, 12, 13, 15, 16, 18, 19, 21, 22, 23, 24, 26]
+    + [27, 28, 29, 31, 32, 33, 35, 36, 37, 38, 40]
+)
+# A pause shorter than this is below what a DRV8825 accepts as a step pulse (1.9 us high).
+MIN_PAUSE_S = 2.0e-6
+MAX_PAUSE_S = 1.0
+# Finer than any motor; with less an axis would never leave its slowest speed.
+MIN_STEP_SIZE = 1.0e-5
+MAX_STEP_SIZE = 360.0
+MIN_DELTA_S = 1.0e-7
+# The most back-offs that homing ever makes in one go, away from a switch that was pressed.
+HOMING_BACKOFFS = 5
+# A gap of this length is no lateness any more: the process has been halted.
+MAX_GAP_S = 10.0
+
+
+class Backend(enum.Enum):
+    """The library that drives the pins of the real robot."""
+
+    RPI_GPIO = "rpi_gpio"
+    PIGPIO = "pigpio"
+
+
+class AxisType(enum.Enum):
+    """How an axis moves."""
+
+    LINEAR = "LIN"
+    ROTARY = "ROT"
+
+
+@dataclass(frozen=True)
+class AxisParameters:
+    """The parameters of one axis, named as in the robot's documentation.
+
+    Lengths are in mm on a linear axis and in degrees on a rotary one.
+
+    Attributes:
+        dir_pin: Direction pin [BOARD number].
+        step_pin: Step pin [BOARD number].
+        step_size: Travel per motor step.
+        min_step: Shortest pause of half a step period [s]: the top speed.
+        max_step: Longest pause of half a step period [s]: the speed of start and stop.
+        delta_step: Change of the pause from one step to the next on a ramp [s].
+        min_coord: Lower end of the travel.
+        max_coord: Upper end of the travel.
+        type: LIN or ROT.
+        sensor_pin: Endstop's pin [BOARD number]; none on an axis without endstop.
+        homing_backoff: Distance from the endstop's switching point to coordinate
+            `min_coord`, so that a move to the end does not press the switch.
+        late_limit_s: A pulse that is later slows the rest of the move down [s]; also what a
+            pause can be shorter than its due length.
+        gap_limit_s: A pulse that is later ends a move that was faster than the slowest
+            speed, and the axis must be homed again [s].
+        memory_file: Where the step count of an axis without endstop outlives the power;
+            empty: it outlives the node, but not the power.
+        backend: rpi_gpio or pigpio; the simulated robot uses neither.
+    """
+
+    dir_pin: int
+    step_pin: int
+    step_size: float
+    min_step: float
+    max_step: float
+    delta_step: float
+    min_coord: float
+    max_coord: float
+    type: str
+    sensor_pin: Optional[int] = None
+    homing_backoff: float = 1.0
+    late_limit_s: float = 0.0005
+    gap_limit_s: float = 0.05
+    memory_file: str = ""
+    backend: str = Backend.RPI_GPIO.value
+
+    def __post_init__(self) -> None:
+        try:
+            self._check_pins()
+            self._check_sizes()
+            self._check_pulses()
+        except InvalidValueError as error:
+            raise AxisParameterError(str(error)) from None
+
+    def _check_pins(self) -> None:
+        pins = {"dir_pin": self.dir_pin, "step_pin": self.step_pin}
+        if self.sensor_pin is not None:
+            pins["sensor_pin"] = self.sensor_pin
+        for name, pin in pins.items():
+            if pin not in BOARD_PINS:
+                raise InvalidValueError(
+                    f"{name} is {pin}; it must be the BOARD number of a GPIO pin: "
+                    f"{', '.join(map(str, sorted(BOARD_PINS)))}"
+                )
+        if len(set(pins.values())) != len(pins):
+            listed = ", ".join(f"{name} {pin}" for name, pin in pins.items())
+            raise InvalidValueError(f"{listed}: each must be a pin of its own")
+
+    def _check_sizes(self) -> None:
+        if self.type not in {one.value for one in AxisType}:
+            raise InvalidValueError(f"type is '{self.type}'; it must be LIN or ROT")
+        number_between("step_size", self.step_size, MIN_STEP_SIZE, MAX_STEP_SIZE, self.unit)
+        number_between("delta_step", self.delta_step, MIN_DELTA_S, MAX_PAUSE_S, "s")
+        number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
+        number_between("min_step", self.min_step, MIN_PAUSE_S, self.max_step, "s")
+        number_between("min_coord", self.min_coord, -1.0e5, 1.0e5, self.unit)
+        number_between("max_coord", self.max_coord, self.min_coord, 1.0e5, self.unit)
+        if self.max_coord - self.min_coord < self.step_size:
+            raise InvalidValueError(
+                f"max_coord is {self.max_coord:g} {self.unit}; it must be at least one step, "
+                f"{self.step_size:g} {self.unit}, above min_coord, {self.min_coord:g} {self.unit}"
+            )
+        if self.sensor_pin is None and self.type == AxisType.LINEAR.value:
+            raise InvalidValueError(
+                "sensor_pin is missing; a linear axis finds its zero by its endstop. Give the pin, "
+                "or ROT as type for an axis whose zero is set by hand"
+            )
+        if self.sensor_pin is not None:
+            # Homing goes back and forth by it, and must stay within the axis.
+            longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
+            number_between(
+                "homing_backoff", self.homing_backoff, self.step_size, longest, self.unit
+            )
+        else:
+            positive_number("homing_backoff", self.homing_backoff, self.unit)
+
+    def _check_pulses(self) -> None:
+        number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
+        number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
+        if self.backend not in {one.value for one in Backend}:
+            raise InvalidValueError(f"backend is '{self.backend}'; it must be rpi_gpio or pigpio")
+        if self.memory_file and self.sensor_pin is not None:
+            raise InvalidValueError(
+                f"memory_file is '{self.memory_file}', but the axis has an endstop, sensor_pin "
+                f"{self.sensor_pin}, which finds its zero; give one of the two"
+            )
+        if self.memory_file and not PurePosixPath(self.memory_file).is_absolute():
+            raise InvalidValueError(
+                f"memory_file is '{self.memory_file}'; it must be an absolute path"
+            )
+
+    @property
+    def unit(self) -> str:
+        """Unit of the coordinates: mm or deg."""
+        return "mm" if self.type == AxisType.LINEAR.value else "deg"
+
+    def steps_to(self, coordinate: float) -> int:
+        """Return the motor step nearest to a coordinate, counted from coordinate zero.
+
+        Raises:
+            TravelError: The coordinate is not a number within the travel.
+        """
+        # Written so that NaN, which fails every comparison, is refused too.
+        if not self.min_coord <= coordinate <= self.max_coord:
+            raise TravelError(
+                f"target {coordinate:.12g} {self.unit} lies outside the axis, "
+                f"{self.min_coord:g} to {self.max_coord:g} {self.unit}"
+            )
+        return self.distance_steps(coordinate)
+
+    def distance_steps(self, distance: float) -> int:
+        """Return the whole number of steps nearest to a distance."""
+        # Decimal, because 0.29 / 0.01 is 28.999... in binary and would lose a step.
+        return round(Decimal(repr(float(distance))) / Decimal(repr(self.step_size)))
+
+    def coordinate_of(self, steps: int) -> float:
+        """Return the coordinate of a motor step, exact to the last bit."""
+        return float(steps * Decimal(repr(self.step_size)))
+
+    @property
+    def travel_steps(self) -> int:
+        """Length of the axis [motor steps]."""
+        return self.distance_steps(self.max_coord - self.min_coord)

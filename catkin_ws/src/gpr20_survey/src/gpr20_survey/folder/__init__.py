@@ -1,0 +1,1 @@
+"""The folder of a survey: names, metadata, manifest, trace files."""

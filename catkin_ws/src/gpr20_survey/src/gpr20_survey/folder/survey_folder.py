@@ -1,0 +1,99 @@
+"""Names of a survey's folder and files; none of them comes unchecked from outside."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import List
+
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.trace import SURVEY_ID, Trace
+
+SURVEY_FILE = "survey.json"
+BAG_FILE = "survey.bag"
+MCAP_FILE = "survey.mcap"
+DAMAGED_FOLDER = "damaged"
+TRACES_FOLDER = "traces"
+
+FOLDER_NAME = re.compile(r"[0-9]{8}T[0-9]{6}_[0-9a-f]{8}")
+
+
+def check_survey_id(survey_id: str) -> str:
+    """Return the id if it is a UUID in lower case with hyphens.
+
+    Raises:
+        SurveyRefusedError: It is anything else.
+    """
+    if not SURVEY_ID.fullmatch(survey_id):
+        raise SurveyRefusedError(
+            f"survey_id is {survey_id[:64]!r}; it must be a UUID in lower case with hyphens, "
+            "such as 0f8fad5b-d9cb-469f-a165-70867728950e"
+        )
+    return survey_id
+
+
+def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
+    """Return the folder of a survey below the data folder.
+
+    Args:
+        data: The data folder.
+        survey_id: UUID of the survey.
+        started_us: When it started [us since 1970, UTC].
+
+    Raises:
+        SurveyRefusedError: The id is no UUID or the time cannot be right.
+    """
+    check_survey_id(survey_id)
+    if not utc_time.is_plausible(started_us):
+        raise SurveyRefusedError(
+            f"the survey would start on {utc_time.iso_text(started_us)}; set the computer's clock"
+        )
+    return data / f"{utc_time.compact_text(started_us)}_{survey_id[:8]}"
+
+
+def candidate_folders(data: Path, survey: str) -> List[Path]:
+    """Return the folders that may be meant by a survey's id or the name of its folder.
+
+    Raises:
+        SurveyRefusedError: The text is neither; nothing outside the data folder can be named.
+    """
+    if SURVEY_ID.fullmatch(survey):
+        found = sorted(data.glob(f"*_{survey[:8]}"))
+    elif FOLDER_NAME.fullmatch(survey):
+        found = [data / survey]
+    else:
+        raise SurveyRefusedError(
+            f"survey is {survey[:64]!r}; it must be a survey's id (a UUID in lower case) or the "
+            "name of its folder, such as 20260921T141320_0f8fad5b"
+        )
+    return [
+        one
+        for one in found
+        if FOLDER_NAME.fullmatch(one.name) and one.is_dir() and not one.is_symlink()
+    ]
+
+
+def check_no_links(folder: Path) -> None:
+    """Check that nothing of a survey lies elsewhere: a link could lead out of the data folder.
+
+    Raises:
+        SurveyRefusedError: One of its files or folders is a symbolic link.
+    """
+    for name in (SURVEY_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER):
+        if (folder / name).is_symlink():
+            raise SurveyRefusedError(
+                f"{folder / name} is a symbolic link, which is not followed; put the files there"
+            )
+
+
+def trace_file_name(trace: Trace) -> str:
+    """Return such as 000123_X0050.00_Y0050.00_Z+090.00.json.
+
+    The index makes the name unique; the coordinates in it are for people.
+    """
+    x_mm, y_mm, z_deg = (
+        round(value, 2) + 0.0  # never "-0.00"
+        for value in (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
+    )
+    return f"{trace.index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.json"

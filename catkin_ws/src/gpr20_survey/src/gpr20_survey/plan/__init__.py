@@ -1,0 +1,1 @@
+"""What a survey will do: parameters, points, time and space, states, coverage."""

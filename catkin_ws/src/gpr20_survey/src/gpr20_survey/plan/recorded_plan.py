@@ -1,0 +1,40 @@
+"""What a survey was to measure, from what was recorded of it."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
+from gpr20_survey.plan.survey_parameters import (
+    RobotTravel,
+    SurveyParameters,
+    Travel,
+    check,
+)
+
+
+def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, RobotTravel]:
+    """Return the parameters of a survey and the travel of its axes.
+
+    Args:
+        description: The content of survey.json.
+
+    Raises:
+        InvalidValueError: Parameters or axes are missing or not allowed.
+    """
+    try:
+        axes = description["axes"]
+        travel = RobotTravel(**{axis: _travel(axes[axis], axis) for axis in ("x", "y", "z")})
+        parameters = record_from(SurveyParameters, description["parameters"], "parameters")
+        check(parameters, travel)
+    except (KeyError, TypeError, ArithmeticError) as error:
+        raise InvalidValueError(f"the description of the survey is not whole: {error!r}") from error
+    return parameters, travel
+
+
+def _travel(axis: Any, name: str) -> Travel:
+    numbers = [axis[key] for key in ("min_coord", "max_coord", "step_size")]
+    if not all(isinstance(one, float) for one in numbers) or not numbers[2] > 0.0:
+        raise InvalidValueError(f"axes/{name} does not hold the numbers of an axis")
+    return Travel(*numbers)

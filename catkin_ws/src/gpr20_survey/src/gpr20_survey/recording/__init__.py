@@ -1,0 +1,1 @@
+"""Writing and reading of the ROS bag and the MCAP file of a survey."""

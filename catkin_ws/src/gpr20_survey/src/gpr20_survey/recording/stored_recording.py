@@ -1,0 +1,55 @@
+"""A recording that is on the disk already, whatever its format and its state."""
+
+from __future__ import annotations
+
+import mmap
+import os
+from pathlib import Path
+from typing import Iterator, List, Protocol
+
+from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.recording.recording import RecordedMessage, Recording
+
+
+class StoredRecording(Protocol):
+    """Reads what is whole in a recording and goes on behind it.
+
+    A tail that was torn by a crash is no fault: nothing in it was acknowledged.
+    """
+
+    path: Path
+    """The file; it may be missing."""
+    faults: List[str]
+    """What is damaged before the end, as far as `messages` has come."""
+    has_checksums: bool
+    """Whether damage inside a message would be found."""
+
+    def messages(self) -> Iterator[RecordedMessage]:
+        """Yield every message of the whole chunks, in the order of the file."""
+
+    def resume(self) -> Recording:
+        """Cut off what follows the last whole chunk and go on there.
+
+        To be called after all `messages` were read, and only if there were no faults.
+        """
+
+    def create(self, path: Path) -> Recording:
+        """Begin an empty recording of the same kind elsewhere."""
+
+
+def mapped(path: Path) -> bytes:
+    """Return the content of a file, read as it is looked at; empty if it is missing.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    try:
+        descriptor = open_regular(path)
+    except FileNotFoundError:
+        return b""
+    try:
+        size = os.fstat(descriptor).st_size
+        # A map slices into bytes, which is all that the readers ask of it.
+        return mmap.mmap(descriptor, size, prot=mmap.PROT_READ) if size else b""  # type: ignore
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,1 @@
+"""The sweep and the trace, and their JSON and ROS forms."""

@@ -1,0 +1,119 @@
+"""One S21 sweep, checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NoReturn, Tuple
+
+import numpy as np
+
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import utc_time
+
+MIN_POINTS, MAX_POINTS = 2, 4001
+MAX_REMARKS, MAX_REMARK_CHARACTERS = 32, 200
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """One S21 sweep; making one checks every value.
+
+    Times are whole microseconds since 1970 in UTC, the resolution of every stored form.
+
+    Attributes:
+        frequency_hz: Frequencies [Hz, float64, shape (points,)], ascending.
+        s21_real: Real part of S21, linear [float64, shape (points,)].
+        s21_imag: Imaginary part of S21, linear [float64, shape (points,)].
+        sweep_started_us: Just before the sweep was triggered [us since 1970, UTC].
+        sweep_ended_us: When its end was seen [us since 1970, UTC].
+        quality: Remarks on the quality; empty means none.
+
+    Raises:
+        TraceRefusedError: A value is not allowed; the message names it.
+    """
+
+    frequency_hz: np.ndarray
+    s21_real: np.ndarray
+    s21_imag: np.ndarray
+    sweep_started_us: int
+    sweep_ended_us: int
+    quality: Tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        self._check_numbers()
+        self._check_sweep_times()
+        self._check_quality()
+
+    @property
+    def duration_s(self) -> float:
+        """How long the sweep took [s]."""
+        return (self.sweep_ended_us - self.sweep_started_us) * 1e-6
+
+    def same_data(self, other: Sweep) -> bool:
+        """Return whether every bit of the measured data is the same."""
+        return (
+            self.s21_real.tobytes() == other.s21_real.tobytes()
+            and self.s21_imag.tobytes() == other.s21_imag.tobytes()
+        )
+
+    def _check_numbers(self) -> None:
+        points = len(self.frequency_hz)
+        if not MIN_POINTS <= points <= MAX_POINTS:
+            refuse(f"there are {points} points; there must be {MIN_POINTS} to {MAX_POINTS}")
+        for name in ("frequency_hz", "s21_real", "s21_imag"):
+            values = getattr(self, name)
+            if values.dtype != np.float64 or values.shape != (points,):
+                refuse(f"{name} has {values.size} values for {points} frequencies")
+            if not np.isfinite(values).all():
+                refuse(f"{name} holds {np.count_nonzero(~np.isfinite(values))} NaN or infinities")
+        if self.frequency_hz[0] <= 0.0 or not (np.diff(self.frequency_hz) > 0.0).all():
+            refuse("frequency_hz must be above zero and ascend from each point to the next")
+
+    def _check_sweep_times(self) -> None:
+        check_time("sweep_started", self.sweep_started_us)
+        check_time("sweep_ended", self.sweep_ended_us)
+        if self.sweep_ended_us < self.sweep_started_us:
+            refuse(
+                f"sweep_ended {utc_time.iso_text(self.sweep_ended_us)} lies before "
+                f"sweep_started {utc_time.iso_text(self.sweep_started_us)}"
+            )
+
+    def _check_quality(self) -> None:
+        if len(self.quality) > MAX_REMARKS:
+            refuse(f"quality has {len(self.quality)} remarks; at most {MAX_REMARKS} are allowed")
+        for remark in self.quality:
+            if len(remark) > MAX_REMARK_CHARACTERS or not remark.isprintable():
+                refuse(
+                    f"quality holds {shortened(remark)}; a remark must be printable and "
+                    f"have at most {MAX_REMARK_CHARACTERS} characters"
+                )
+
+
+def storable_remark(remark: str) -> str:
+    """Return a remark as a sweep takes it: short, and of printable characters alone."""
+    text = "".join(one if one.isprintable() else "?" for one in remark)
+    return text if len(text) <= MAX_REMARK_CHARACTERS else text[: MAX_REMARK_CHARACTERS - 3] + "..."
+
+
+def check_time(name: str, time_us: int) -> None:
+    """Refuse a moment [us since 1970] that cannot be right.
+
+    Raises:
+        TraceRefusedError: It cannot.
+    """
+    if not utc_time.is_plausible(time_us):
+        refuse(f"{name} is {utc_time.iso_text(time_us)}; set the computer's clock")
+
+
+def refuse(reason: str) -> NoReturn:
+    """Raise the error of a trace that is not allowed.
+
+    Raises:
+        TraceRefusedError: Always.
+    """
+    raise TraceRefusedError(f"the trace is refused: {reason}")
+
+
+def shortened(text: str) -> str:
+    """Return a text in quotes, cut to what a message can hold."""
+    return repr(text if len(text) <= 64 else text[:61] + "...")

@@ -1,0 +1,117 @@
+"""A trace as the text of its JSON file, and back."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, Dict, NoReturn
+
+import numpy as np
+
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.trace import Trace
+
+TEXTS = ("format", "survey_id", "sample_id")
+TIMES = ("timestamp", "sweep_started", "sweep_ended")
+HEIGHT = "antennae_height_m"
+NUMBERS = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
+ARRAYS = ("frequency_hz", "s21_real", "s21_imag")
+KEYS = frozenset((*TEXTS, "index", *TIMES, *NUMBERS, HEIGHT, *ARRAYS, "quality"))
+
+
+def encode(trace: Trace) -> bytes:
+    """Return the content of a trace's file.
+
+    Numbers are written with as many digits as bring the same float64 back; equal traces
+    give equal bytes.
+    """
+    height = trace.antennae_height_m
+    values: Dict[str, Any] = {
+        "format": trace.format,
+        "survey_id": trace.survey_id,
+        "sample_id": trace.sample_id,
+        "index": trace.index,
+        "timestamp": utc_time.iso_text(trace.timestamp_us),
+        "x_coord_mm": trace.x_coord_mm,
+        "y_coord_mm": trace.y_coord_mm,
+        "z_coord_deg": trace.z_coord_deg,
+        "antennae_height_m": None if math.isnan(height) else height,
+        "frequency_hz": trace.frequency_hz.tolist(),
+        "s21_real": trace.s21_real.tolist(),
+        "s21_imag": trace.s21_imag.tolist(),
+        "sweep_started": utc_time.iso_text(trace.sweep_started_us),
+        "sweep_ended": utc_time.iso_text(trace.sweep_ended_us),
+        "quality": list(trace.quality),
+    }
+    return (json.dumps(values, allow_nan=False) + "\n").encode("ascii")
+
+
+def decode(content: bytes) -> Trace:
+    """Return the trace of a file's content, checked.
+
+    Raises:
+        TraceRefusedError: It is not the whole content of a trace's file.
+    """
+    try:
+        values = json.loads(content.decode("ascii"), parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        raise TraceRefusedError(f"the file is no strict JSON: {error}") from error
+    if content[-1:] != b"\n":
+        raise TraceRefusedError("the file does not end as the storage ends it")
+    return from_values(values)
+
+
+def from_values(values: Any) -> Trace:
+    """Return the trace of a file's JSON value, checked.
+
+    Raises:
+        TraceRefusedError: It is not the value of a trace's file.
+    """
+    if not isinstance(values, dict) or values.keys() != KEYS:
+        raise TraceRefusedError("the file does not hold exactly the entries of a trace")
+    try:
+        return _trace(values)
+    except (ValueError, TypeError, OverflowError) as error:
+        if isinstance(error, TraceRefusedError):
+            raise
+        raise TraceRefusedError(f"an entry of the trace is wrong: {error}") from error
+
+
+def _trace(values: Dict[str, Any]) -> Trace:
+    height = values[HEIGHT]
+    if not all(isinstance(one, str) for one in _list(values, "quality")):
+        raise TypeError("quality holds something else than texts")
+    fields: Dict[str, Any] = {
+        **{name: _of_type(values, name, str) for name in TEXTS},
+        **{f"{name}_us": utc_time.parse_iso(_of_type(values, name, str)) for name in TIMES},
+        **{name: _of_type(values, name, float) for name in NUMBERS},
+        **{name: _array(values, name) for name in ARRAYS},
+        "index": _of_type(values, "index", int),
+        HEIGHT: math.nan if height is None else _of_type(values, HEIGHT, float),
+        "quality": tuple(values["quality"]),
+    }
+    return Trace(**fields)
+
+
+def _of_type(values: Dict[str, Any], name: str, kind: type) -> Any:
+    value = values[name]
+    # Exactly: true is an int to Python, and a float is always written with a point.
+    if type(value) is not kind:
+        raise TypeError(f"{name} is {str(value)[:64]!r}; it must be a {kind.__name__}")
+    return value
+
+
+def _list(values: Dict[str, Any], name: str) -> Any:
+    return _of_type(values, name, list)
+
+
+def _array(values: Dict[str, Any], name: str) -> np.ndarray:
+    numbers = _list(values, name)
+    if set(map(type, numbers)) - {float}:
+        raise TypeError(f"{name} holds something else than numbers")
+    return np.array(numbers, np.float64)
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not allowed in JSON")
