@@ -15,7 +15,6 @@ from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.robot import (
-    AnalyzerSweep,
     AxisReading,
     MoveOutcome,
     OpenedSurvey,
@@ -27,6 +26,7 @@ from gpr20_main_control.mid.survey_factory import Surroundings
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 
 LIMIT_S = 20.0
@@ -98,41 +98,44 @@ class FakeAnalyzer:
 
     def __init__(self):
         self.connections = []
-        self.calibration_status = 1
+        self.calibration_refusal = ""
         self.sweeps = 0
         self.failures = 0
         self.on_sweep = lambda: None
-        self.accept = lambda setting: setting
-        self.other_setting = None
-        self._setting = None
+        self.accept = lambda settings: settings
+        self.other_settings = None
+        self._settings = None
 
     def connect(self, address):
         self.connections.append(address)
         return "Anritsu,MS2026C/2,SIMULATED,1.0"
 
     def calibration(self):
-        return self.calibration_status
+        self._check_calibration()
+        return CalibrationStatus.HIGH
 
-    def configure(self, setting):
-        self._setting = self.accept(setting)
-        return self._setting
+    def _check_calibration(self):
+        if self.calibration_refusal:
+            raise DeviceError(self.calibration_refusal)
+
+    def configure(self, settings):
+        self._settings = self.accept(settings)
+        return self._settings
 
     def frequencies_hz(self):
-        span = self._setting.stop_frequency_hz - self._setting.start_frequency_hz
-        step = span / (self._setting.points - 1)
-        return self._setting.start_frequency_hz + step * np.arange(self._setting.points)
+        return self._settings.frequencies_hz()
 
     def sweep(self):
         self.on_sweep()
         if self.failures:
             self.failures -= 1
             raise DeviceError("the VNA did not answer")
+        self._check_calibration()
         self.sweeps += 1
-        values = np.full(self._setting.points, float(self.sweeps))
+        settings = self.other_settings or self._settings
+        values = np.full(settings.points, float(self.sweeps))
         began_us = FIRST_SWEEP_US + self.sweeps * 10
-        setting = self._setting if self.other_setting is None else self.other_setting
-        sweep = Sweep(self.frequencies_hz(), values, values, began_us, began_us + 5, ())
-        return AnalyzerSweep(sweep, setting, self.calibration_status)
+        return Sweep(settings.frequencies_hz(), values, values, began_us, began_us + 5, ())
 
 
 class FakeHeightSensor:

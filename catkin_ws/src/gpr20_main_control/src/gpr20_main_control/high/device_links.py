@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import genpy
@@ -13,11 +12,9 @@ from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import (
-    AnalyzerSweep,
     OpenedSurvey,
     ReopenedSurvey,
     SurveyRecord,
-    SweepSetting,
 )
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -34,7 +31,9 @@ from gpr20_msgs.srv import (
     StoreDataRequest,
 )
 from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Opening again and closing read every file of a survey, and so does opening a survey when
@@ -82,18 +81,21 @@ class AnalyzerLink:
         """Connect, or connect again, and return the instrument's identity."""
         return str(self._connection(connect=True, address=address).identity)
 
-    def calibration(self) -> int:
-        """Return the calibration status on the instrument's own scale."""
-        return int(self._calibration().status)
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration, or refuse one that is not accepted."""
+        answer = self._calibration()
+        if not answer.accepted:
+            raise DeviceError(answer.message)
+        return CalibrationStatus(answer.status)
 
-    def configure(self, setting: SweepSetting) -> SweepSetting:
+    def configure(self, settings: SweepSettings) -> SweepSettings:
         """Configure the sweep and return what the instrument accepted."""
         accepted = self._setup(
-            start_frequency_hz=setting.start_frequency_hz,
-            stop_frequency_hz=setting.stop_frequency_hz,
-            points=setting.points,
+            start_frequency_hz=settings.start_frequency_hz,
+            stop_frequency_hz=settings.stop_frequency_hz,
+            points=settings.points,
         )
-        return SweepSetting(
+        return SweepSettings(
             accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
         )
 
@@ -101,19 +103,17 @@ class AnalyzerLink:
         """Return the frequencies of the sweep [Hz]."""
         return np.array(self._frequencies().frequency_hz)
 
-    def sweep(self) -> AnalyzerSweep:
-        """Take one sweep that starts now."""
+    def sweep(self) -> Sweep:
+        """Take one sweep that starts now, checked, and repeated where it failed."""
         data = self._data()
-        setting = SweepSetting(data.start_frequency_hz, data.stop_frequency_hz, data.points)
-        sweep = Sweep(
-            frequency_hz=np.linspace(*dataclasses.astuple(setting)),
+        return Sweep(
+            frequency_hz=np.array(data.frequency_hz),
             s21_real=np.array(data.s21_real),
             s21_imag=np.array(data.s21_imag),
             sweep_started_us=data.sweep_started.to_nsec() // utc_time.NS_PER_US,
             sweep_ended_us=data.sweep_ended.to_nsec() // utc_time.NS_PER_US,
             quality=tuple(data.quality),
         )
-        return AnalyzerSweep(sweep, setting, data.calibration_status)
 
 
 class HeightLink:

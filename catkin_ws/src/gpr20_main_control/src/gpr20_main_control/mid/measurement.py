@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
-from typing import Callable, Optional, Tuple
+from typing import Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
@@ -12,7 +11,7 @@ from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Position, Positioner
 from gpr20_main_control.mid.preparation import Preparation
-from gpr20_main_control.mid.robot import AnalyzerSweep, Robot
+from gpr20_main_control.mid.robot import Robot
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_settings import HeightPolicy, SurveySettings
 from gpr20_survey.trace.sweep import Sweep
@@ -70,15 +69,14 @@ class PointMeasurement:
         self._interruption.check()
         before = self._positioner.position()
         self._check_position(point, before)
-        analyzed, height_m, remarks = self._sweep_and_height()
+        sweep, height_m, remarks = self._sweep_and_height()
         self._interruption.check()
         if self._positioner.position() != before:
             raise DeviceError(
                 f"the axes moved during the sweep at point {point.index}; nobody else may move "
                 "them during a survey"
             )
-        self._preparation.check_sweep(analyzed)
-        sweep = analyzed.sweep
+        self._preparation.check_sweep(sweep)
         return Measured(before, sweep, height_m, sweep.quality + remarks)
 
     def _check_position(self, point: SurveyPoint, position: Position) -> None:
@@ -89,32 +87,12 @@ class PointMeasurement:
                 f"{point.index}; nobody else may move them during a survey"
             )
 
-    def _sweep_and_height(self) -> Tuple[AnalyzerSweep, float, Tuple[str, ...]]:
-        given_up = threading.Event()
-
-        def check() -> None:
-            self._interruption.check()
-            if given_up.is_set():
-                raise DeviceError("the measurement was given up")
-
+    def _sweep_and_height(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
         height_call = in_background(self._height)
-        sweep_call = in_background(lambda: self._sweep(check))
-        try:
-            sweep = result_of(sweep_call, self._interruption.check)
-            height_m, remarks = result_of(height_call, self._interruption.check)
-        finally:
-            # A sweep that is not waited for must not set up the analyzer beside what follows.
-            given_up.set()
+        sweep_call = in_background(self._robot.analyzer.sweep)
+        sweep = result_of(sweep_call, self._interruption.check)
+        height_m, remarks = result_of(height_call, self._interruption.check)
         return sweep, height_m, remarks
-
-    def _sweep(self, check: Callable[[], None]) -> AnalyzerSweep:
-        for _attempt in range(self._settings.attempts - 1):
-            try:
-                return self._robot.analyzer.sweep()
-            except DeviceError:
-                check()
-                self._preparation.check_analyzer(check)
-        return self._robot.analyzer.sweep()
 
     def _height(self) -> Tuple[float, Tuple[str, ...]]:
         failure: Optional[DeviceError] = None

@@ -12,24 +12,14 @@ from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.background import DeviceTurns, in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import (
-    AnalyzerSweep,
-    ReopenedSurvey,
-    Robot,
-    SurveyRecord,
-    SweepSetting,
-)
+from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import HeightPolicy, SurveySettings
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
 NO_FREQUENCIES = np.empty(0)
-CALIBRATION_MEANINGS = {
-    0: "no calibration",
-    1: "calibrated, accuracy high",
-    2: "moderate, the power level was changed",
-    3: "moderate, the temperature moved by more than 5 degrees",
-    4: "low, the temperature moved by more than 10 degrees",
-}
 
 
 @dataclass(frozen=True)
@@ -37,8 +27,8 @@ class InstrumentState:
     """What is known of the analyzer before a survey."""
 
     identity: str
-    calibration: int
-    setting: SweepSetting
+    calibration: CalibrationStatus
+    settings: SweepSettings
 
 
 def interruption_remark(interrupted: str) -> str:
@@ -72,7 +62,7 @@ class Preparation:
         self._interruption = interruption
         self._turns = turns
         self._make_record = make_record
-        self._instrument = InstrumentState("", 0, SweepSetting(0.0, 0.0, 0))
+        self._instrument = InstrumentState("", CalibrationStatus.NONE, SweepSettings(0.0, 0.0, 0))
         self._recorded = self._instrument
         self._record: Optional[SurveyRecord] = None
         self._folder = "" if reopened is None else reopened.folder
@@ -106,29 +96,24 @@ class Preparation:
             height_call = in_background(self._robot.height_sensor.height_m)
             result_of(height_call, self._interruption.check)
 
-    def check_analyzer(self, check: Optional[Callable[[], None]] = None) -> None:
+    def check_analyzer(self) -> None:
         """Connect the analyzer, look at its calibration and configure its sweep.
-
-        Args:
-            check: Called again and again meanwhile, instead of the usual look at a stop and
-                at the nodes; what it raises ends the wait.
 
         Raises:
             DeviceError: It is not there, not calibrated, or refuses the sweep.
         """
-        check = check or self._interruption.check
+        check = self._interruption.check
         analyzer, turns = self._robot.analyzer, self._turns.analyzer
         identity = turns.take(lambda: analyzer.connect(self._parameters.vna_address), check)
         calibration = turns.take(analyzer.calibration, check)
-        self._check_calibration(calibration)
-        setting = self._configure(check)
+        settings = self._configure()
         frequencies_hz = turns.take(analyzer.frequencies_hz, check)
         if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
             raise DeviceError(
                 "the VNA's frequencies are no longer those of this survey; stop it and start anew"
             )
         self._frequencies_hz = frequencies_hz
-        self._instrument = InstrumentState(identity, calibration, setting)
+        self._instrument = InstrumentState(identity, calibration, settings)
 
     def open_survey(self, check: Optional[Callable[[], None]] = None) -> str:
         """Make the survey's folder and begin its recordings, or see that they are still open.
@@ -165,38 +150,27 @@ class Preparation:
             self._recorded = self._instrument
         return self._record
 
-    def check_sweep(self, sweep: AnalyzerSweep) -> None:
-        """Refuse a sweep that is not this survey's, or was made without calibration.
+    def check_sweep(self, sweep: Sweep) -> None:
+        """Refuse a sweep that is not this survey's.
 
         Raises:
-            DeviceError: Somebody set up another sweep, or the calibration was lost.
+            DeviceError: Somebody set up another sweep.
         """
-        if sweep.setting != self._asked_setting():
-            raise DeviceError(
-                f"the VNA measured {sweep.setting} instead of {self._asked_setting()}; nobody "
-                "else may set it up during a survey"
+        frequency_hz = sweep.frequency_hz
+        if not np.array_equal(frequency_hz, self._frequencies_hz):
+            measured = SweepSettings(
+                float(frequency_hz[0]), float(frequency_hz[-1]), len(frequency_hz)
             )
-        self._check_calibration(sweep.calibration)
-
-    def _check_calibration(self, status: int) -> None:
-        if status not in self._settings.accepted_calibrations:
-            meaning = CALIBRATION_MEANINGS.get(status, "unknown")
-            accepted = ", ".join(str(one) for one in self._settings.accepted_calibrations)
             raise DeviceError(
-                f"the VNA's calibration status is {status} ({meaning}); calibrate it, or "
-                f"change accepted_calibrations (now {accepted})"
+                f"the VNA measured {measured} instead of {self._parameters.sweep_settings}; "
+                "nobody else may set it up during a survey"
             )
 
-    def _asked_setting(self) -> SweepSetting:
-        return SweepSetting(
-            self._parameters.start_frequency_hz,
-            self._parameters.stop_frequency_hz,
-            self._parameters.frequency_points,
+    def _configure(self) -> SweepSettings:
+        asked = self._parameters.sweep_settings
+        accepted = self._turns.analyzer.take(
+            lambda: self._robot.analyzer.configure(asked), self._interruption.check
         )
-
-    def _configure(self, check: Callable[[], None]) -> SweepSetting:
-        asked = self._asked_setting()
-        accepted = self._turns.analyzer.take(lambda: self._robot.analyzer.configure(asked), check)
         if accepted != asked:
             raise DeviceError(f"the VNA accepted {accepted} instead of {asked}")
         return accepted

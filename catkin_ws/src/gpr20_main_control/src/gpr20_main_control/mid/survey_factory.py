@@ -12,11 +12,7 @@ from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.measurement import PointMeasurement
 from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.preparation import (
-    CALIBRATION_MEANINGS,
-    InstrumentState,
-    Preparation,
-)
+from gpr20_main_control.mid.preparation import InstrumentState, Preparation
 from gpr20_main_control.mid.recovery import Recovery
 from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyRecord
 from gpr20_main_control.mid.status_board import StatusBoard
@@ -149,9 +145,9 @@ class SurveyFactory:
             "instrument": {
                 "identity": instrument.identity,
                 "address": parameters.vna_address,
-                "calibration_status": instrument.calibration,
-                "calibration": CALIBRATION_MEANINGS.get(instrument.calibration, "unknown"),
-                "sweep": asdict(instrument.setting),
+                "calibration_status": int(instrument.calibration),
+                "calibration": instrument.calibration.meaning,
+                "sweep": asdict(instrument.settings),
             },
             "axes": {axis_id.value: asdict(one) for axis_id, one in around.facts.axes.items()},
             "settings": asdict(around.settings),
