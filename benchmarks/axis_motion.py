@@ -7,23 +7,18 @@ The results are in docs/motion.md.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import os
 import random
-import shutil
-import signal
-import socket
 import statistics
-import subprocess
 import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Callable, List
 
 import actionlib
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from robot_kit import simulated_robot
 from std_srvs.srv import Trigger
 
 from gpr20_axis_driver.axis_exceptions import MotionStopped
@@ -60,26 +55,6 @@ def braking_s(parameters: AxisParameters) -> float:
     """How long the axis needs from its top speed to its slowest [s]."""
     ramp = ramp_of(parameters)
     return ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
-
-
-@contextlib.contextmanager
-def whole_robot() -> Iterator[None]:
-    """Launch the whole simulated robot, as fast as the real one, under a master of its own."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
-    os.environ["ROS_IP"] = "127.0.0.1"
-    data = tempfile.mkdtemp()
-    command = ["roslaunch", "-p", str(port), "gpr20", "survey.launch", "ui:=false", f"data:={data}"]
-    with open(os.devnull, "wb") as silence:
-        launch = subprocess.Popen(command, stdout=silence, stderr=silence, start_new_session=True)
-        try:
-            yield
-        finally:
-            launch.send_signal(signal.SIGINT)
-            launch.wait()
-            shutil.rmtree(data)
 
 
 class XAxis:
@@ -315,7 +290,7 @@ def main() -> None:
         measure_steps(arguments.quick)
     if parts == ["steps"]:
         return
-    with whole_robot():
+    with simulated_robot():
         rospy.init_node("axis_motion_benchmark", disable_signals=True)
         x = XAxis()
         x.home()

@@ -28,6 +28,7 @@ from typing import Any, Dict, Iterator, List
 
 import numpy as np
 import rospy
+from robot_kit import free_port
 
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
@@ -53,12 +54,6 @@ def process(*command: str) -> Iterator[subprocess.Popen]:
     finally:
         child.send_signal(signal.SIGINT)
         child.wait(TIME_LIMIT_S)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def wait_until(condition: Any, what: str) -> None:

@@ -6,9 +6,7 @@ import contextlib
 import os
 import shutil
 import signal
-import socket
 import subprocess
-import tempfile
 import time
 from pathlib import Path
 from typing import Any, Callable, Iterator, List, Optional
@@ -56,25 +54,6 @@ def virtual_screen() -> Iterator[None]:
             os.environ["DISPLAY"] = f":{answer.readline().strip()}"
         os.environ["QT_QPA_PLATFORM"] = "xcb"
         yield
-
-
-@contextlib.contextmanager
-def simulated_robot(*arguments: str) -> Iterator[Path]:
-    """Launch the robot on a free port; yield the folder of its surveys, which is removed."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
-    folder = Path(tempfile.mkdtemp(prefix="gpr20_window_"))
-    command = ["roslaunch", "-p", str(port), "gpr20", "survey.launch", "ui:=false"]
-    command += [f"data:={folder / 'data'}", *arguments]
-    with (folder / "roslaunch.log").open("wb") as log:
-        child = subprocess.Popen(command, start_new_session=True, stdout=log, stderr=log)
-    try:
-        with ended(child, signal.SIGINT):
-            yield folder / "data"
-    finally:
-        shutil.rmtree(str(folder))
 
 
 def new_window(languages: Languages, folder: Path) -> UserInterface:

@@ -22,13 +22,13 @@ from typing import List
 import rospy
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication
+from robot_kit import simulated_robot
 from window_kit import (
     Operator,
     new_window,
     resident_mb,
     run_events,
     run_until,
-    simulated_robot,
     virtual_screen,
 )
 
@@ -112,11 +112,11 @@ def main() -> None:
     parser.add_argument("--minutes", type=int, default=10)
     parser.add_argument("--time-scale", type=float, default=50.0)
     arguments = parser.parse_args()
-    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as data:
+    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as robot:
         application = QApplication([])
         rospy.init_node("window_load", disable_signals=True)
         languages = Languages(application, Language.ENGLISH)
-        interface = new_window(languages, data)
+        interface = new_window(languages, robot.data)
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)
