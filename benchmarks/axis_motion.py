@@ -26,10 +26,11 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.process_engine import ProcessEngine
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus, CurrentCoordinate, SurveyParameters
 from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, World, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import SharedState, open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
@@ -63,7 +64,7 @@ class XAxis:
     def __init__(self) -> None:
         self.client = actionlib.SimpleActionClient("x_axis/axis", AxisAction)
         assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
-        self.world: World = open_world(world_path("/"), {})
+        self.world: SharedState = open_shared_state(shared_state_path("/"))
         self._changed = threading.Condition()
         self._readings = 0
         self._values: dict = {}
@@ -172,8 +173,8 @@ def measure_steps(quick: bool) -> None:
     stopped = wrong = 0
     with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
         path = Path(folder) / "world"
-        world = open_world(path, {AxisName.X: 800})
-        engine = ProcessEngine(SimulatedHardware(X, path, AxisName.X, X_AXIS, 200.0, None))
+        world = open_shared_state(path, {AxisId.X: 800})
+        engine = ProcessEngine(SimulatedHardware(X, path, AxisId.X, X_AXIS, 200.0, None))
         driver = AxisDriver(X, engine)
         driver.home(lambda: False)
         begin_s = time.monotonic()
@@ -186,7 +187,7 @@ def measure_steps(quick: bool) -> None:
                 stopped += 1
             else:
                 wrong += driver.coordinate != target_mm
-            wrong += round(driver.coordinate * 100) != world.steps(AxisName.X)
+            wrong += round(driver.coordinate * 100) != world.steps(AxisId.X)
         took_s = time.monotonic() - begin_s
         engine.close()
     print(f"{moves} random moves, {stopped} of them stopped: {wrong} wrong, {took_s:.0f} s")
@@ -222,14 +223,14 @@ def last_pulse_after(x: XAxis, request: Callable[[], object], resting: Callable[
         assert time.monotonic() < deadline_s
         time.sleep(0.01)
     last_ns = 0
-    while last_ns != max(x.world.last_pulse_ns(axis) for axis in AxisName):
-        last_ns = max(x.world.last_pulse_ns(axis) for axis in AxisName)
+    while last_ns != max(x.world.last_pulse_ns(axis) for axis in AxisId):
+        last_ns = max(x.world.last_pulse_ns(axis) for axis in AxisId)
         time.sleep(0.3)
     return max(0.0, (last_ns - requested_ns) * 1e-9)
 
 
 def cancelled_move(x: XAxis, chance: random.Random) -> float:
-    target_mm = 0.0 if x.world.steps(AxisName.X) > 20000 else 600.0
+    target_mm = 0.0 if x.world.steps(AxisId.X) > 20000 else 600.0
     x.client.send_goal(AxisGoal(target_coordinate=target_mm))
     time.sleep(chance.uniform(0.5, 1.5))
     return last_pulse_after(x, x.client.cancel_goal, x.ended)
@@ -273,8 +274,8 @@ def stopped_survey(x: XAxis, control: Control, chance: random.Random, place: int
     """Stop a survey on its way to its first point."""
     control.begin(*((600.0, 600.0) if place % 2 == 0 else (5.0, 5.0)))
     control.wait_for(ControlStatus.SURVEYING)
-    steps = [x.world.steps(axis) for axis in (AxisName.X, AxisName.Y)]
-    while any(x.world.steps(a) == s for a, s in zip((AxisName.X, AxisName.Y), steps)):
+    steps = [x.world.steps(axis) for axis in (AxisId.X, AxisId.Y)]
+    while any(x.world.steps(a) == s for a, s in zip((AxisId.X, AxisId.Y), steps)):
         time.sleep(0.01)
     time.sleep(chance.uniform(0.5, 1.5))
     return last_pulse_after(x, control.stop, lambda: control.code == ControlStatus.STOPPED)

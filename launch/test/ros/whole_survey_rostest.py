@@ -17,8 +17,9 @@ from rosbags.highlevel import AnyReader
 from survey_client import LIMIT_S, SurveyClient, json_traces, wait_until_connected
 
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
 
 AXIS_TOPICS = ["current_coord", "axis/goal", "axis/cancel", "axis/status", "axis/result"]
 GRAPH_NODES = {
@@ -84,14 +85,14 @@ class WholeSurveyTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("whole_survey_rostest")
         cls.client = SurveyClient()
-        cls.world = open_world(world_path("/"), {})
+        cls.world = open_shared_state(shared_state_path("/"))
 
     @classmethod
     def tearDownClass(cls):
         shutil.rmtree(cls.client.data)
 
     def true_steps(self):
-        return [self.world.steps(axis) for axis in AxisName]
+        return [self.world.steps(axis) for axis in AxisId]
 
     def assert_same_numbers(self, stored, message):
         for name in SCALARS:
