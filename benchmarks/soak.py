@@ -18,7 +18,7 @@ import time
 from typing import Counter, Dict, List
 
 import rospy
-from robot_kit import MASTER, NODES, START_LIMIT_S, LaunchedRobot, simulated_robot
+from robot_kit import MASTER, NODES, START_LIMIT_S, LaunchedRobot, resident_mib, simulated_robot
 from rosgraph_msgs.msg import Log
 
 from gpr20_msgs.msg import Trace
@@ -60,8 +60,7 @@ def memory_mib(robot: LaunchedRobot) -> Dict[str, float]:
     """Return the resident memory of each node [MiB], with the processes it started."""
     found: Dict[str, float] = dict.fromkeys(PROCESSES, 0.0)
     for name, process in robot.processes().items():
-        family = [process, *process.children(recursive=True)]
-        found[name] = sum(one.memory_info().rss for one in family) / 2**20
+        found[name] = resident_mib(process.pid, with_children=True)
     return found
 
 

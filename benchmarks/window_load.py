@@ -22,11 +22,10 @@ from typing import List
 import rospy
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication
-from robot_kit import simulated_robot
+from robot_kit import resident_mib, simulated_robot
 from window_kit import (
     Operator,
     new_window,
-    resident_mb,
     run_events,
     run_until,
     virtual_screen,
@@ -136,7 +135,7 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         core = (processor_s() - used_s) / (time.monotonic() - begin_s)
         late = sum(1 for gap in heartbeat.gaps_s if gap > FRAME_S)
         at.append(float(minute))
-        memory_mb.append(resident_mb())
+        memory_mb.append(resident_mib())
         cores.append(core)
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "

@@ -138,6 +138,27 @@ def end(process: Optional[subprocess.Popen], number: signal.Signals) -> None:
 
 
 @contextlib.contextmanager
+def running(
+    *command: str, end_by: signal.Signals = signal.SIGINT, **options: Any
+) -> Iterator[subprocess.Popen]:
+    """Run a process, and end it in the end; `options` are those of `Popen`."""
+    process = subprocess.Popen(
+        command, start_new_session=True, stdout=subprocess.DEVNULL, **options
+    )
+    try:
+        yield process
+    finally:
+        end(process, end_by)
+
+
+def resident_mib(pid: Optional[int] = None, with_children: bool = False) -> float:
+    """Return the memory that a process has in use [MiB]; None: this process."""
+    process = psutil.Process(pid)
+    family = [process, *(process.children(recursive=True) if with_children else [])]
+    return float(sum(one.memory_info().rss for one in family)) / 2**20
+
+
+@contextlib.contextmanager
 def simulated_robot(*arguments: str) -> Iterator[LaunchedRobot]:
     """Launch a robot with arguments of survey.launch; its folder is removed in the end."""
     with tempfile.TemporaryDirectory(prefix="gpr20_robot_") as folder:

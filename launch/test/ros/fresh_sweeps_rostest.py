@@ -2,7 +2,6 @@
 """No trace can hold a sweep that began before the antennas stood still."""
 
 import shutil
-import struct
 import threading
 import unittest
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 import rospy
 import rostest
 import vxi11
-from survey_client import SurveyClient, json_traces
+from survey_client import SurveyClient, bits, json_traces
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.high.simulated_robot import shared_state_path
@@ -47,10 +46,6 @@ def sent_values(path):
     length = int(block[2 : 2 + digits])
     numbers = np.frombuffer(block[2 + digits : 2 + digits + length], dtype="<f4")
     return numbers.astype(np.float64)
-
-
-def bits(values):
-    return struct.pack(f"<{len(values)}d", *values)
 
 
 class FreshSweepsTest(unittest.TestCase):

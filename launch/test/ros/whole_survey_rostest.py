@@ -4,7 +4,6 @@
 import json
 import math
 import shutil
-import struct
 import subprocess
 import unittest
 
@@ -14,7 +13,7 @@ import rospy
 import rostest
 from mcap_ros1.reader import read_ros1_messages
 from rosbags.highlevel import AnyReader
-from survey_client import LIMIT_S, SurveyClient, json_traces, wait_until_connected
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until_connected
 
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate
 from gpr20_simulator.high.simulated_robot import shared_state_path
@@ -71,11 +70,6 @@ GRAPH_SERVICES = {
 }
 NUMBERS = ("frequency_hz", "s21_real", "s21_imag")
 SCALARS = ("index", "x_coord_mm", "y_coord_mm", "z_coord_deg", "antennae_height_m")
-
-
-def bits(values):
-    """Return float64 numbers as their bits, so that equal means equal to the last one."""
-    return struct.pack(f"<{len(values)}d", *values)
 
 
 class WholeSurveyTest(unittest.TestCase):
