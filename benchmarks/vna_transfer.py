@@ -16,9 +16,13 @@ from dataclasses import dataclass, field
 from typing import List
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.scene import Scene
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
+from gpr20_simulator.mid.simulated_analyzer import (
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+    medium_by_name,
+)
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
@@ -79,12 +83,12 @@ class Case:
 def serve(pipe) -> None:
     """Run the simulated instrument, tell its port, and end when told to."""
     scene = Scene()
-    vna = VnaAssembly(
+    vna = SimulatedAnalyzer(
         medium_by_name("scene", scene),
         lambda: AntennaPosition(100.0, 100.0, 0.0),
         Clock(),
         scene.instrument,
-        VnaOptions(seconds_per_point=0.0),
+        AnalyzerOptions(seconds_per_point=0.0),
     )
     vna.start()
     pipe.send(vna.server.port)

@@ -22,13 +22,12 @@ from typing import List
 import rospy
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication
+from robot_kit import resident_mib, simulated_robot
 from window_kit import (
     Operator,
     new_window,
-    resident_mb,
     run_events,
     run_until,
-    simulated_robot,
     virtual_screen,
 )
 
@@ -112,11 +111,11 @@ def main() -> None:
     parser.add_argument("--minutes", type=int, default=10)
     parser.add_argument("--time-scale", type=float, default=50.0)
     arguments = parser.parse_args()
-    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as data:
+    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as robot:
         application = QApplication([])
         rospy.init_node("window_load", disable_signals=True)
         languages = Languages(application, Language.ENGLISH)
-        interface = new_window(languages, data)
+        interface = new_window(languages, robot.data)
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)
@@ -136,7 +135,7 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         core = (processor_s() - used_s) / (time.monotonic() - begin_s)
         late = sum(1 for gap in heartbeat.gaps_s if gap > FRAME_S)
         at.append(float(minute))
-        memory_mb.append(resident_mb())
+        memory_mb.append(resident_mib())
         cores.append(core)
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "

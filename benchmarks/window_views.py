@@ -11,13 +11,13 @@ import argparse
 import os
 import statistics
 import time
-from pathlib import Path
 from typing import Callable, List
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 import numpy as np
 from PyQt5.QtWidgets import QApplication, QWidget
+from robot_kit import resident_mib
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
@@ -32,12 +32,6 @@ TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 PAGE_PX = (800, 370)  # what the frame leaves to a tab
 REPETITIONS = 20
-
-
-def resident_mb() -> float:
-    status = Path("/proc/self/status").read_text()
-    line = next(one for one in status.splitlines() if one.startswith("VmRSS"))
-    return float(line.split()[1]) / 1024.0
 
 
 def make_grid(columns: int, rows: int) -> SurveyGrid:
@@ -98,7 +92,7 @@ def main() -> None:
         view.resize(*PAGE_PX)
         view.show()
     survey.begin(grid)
-    empty_mb = resident_mb()
+    empty_mb = resident_mib()
     took_s = 0.0
     for index in range(grid.planned):
         trace = make_trace(grid, index)
@@ -107,7 +101,7 @@ def main() -> None:
         took_s += time.perf_counter() - begin_s
     coverage = CoverageRuns(SURVEY, grid.planned, (0, grid.planned // 2), (1, 0))
     print(f"stops                    {grid.planned}")
-    print(f"memory of the traces     {resident_mb() - empty_mb:8.1f} MB")
+    print(f"memory of the traces     {resident_mib() - empty_mb:8.1f} MB")
     print(f"take a trace             {took_s / grid.planned * 1e3:8.2f} ms mean")
     print("take the coverage       ", milliseconds(lambda: survey.take_coverage(coverage)))
     survey.map.set_target(300.0, 300.0)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import rospy
 from PyQt5.QtWidgets import QApplication
-from window_kit import Operator, new_window, run_events, run_until, simulated_robot, virtual_screen
+from robot_kit import simulated_robot
+from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.mid.language import Language
@@ -62,10 +63,10 @@ def main() -> None:
     """Take the pictures into the folder that is named."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    with virtual_screen(), simulated_robot("time_scale:=50") as data:
+    with virtual_screen(), simulated_robot("time_scale:=50") as robot:
         application = QApplication([])
         rospy.init_node("screenshots", disable_signals=True)
-        take_pictures(folder, data, application)
+        take_pictures(folder, robot.data, application)
         rospy.signal_shutdown("the pictures are taken")
 
 

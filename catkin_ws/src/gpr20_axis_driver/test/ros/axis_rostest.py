@@ -14,8 +14,9 @@ from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
 
 LIMIT_S = 60.0
 # So far that a move there is still under way when a slow computer stops it: 9 s.
@@ -32,7 +33,7 @@ class Axis:
         rospy.wait_for_service(f"{name.value}_axis/homing", LIMIT_S)
         self.home = rospy.ServiceProxy(f"{name.value}_axis/homing", Trigger)
         self.stop = rospy.ServiceProxy(f"{name.value}_axis/stop", Trigger)
-        self._world = open_world(world_path("/"), {})
+        self._world = open_shared_state(shared_state_path("/"))
         self._changed = threading.Condition()
         self.readings = []
         self._subscriber = rospy.Subscriber(
@@ -94,8 +95,8 @@ class AxisTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("axis_rostest")
-        cls.x = Axis(AxisName.X)
-        cls.z = Axis(AxisName.Z)
+        cls.x = Axis(AxisId.X)
+        cls.z = Axis(AxisId.Z)
 
     def test_1_a_goal_before_homing_is_aborted_with_the_reason(self):
         state, result = self.x.move(5.0)
@@ -138,7 +139,7 @@ class AxisTest(unittest.TestCase):
         self.assertEqual((state, self.x.true_steps), (GoalStatus.SUCCEEDED, 200))
 
     def test_6_a_new_goal_replaces_the_one_under_way(self):
-        first = Axis(AxisName.X)
+        first = Axis(AxisId.X)
         first.begin_move(FAR_MM)
         state, result = self.x.move(1.0)
         self.assertEqual(state, GoalStatus.SUCCEEDED)

@@ -9,22 +9,23 @@ from axis_machine import X_PARAMETERS, Z_PARAMETERS
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.process_engine import ProcessEngine
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS, Z_AXIS
+from gpr20_survey.axes.axis_id import AxisId
 
 LIMIT_S = 10.0
-PARAMETERS = {AxisName.X: X_PARAMETERS, AxisName.Z: Z_PARAMETERS}
-MECHANICS = {AxisName.X: X_AXIS, AxisName.Z: Z_AXIS}
+PARAMETERS = {AxisId.X: X_PARAMETERS, AxisId.Z: Z_PARAMETERS}
+MECHANICS = {AxisId.X: X_AXIS, AxisId.Z: Z_AXIS}
 
 
 class SimulatedAxis:
     """The driver, its engine, and the truth beside them."""
 
-    def __init__(self, folder: Path, axis: AxisName, time_scale: float) -> None:
+    def __init__(self, folder: Path, axis: AxisId, time_scale: float) -> None:
         self.axis = axis
         self.path = folder / "world"
-        self.world = open_world(self.path, {AxisName.X: 200})
+        self.world = open_shared_state(self.path, {AxisId.X: 200})
         self.hardware = SimulatedHardware(
             PARAMETERS[axis],
             self.path,

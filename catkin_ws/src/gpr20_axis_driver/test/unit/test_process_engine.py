@@ -27,7 +27,8 @@ from gpr20_axis_driver.low import pulse_process
 from gpr20_axis_driver.mid import process_engine
 from gpr20_axis_driver.mid.process_engine import ProcessEngine
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
 
 # What a stop may take besides the ramp.
@@ -69,7 +70,7 @@ class Move(threading.Thread):
 
 
 def test_moves_and_stops_at_random_never_lose_a_step(make):
-    axis = make(AxisName.X, time_scale=500.0)
+    axis = make(AxisId.X, time_scale=500.0)
     axis.driver.home(never)
     chance = random.Random(3)
     for _ in range(100):
@@ -81,7 +82,7 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
 
 
 def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
-    axis = make(AxisName.X)
+    axis = make(AxisId.X)
     axis.engine.place(200)
     axis.driver._homed = True
     requested = threading.Event()
@@ -92,14 +93,14 @@ def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
     assert isinstance(move.result(), MotionStopped)
     ramp = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
     ramp_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
-    took_s = (axis.world.last_pulse_ns(AxisName.X) - requested_ns) * 1e-9
+    took_s = (axis.world.last_pulse_ns(AxisId.X) - requested_ns) * 1e-9
     assert took_s < ramp_s + STOP_S
     assert axis.true_steps == axis.engine.steps
     assert axis.driver.homed
 
 
 def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.home(never)
     with pytest.raises(MotionStopped):
         axis.driver.move_to(90.0, lambda: True)
@@ -110,7 +111,7 @@ def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
 def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_not_homed(
     make, number
 ):
-    axis = make(AxisName.X, time_scale=10.0)
+    axis = make(AxisId.X, time_scale=10.0)
     axis.driver.home(never)
     for _ in range(4):
         before = axis.engine.process_id
@@ -130,7 +131,7 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
 
 
 def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.home(never)
     process_id = axis.engine.process_id
     os.kill(process_id, signal.SIGKILL)
@@ -148,24 +149,24 @@ def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_pa
         stdout=subprocess.PIPE,
     )
     process_id = int(node.stdout.readline())
-    world = open_world(tmp_path / "world", {})
-    wait_until(lambda: world.steps(AxisName.Z) > 10)
+    world = open_shared_state(tmp_path / "world", {})
+    wait_until(lambda: world.steps(AxisId.Z) > 10)
     node.kill()
     killed_ns = time.monotonic_ns()
     node.communicate()
     wait_until(lambda: not exists(process_id))
-    assert world.pins_low(AxisName.Z)
-    assert 10 < world.steps(AxisName.Z) < 50
+    assert world.pins_low(AxisId.Z)
+    assert 10 < world.steps(AxisId.Z) < 50
     # The turn ramps down: at most three steps of 50 ms after one of 20 ms.
-    assert world.last_pulse_ns(AxisName.Z) - killed_ns < (STOP_S + 0.2) * 1e9
-    axis = make(AxisName.Z)
+    assert world.last_pulse_ns(AxisId.Z) - killed_ns < (STOP_S + 0.2) * 1e9
+    axis = make(AxisId.Z)
     assert not axis.driver.homed
     axis.driver.home(never)
     assert (axis.true_steps, axis.driver.coordinate) == (0, 0.0)
 
 
 def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.home(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 10)
@@ -178,7 +179,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
 
 
 def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trusted(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.home(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 15)
@@ -197,7 +198,7 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
 def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
     monkeypatch.setattr(process_engine, "STALL_LIMIT_S", 0.2)
     monkeypatch.setattr(process_engine, "STALL_STEPS", 1)
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.home(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
@@ -212,13 +213,13 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
 
 def test_a_second_driver_of_the_same_axis_is_refused(make, monkeypatch):
     monkeypatch.setattr(process_engine, "LOCK_LIMIT_S", 0.05)
-    make(AxisName.X)
+    make(AxisId.X)
     with pytest.raises(StepMemoryError, match="another process drives this axis"):
-        make(AxisName.X)
+        make(AxisId.X)
 
 
 def test_closing_leaves_no_process_and_the_pins_low(make):
-    axis = make(AxisName.X, time_scale=10.0)
+    axis = make(AxisId.X, time_scale=10.0)
     axis.driver.home(never)
     process_id = axis.engine.process_id
     axis.driver.close(timeout_s=1.0)
@@ -228,7 +229,7 @@ def test_closing_leaves_no_process_and_the_pins_low(make):
 
 def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, monkeypatch):
     monkeypatch.setattr(pulse_process, "END_LIMIT_S", 0.2)
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.home(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
@@ -253,7 +254,7 @@ def command_of(process_id):
 
 
 def test_pulses_are_punctual_or_say_why_not(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     if axis.engine.unpunctual:
         assert "refused: " in axis.engine.scheduling
     else:
@@ -261,7 +262,7 @@ def test_pulses_are_punctual_or_say_why_not(make):
 
 
 def test_a_faster_robot_asks_for_no_real_time(make):
-    axis = make(AxisName.X, time_scale=10.0)
+    axis = make(AxisId.X, time_scale=10.0)
     assert not axis.engine.unpunctual
     assert "ordinary scheduling" in axis.engine.scheduling
 

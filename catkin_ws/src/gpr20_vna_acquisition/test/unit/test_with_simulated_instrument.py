@@ -13,10 +13,9 @@ from typing import Iterator, List, Tuple
 import pytest
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
-from gpr20_simulator.mid.probe_medium import PositionProbe
+from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.scene import InstrumentScene
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions
+from gpr20_simulator.mid.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
@@ -47,13 +46,13 @@ class Robot:
         self.stopped_at_mm = self.position().x_mm
 
 
-def instrument(robot: Robot, description: InstrumentScene) -> VnaAssembly:
-    options = VnaOptions(seconds_per_point=SECONDS_PER_POINT)
-    return VnaAssembly(PositionProbe(), robot.position, Clock(), description, options)
+def instrument(robot: Robot, description: InstrumentScene) -> SimulatedAnalyzer:
+    options = AnalyzerOptions(seconds_per_point=SECONDS_PER_POINT)
+    return SimulatedAnalyzer(PositionProbe(), robot.position, Clock(), description, options)
 
 
 @pytest.fixture
-def bench() -> Iterator[Tuple[Robot, VnaAssembly]]:
+def bench() -> Iterator[Tuple[Robot, SimulatedAnalyzer]]:
     robot = Robot()
     vna = instrument(robot, InstrumentScene())
     vna.start()
@@ -61,7 +60,7 @@ def bench() -> Iterator[Tuple[Robot, VnaAssembly]]:
     vna.stop()
 
 
-def driver_of(vna: VnaAssembly, **parameters) -> VNADriver:
+def driver_of(vna: SimulatedAnalyzer, **parameters) -> VNADriver:
     def open_link(address: str) -> Vxi11Transport:
         return connect(address, LIMITS, vna.server.port)
 
@@ -166,7 +165,7 @@ def test_after_any_fault_the_next_sweep_is_new_and_no_link_is_left_over(bench, f
 def test_an_instrument_that_was_switched_off_and_on_is_set_up_again():
     robot = Robot()
     robot.stop()
-    vnas: List[VnaAssembly] = [instrument(robot, InstrumentScene())]
+    vnas: List[SimulatedAnalyzer] = [instrument(robot, InstrumentScene())]
     vnas[0].start()
     driver = VNADriver(
         lambda address: connect(address, LIMITS, vnas[-1].server.port),

@@ -1,4 +1,4 @@
-"""Clearing away the worlds of launches that have ended."""
+"""Clearing away the shared states of launches that have ended."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import time
 from pathlib import Path
 from typing import List
 
-# A world that was just made is opened, and a node that died is there again, within this [s].
+# A shared state that was just made is opened, and a node that died is there again, within this [s].
 GRACE_S = 60.0
-# A world, or the step memory of one of its axes.
+# A shared state, or the step memory of one of its axes.
 NAME = re.compile(r"([0-9a-f]{32})(_[xyz]_steps)?")
 
 
-def remove_old_worlds(folder: Path) -> int:
-    """Remove the worlds that no process has open, with the files beside them.
+def remove_stale_states(folder: Path) -> int:
+    """Remove the shared states that no process has open, with the files beside them.
 
     Args:
-        folder: Where the worlds of this user are; may be missing.
+        folder: Where the states of this user are; may be missing.
 
     Returns:
         How many files were removed.
@@ -30,12 +30,12 @@ def remove_old_worlds(folder: Path) -> int:
     """
     names = sorted(one.name for one in folder.iterdir()) if folder.is_dir() else []
     known = [match for match in map(NAME.fullmatch, names) if match]
-    worlds = sorted({match.group(1) for match in known})
-    return sum(_remove(folder, world, [one.group() for one in known]) for world in worlds)
+    states = sorted({match.group(1) for match in known})
+    return sum(_remove(folder, state, [one.group() for one in known]) for state in states)
 
 
-def _remove(folder: Path, world: str, names: List[str]) -> int:
-    paths = [folder / name for name in names if name.startswith(world)]
+def _remove(folder: Path, state: str, names: List[str]) -> int:
+    paths = [folder / name for name in names if name.startswith(state)]
     with contextlib.ExitStack() as held:
         for path in paths:
             try:
@@ -44,9 +44,9 @@ def _remove(folder: Path, world: str, names: List[str]) -> int:
                 return 0  # another launch clears away, too
             if abs(time.time() - os.fstat(stream.fileno()).st_mtime) < GRACE_S:
                 return 0
-            if path.name == world and not _is_free(stream.fileno()):
+            if path.name == state and not _is_free(stream.fileno()):
                 return 0
-        # While the lock is held: who opens the world now sees that it is gone.
+        # While the lock is held: who opens the state now sees that it is gone.
         for path in paths:
             path.unlink()
     return len(paths)

@@ -8,14 +8,11 @@ from typing import Callable, Optional
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import MediumError
-from gpr20_simulator.low.capture import Capture, NoCapture
 from gpr20_simulator.low.vxi11_server import Vxi11Server
-from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.instrument import SimulatedVna
-from gpr20_simulator.mid.medium import SweptMedium
-from gpr20_simulator.mid.probe_medium import PositionProbe
+from gpr20_simulator.mid.instrument import Capture, SimulatedVna
+from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.scene import InstrumentScene, Scene
 from gpr20_simulator.mid.sweep_plan import SweepPace
 from gpr20_simulator.mid.sweeper import Sweeper
@@ -23,9 +20,6 @@ from gpr20_simulator.mid.vna_settings import VnaSettings
 
 SLOWEST_POINT_S = 1.0
 HIGHEST_PORT = 65535
-# In real seconds; how finely a sweep is cut, whatever the robot's pace.
-SLICE_S = 0.0015
-SHORTEST_PERIOD_S = 0.010
 
 
 def medium_by_name(name: str, scene: Scene) -> SweptMedium:
@@ -42,7 +36,7 @@ def medium_by_name(name: str, scene: Scene) -> SweptMedium:
 
 
 @dataclass(frozen=True)
-class VnaOptions:
+class AnalyzerOptions:
     """How the simulated analyzer runs.
 
     Attributes:
@@ -63,7 +57,7 @@ class VnaOptions:
         number_between("port", self.port, 0, HIGHEST_PORT)
 
 
-class VnaAssembly:
+class SimulatedAnalyzer:
     """A simulated analyzer on the network of this machine.
 
     Args:
@@ -72,7 +66,7 @@ class VnaAssembly:
         clock: Runs `time_scale` times as fast as the real one.
         description: Identity and the details of its replies.
         options: How it runs.
-        capture: Gets the exact bytes of each data reply.
+        capture: Gets the kind and the exact bytes of each data reply.
 
     Raises:
         ListenError: A port is taken or not allowed.
@@ -84,12 +78,12 @@ class VnaAssembly:
         position_of: Callable[[], AntennaPosition],
         clock: Clock,
         description: InstrumentScene,
-        options: VnaOptions,
-        capture: Capture = NoCapture(),  # noqa: B008 - has no state
+        options: AnalyzerOptions,
+        capture: Capture = lambda _kind, _reply: None,
     ) -> None:
         self.faults = FaultBoard()
         plan = VnaSettings().plan(options.seconds_per_point)
-        pace = SweepPace(SLICE_S * options.time_scale, SHORTEST_PERIOD_S * options.time_scale)
+        pace = SweepPace().faster(options.time_scale)
         self.sweeper = Sweeper(medium, position_of, clock, plan, pace)
         self.instrument = SimulatedVna(
             self.sweeper, clock, description, self.faults, options.seconds_per_point, capture
