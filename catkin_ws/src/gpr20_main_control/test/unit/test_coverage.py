@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.control_measurement import compare
+from gpr20_main_control.mid.repeat_measurement import compare
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
@@ -104,7 +104,7 @@ def test_a_control_measurement_without_height_tells_none():
 
 def test_a_report_goes_on_where_the_former_one_ended():
     first = SurveyReport(Coverage(9, [7]), "", lambda coverage: None)
-    first.note_control(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
+    first.note_repeat(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
     told = []
     second = SurveyReport(Coverage(9, [7]), first.to_json(), told.append)
     assert second.coverage.states[7] is SampleState.REMEASURED

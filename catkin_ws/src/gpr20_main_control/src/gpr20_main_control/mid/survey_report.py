@@ -1,4 +1,4 @@
-"""What is told of a survey beside its traces: coverage and control measurements."""
+"""What is kept of a survey beside its traces: coverage and control measurements."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from datetime import datetime, timezone
 from typing import Any, Callable, Dict, List
 
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.control_measurement import ControlMeasurement
+from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_survey.plan.coverage import Coverage, SampleState
 
 COVERAGE_LETTERS = {
@@ -25,7 +25,7 @@ class SurveyReport:
     def __init__(
         self, coverage: Coverage, former_json: str, on_coverage: Callable[[Coverage], None]
     ) -> None:
-        """Begin, or go on with, a report.
+        """Begin, or continue, a report.
 
         Args:
             coverage: The state of each planned sample now.
@@ -42,7 +42,7 @@ class SurveyReport:
             coverage.note_remeasured(control["index"])
 
     def announce(self) -> None:
-        """Tell the coverage as it is."""
+        """Announce the coverage as it is."""
         self._on_coverage(self._coverage)
 
     @property
@@ -60,15 +60,15 @@ class SurveyReport:
         self._coverage.note_failed(index, reason)
         self._on_coverage(self._coverage)
 
-    def note_control(self, control: ControlMeasurement, time_us: int) -> None:
+    def note_repeat(self, repeat: RepeatMeasurement, time_us: int) -> None:
         """Note that a stored point was measured again, and how far it was from the trace."""
-        self._coverage.note_remeasured(control.index)
+        self._coverage.note_remeasured(repeat.index)
         self._controls.append(
             {
-                "index": control.index,
+                "index": repeat.index,
                 "time": datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat(),
-                "difference_db": _finite_or_none(control.difference_db),
-                "height_difference_m": _finite_or_none(control.height_difference_m),
+                "difference_db": _finite_or_none(repeat.difference_db),
+                "height_difference_m": _finite_or_none(repeat.height_difference_m),
             }
         )
         self._on_coverage(self._coverage)

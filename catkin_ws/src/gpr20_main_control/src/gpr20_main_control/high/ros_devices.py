@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import genpy
 import numpy as np
-import rospy
 
 from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import (
-    AnalyzerSweep,
-    OpenedSurvey,
-    ReopenedSurvey,
-    SurveyRecord,
-    SweepSetting,
-)
+from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
 from gpr20_msgs.srv import (
     CloseSurvey,
     Connection,
@@ -34,7 +26,9 @@ from gpr20_msgs.srv import (
     StoreDataRequest,
 )
 from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Opening again and closing read every file of a survey, and so does opening a survey when
@@ -42,7 +36,7 @@ from gpr20_survey.trace.trace import Trace
 WHOLE_SURVEY_LIMIT_S = 620.0
 
 
-class Caller:
+class DeviceService:
     """A service whose failures are the device's failures."""
 
     def __init__(self, name: str, service_class: Any, time_limit_s: float) -> None:
@@ -68,32 +62,35 @@ class Caller:
         return response
 
 
-class AnalyzerLink:
+class RosAnalyzer:
     """Implements `gpr20_main_control.mid.robot.Analyzer`."""
 
-    def __init__(self, time_limit_s: float) -> None:
-        self._connection = Caller("connection", Connection, time_limit_s)
-        self._setup = Caller("freq_sweep_setup", FreqSweepSetup, time_limit_s)
-        self._frequencies = Caller("get_freq", GetFreq, time_limit_s)
-        self._calibration = Caller("get_calibration_status", GetCalibrationStatus, time_limit_s)
-        self._data = Caller("get_data", GetData, time_limit_s)
+    def __init__(self, limit_s: float) -> None:
+        self._connection = DeviceService("connection", Connection, limit_s)
+        self._setup = DeviceService("freq_sweep_setup", FreqSweepSetup, limit_s)
+        self._frequencies = DeviceService("get_freq", GetFreq, limit_s)
+        self._calibration = DeviceService("get_calibration_status", GetCalibrationStatus, limit_s)
+        self._data = DeviceService("get_data", GetData, limit_s)
 
     def connect(self, address: str) -> str:
         """Connect, or connect again, and return the instrument's identity."""
         return str(self._connection(connect=True, address=address).identity)
 
-    def calibration(self) -> int:
-        """Return the calibration status on the instrument's own scale."""
-        return int(self._calibration().status)
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration, or refuse one that is not accepted."""
+        answer = self._calibration()
+        if not answer.accepted:
+            raise DeviceError(answer.message)
+        return CalibrationStatus(answer.status)
 
-    def configure(self, setting: SweepSetting) -> SweepSetting:
+    def configure(self, settings: SweepSettings) -> SweepSettings:
         """Configure the sweep and return what the instrument accepted."""
         accepted = self._setup(
-            start_frequency_hz=setting.start_frequency_hz,
-            stop_frequency_hz=setting.stop_frequency_hz,
-            points=setting.points,
+            start_frequency_hz=settings.start_frequency_hz,
+            stop_frequency_hz=settings.stop_frequency_hz,
+            points=settings.points,
         )
-        return SweepSetting(
+        return SweepSettings(
             accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
         )
 
@@ -101,41 +98,39 @@ class AnalyzerLink:
         """Return the frequencies of the sweep [Hz]."""
         return np.array(self._frequencies().frequency_hz)
 
-    def sweep(self) -> AnalyzerSweep:
-        """Take one sweep that starts now."""
+    def sweep(self) -> Sweep:
+        """Take one sweep that starts now, checked, and repeated where it failed."""
         data = self._data()
-        setting = SweepSetting(data.start_frequency_hz, data.stop_frequency_hz, data.points)
-        sweep = Sweep(
-            frequency_hz=np.linspace(*dataclasses.astuple(setting)),
+        return Sweep(
+            frequency_hz=np.array(data.frequency_hz),
             s21_real=np.array(data.s21_real),
             s21_imag=np.array(data.s21_imag),
             sweep_started_us=data.sweep_started.to_nsec() // utc_time.NS_PER_US,
             sweep_ended_us=data.sweep_ended.to_nsec() // utc_time.NS_PER_US,
             quality=tuple(data.quality),
         )
-        return AnalyzerSweep(sweep, setting, data.calibration_status)
 
 
-class HeightLink:
+class RosHeightSensor:
     """Implements `gpr20_main_control.mid.robot.HeightSensor`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._measure = Caller("get_height", GetHeight, time_limit_s)
+        self._measure = DeviceService("get_height", GetHeight, time_limit_s)
 
     def height_m(self) -> float:
         """Measure the height of the antennas above the ground [m] now."""
         return float(self._measure().height_m)
 
 
-class StorageLink:
+class RosStorage:
     """Implements `gpr20_main_control.mid.robot.Storage`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._open = Caller("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._reopen = Caller("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._report = Caller("report_survey", ReportSurvey, time_limit_s)
-        self._store = Caller("store_data", StoreData, time_limit_s)
-        self._close = Caller("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._open = DeviceService("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._reopen = DeviceService("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._report = DeviceService("report_survey", ReportSurvey, time_limit_s)
+        self._store = DeviceService("store_data", StoreData, time_limit_s)
+        self._close = DeviceService("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> OpenedSurvey:
         """Begin a survey; one that is still open is closed as interrupted."""
@@ -175,11 +170,6 @@ class StorageLink:
         """End a survey and return how many traces its folder holds."""
         response = self._close(survey_id=survey_id, outcome=outcome, reason=reason)
         return int(response.stored_traces)
-
-
-def utc_now_us() -> int:
-    """Return the time of day [us since 1970, UTC]."""
-    return int(rospy.Time.now().to_nsec()) // utc_time.NS_PER_US
 
 
 def _time(time_us: int) -> genpy.Time:
