@@ -19,12 +19,12 @@ from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.scene import Scene
 from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
 from gpr20_vna_acquisition.mid.patience import Patience
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 HOST = "127.0.0.1"

@@ -26,6 +26,7 @@ FILES = (
     ),
     "gpr20_main_control/src/gpr20_main_control/high/ros_axis.py",
     "gpr20_survey/src/gpr20_survey/plan/coverage.py",
+    "gpr20_survey/src/gpr20_survey/trace/calibration.py",
     "gpr20_common/src/gpr20_common/high/service_client.py",
     "gpr20_axis_driver/src/gpr20_axis_driver/mid/axis_driver.py",
     "gpr20_axis_driver/src/gpr20_axis_driver/mid/homing.py",

@@ -6,14 +6,14 @@ from typing import List
 
 from fake_vna import FakeClock, FakeVna
 
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 ADDRESS = "192.168.1.10"
 SWEEP = SweepSettings(600e6, 6e9, 11)
-WALL_NS = 1_700_000_000_123_456_789
+WALL_NS = 1_800_000_000_123_456_789
 
 
 class Bench:

@@ -17,10 +17,10 @@ from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.probe_medium import PositionProbe
 from gpr20_simulator.mid.scene import InstrumentScene
 from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

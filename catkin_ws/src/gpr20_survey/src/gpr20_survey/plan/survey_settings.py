@@ -23,7 +23,7 @@ class SurveySettings:
     Attributes:
         settle_s: Time for vibrations to die down between a move and the sweep [s].
         height_s: Time that the height measurement takes [s]; for the estimate only.
-        attempts: How often a measurement is tried before the survey pauses.
+        attempts: How often a height measurement is tried before the survey pauses.
         on_height_failure: `pause`, or `store_without` to store the trace with no height.
         return_limit_s: How long a survey waits for a node that is gone before it pauses [s].
     """

@@ -1578,10 +1578,6 @@ lineal</translation>
     <translation>el último movimiento se frenó por {count} flancos tardíos, el más tardío de {late} ms: este ordenador hace demasiadas cosas más</translation>
   </message>
   <message>
-    <source>the measurement was given up</source>
-    <translation>se renunció a la medida</translation>
-  </message>
-  <message>
     <source>the parameters cannot be changed</source>
     <translation>los parámetros no se pueden cambiar</translation>
   </message>
@@ -1656,6 +1652,10 @@ lineal</translation>
   <message>
     <source>the survey's folder holds {stored} of {planned} traces</source>
     <translation>la carpeta de la campaña tiene {stored} de {planned} trazas</translation>
+  </message>
+  <message>
+    <source>the sweep also failed with: {reason}</source>
+    <translation>el barrido falló además con: {reason}</translation>
   </message>
   <message>
     <source>the sweep of {points} points did not end within {limit} s</source>

@@ -29,9 +29,10 @@ from gpr20_msgs.srv import (
     GetFreqRequest,
     GetFreqResponse,
 )
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -81,25 +82,24 @@ class VNANode:
 
     def _get_data(self, _request: GetDataRequest) -> GetDataResponse:
         sweep = self._driver.sweep()
-        settings = sweep.settings
         return GetDataResponse(
             success=True,
+            frequency_hz=sweep.frequency_hz.tolist(),
             s21_real=sweep.s21_real.tolist(),
             s21_imag=sweep.s21_imag.tolist(),
-            sweep_started=_ros_time(sweep.started_us),
-            sweep_ended=_ros_time(sweep.ended_us),
+            sweep_started=_ros_time(sweep.sweep_started_us),
+            sweep_ended=_ros_time(sweep.sweep_ended_us),
             quality=list(sweep.quality),
-            start_frequency_hz=settings.start_frequency_hz,
-            stop_frequency_hz=settings.stop_frequency_hz,
-            points=settings.points,
-            calibration_status=int(sweep.calibration),
         )
 
     def _get_calibration(
         self, _request: GetCalibrationStatusRequest
     ) -> GetCalibrationStatusResponse:
         status = self._driver.calibration_status()
-        return GetCalibrationStatusResponse(success=True, message=status.name, status=int(status))
+        refusal = self._driver.calibration_refusal(status)
+        return GetCalibrationStatusResponse(
+            success=True, message=refusal or status.name, status=int(status), accepted=not refusal
+        )
 
     def _health(self) -> diagnostics.Health:
         state = self._driver.state
@@ -125,7 +125,8 @@ class VNANode:
 
 
 def _ros_time(time_us: int) -> rospy.Time:
-    return rospy.Time(time_us // 1_000_000, time_us % 1_000_000 * 1000)
+    seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
+    return rospy.Time(seconds, rest_us * utc_time.NS_PER_US)
 
 
 def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: str) -> VNANode:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import List, Sequence, Tuple
 
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaIdentityError,
@@ -15,8 +18,6 @@ from gpr20_vna_acquisition.mid import settings
 from gpr20_vna_acquisition.mid.block_parser import parse_frequencies, parse_numbers
 from gpr20_vna_acquisition.mid.patience import Patience
 from gpr20_vna_acquisition.mid.settings import Setting
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.transport import Transport
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -104,7 +105,7 @@ class Ms2026c:
                 "nobody operates it by hand"
             )
         answer = self._ask_raw(":SENSE1:FREQ:DATA?")
-        accepted.check_reported(parse_frequencies(answer, accepted.points))
+        settings.check_frequencies(parse_frequencies(answer, accepted.points), accepted)
         return accepted
 
     def calibration_status(self) -> CalibrationStatus:
@@ -142,7 +143,14 @@ class Ms2026c:
         # Asked after the data are here, so that a change before or during their way is seen.
         self._check_unchanged(sweep)
         numbers = parse_numbers(answer, self._parameters.transfer, 2 * sweep.points)
-        return Sweep(numbers[0::2].copy(), numbers[1::2].copy(), interval.started_us, ended_us)
+        return Sweep(
+            frequency_hz=sweep.frequencies_hz(),
+            s21_real=numbers[0::2].copy(),
+            s21_imag=numbers[1::2].copy(),
+            sweep_started_us=interval.started_us,
+            sweep_ended_us=ended_us,
+            quality=(),
+        )
 
     def _wait_for_end(self, points: int) -> None:
         begun_s = self._patience.now_s()

@@ -11,10 +11,16 @@ import re
 from dataclasses import dataclass
 from typing import Callable, List
 
+import numpy as np
+
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
-from gpr20_vna_acquisition.mid.sweep_settings import RESOLUTION_HZ, SweepSettings
 
+# The instrument may round to the resolution of its synthesizer.
+RESOLUTION_HZ = 1.0
+# Frequencies may have travelled in single precision, rounded once by it and once by us.
+SINGLE_PRECISION_STEPS = 2.0
 _NUMBER = re.compile("[+-]?(?:[0-9]+[.]?[0-9]*|[.][0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
@@ -151,6 +157,31 @@ def watched_settings(sweep: SweepSettings, has_time_domain: bool) -> List[Settin
         *_domain(has_time_domain),
         NO_AVERAGE,
     ]
+
+
+def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
+    """Compare the instrument's own list with ours.
+
+    The list is not used itself: in single precision it is wrong by up to 256 Hz.
+
+    Args:
+        reported_hz: The list the instrument gives [Hz].
+        sweep: The sweep that it confirmed.
+
+    Raises:
+        VnaDataError: They differ by more than single precision explains.
+    """
+    expected_hz = sweep.frequencies_hz()
+    spacing_hz = np.spacing(expected_hz.astype(np.float32)).astype(np.float64)
+    tolerance_hz = SINGLE_PRECISION_STEPS * spacing_hz + RESOLUTION_HZ
+    wrong = np.abs(reported_hz - expected_hz) > tolerance_hz
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise VnaDataError(
+            f"the instrument measures {reported_hz[first]:.12g} Hz at point {first}, where "
+            f"{expected_hz[first]:.12g} Hz follow from start, stop and points; "
+            "check that it sweeps linearly"
+        )
 
 
 def _domain(has_time_domain: bool) -> List[Setting]:

@@ -9,23 +9,24 @@ from __future__ import annotations
 import statistics
 from collections import deque
 from dataclasses import dataclass
-from typing import Deque, Optional, Sequence, Tuple
+from typing import Collection, Deque, Optional, Sequence, Tuple
 
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_vna_acquisition.errors import VnaDataError
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
 
-# What the storage takes of one remark.
-LONGEST_REMARK = 200
 # A duration is unusual beyond this factor from the usual one.
 DURATION_FACTOR = 2.0
 # On a quick sweep polling and the computer decide how long it seems to take [s].
 EARLY_TOLERANCE_S = 0.05
 # So many sweeps must have been made before one can be unusual, and so many are remembered.
 FEWEST_SWEEPS, MOST_SWEEPS = 5, 25
+# So many reasons of repetitions are told of one sweep, one remark each.
+MOST_REASONS = 8
 
 CALIBRATION_REMARKS = {
     CalibrationStatus.NONE: "the VNA is not calibrated; calibrate it before going on",
@@ -78,6 +79,17 @@ def refuse_impossible(sweep: Sweep) -> None:
         raise VnaDataError("every number of the trace is zero; nothing was measured")
     if (sweep.s21_real == sweep.s21_imag).all():
         raise VnaDataError("the imaginary part of the trace is a copy of its real part")
+
+
+def calibration_refusal(status: CalibrationStatus, accepted: Collection[int]) -> str:
+    """Say why no survey may be made with this calibration; empty if one may."""
+    if status in accepted:
+        return ""
+    listed = ", ".join(str(one) for one in accepted)
+    return (
+        f"the VNA's calibration status is {int(status)} ({status.meaning}); calibrate it, or "
+        f"change accepted_calibrations (now {listed})"
+    )
 
 
 def level_remarks(sweep: Sweep, limits: QualityLimits) -> Tuple[str, ...]:
@@ -140,17 +152,14 @@ def calibration_remarks(status: CalibrationStatus) -> Tuple[str, ...]:
 
 
 def repetition_remarks(failures: Sequence[Exception]) -> Tuple[str, ...]:
-    """Return a remark that tells how often the sweep was repeated, and why at last."""
-    if not failures:
+    """Return remarks that tell how often the sweep was repeated, and each reason once."""
+    # A dictionary keeps the order.
+    reasons = list(dict.fromkeys(str(failure) for failure in failures))[:MOST_REASONS]
+    if not reasons:
         return ()
     times = "once" if len(failures) == 1 else f"{len(failures)} times"
-    return (storable(f"the sweep was repeated {times}: {failures[-1]}"),)
-
-
-def storable(remark: str) -> str:
-    """Return a remark that every storage takes: short, and of printable characters alone."""
-    text = "".join(one if one.isprintable() else "?" for one in remark)
-    return text if len(text) <= LONGEST_REMARK else text[: LONGEST_REMARK - 3] + "..."
+    first = f"the sweep was repeated {times}: {reasons[0]}"
+    return (first, *(f"the sweep also failed with: {reason}" for reason in reasons[1:]))
 
 
 class TraceQuality:
@@ -178,7 +187,7 @@ class TraceQuality:
             + repetition_remarks(failures)
         )
         self._durations_s.append(sweep.duration_s)
-        return tuple(storable(remark) for remark in remarks)
+        return tuple(storable_remark(remark) for remark in remarks)
 
     def _usual_s(self) -> Optional[float]:
         if len(self._durations_s) < FEWEST_SWEEPS:

@@ -10,7 +10,11 @@ import numpy as np
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import ipv4_address
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
     VnaClosedError,
     VnaDataError,
     VnaError,
@@ -23,9 +27,11 @@ from gpr20_vna_acquisition.errors import (
 from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
 from gpr20_vna_acquisition.mid.patience import Patience
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.mid.trace_quality import TraceQuality, refuse_impossible
+from gpr20_vna_acquisition.mid.trace_quality import (
+    TraceQuality,
+    calibration_refusal,
+    refuse_impossible,
+)
 from gpr20_vna_acquisition.mid.transport import Connector
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_acquisition.mid.vna_state import VnaState
@@ -105,9 +111,10 @@ class VNADriver:
         """Set up the sweep and return what the instrument confirmed.
 
         Raises:
-            VnaError: A value is not allowed, or the instrument did not take it.
+            InvalidValueError: A value is not allowed.
+            VnaError: The instrument did not take one.
         """
-        sweep.check(self._parameters.instrument_range)
+        self._parameters.check_sweep(sweep)
         with self._lock:
             # If this fails, nobody knows what the instrument would measure.
             self._state = replace(self._state, sweep=None)
@@ -130,7 +137,7 @@ class VNADriver:
         return self._configured_sweep().frequencies_hz()
 
     def calibration_status(self) -> CalibrationStatus:
-        """Return the state of the instrument's calibration.
+        """Return the state of the instrument's calibration, accepted or not.
 
         Raises:
             VnaError: It could not be read.
@@ -143,10 +150,15 @@ class VNADriver:
             self._state = replace(self._state, calibration=status)
             return status
 
+    def calibration_refusal(self, status: CalibrationStatus) -> str:
+        """Say why no sweep is given with this calibration; empty if one is."""
+        return calibration_refusal(status, self._parameters.accepted_calibrations)
+
     def sweep(self) -> Sweep:
         """Return one sweep that was triggered after this call.
 
         Raises:
+            VnaCalibrationError: It was made with a calibration that is not accepted.
             VnaError: None of the attempts gave complete, finite, new data.
         """
         with self._lock:
@@ -154,16 +166,15 @@ class VNADriver:
             self._patience.begin(self._parameters.request_limit_s(points))
             (sweep, calibration), failures = self._repeated("the VNA's sweep", self._fresh_sweep)
             self._previous = sweep
+            self._check_calibration(calibration)
             quality = self._quality.remarks(sweep, calibration, failures)
             self._state = replace(
                 self._state,
                 sweeps=self._state.sweeps + 1,
                 last_sweep_s=sweep.duration_s,
                 last_quality=quality,
-                calibration=calibration,
             )
-            settings = self._configured_sweep()
-            return replace(sweep, quality=quality, settings=settings, calibration=calibration)
+            return replace(sweep, quality=quality)
 
     def check_idle_link(self) -> None:
         """Ask an instrument that nobody used for a while for its calibration.
@@ -199,6 +210,13 @@ class VNADriver:
             raise VnaDataError("the instrument gave the very same data as for the sweep before")
         refuse_impossible(sweep)
         return sweep, instrument.calibration_status()
+
+    def _check_calibration(self, calibration: CalibrationStatus) -> None:
+        refusal = self.calibration_refusal(calibration)
+        self._state = replace(self._state, calibration=calibration, last_error=refusal)
+        # The link is kept: making a new one would set up the sweep while somebody calibrates.
+        if refusal:
+            raise VnaCalibrationError(refusal)
 
     def _configured_sweep(self) -> SweepSettings:
         state = self._state

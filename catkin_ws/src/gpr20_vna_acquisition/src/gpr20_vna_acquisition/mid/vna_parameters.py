@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_survey.plan.survey_parameters import (
+    MAX_FREQUENCY_HZ,
+    MAX_FREQUENCY_POINTS,
+    MIN_FREQUENCY_HZ,
+    MIN_FREQUENCY_POINTS,
+)
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
-from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange
 from gpr20_vna_acquisition.mid.trace_quality import QualityLimits
 
 # A sweep may take this many times its nominal duration before it counts as hanging.
@@ -46,12 +54,14 @@ class VnaParameters:
         sweep_timeout_s: Time limit of a sweep beyond ten times its nominal duration [s].
         request_timeout_s: Time limit of a whole request with its repetitions, beyond ten
             times the nominal duration of a sweep [s].
-        attempts: How often something is tried before it is given up.
+        attempts: How often something is tried before it is given up; nobody else repeats it.
         retry_pause_s: Pause before trying again [s].
         link_check_s: How long the instrument may be unused until its link is checked [s].
         transfer_format: "REAL,32" or "ASC".
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
+        accepted_calibrations: Calibration statuses, on the instrument's scale, with which
+            sweeps are given: 0 none, 1 high, 2 and 3 moderate, 4 low.
         min_level_db: Least median magnitude of S21 without a remark [dB]. No maker's figure:
             well below what two antennas over the ground give, well above a receiver with
             nothing connected; measure both with the robot's own and choose a value between.
@@ -73,12 +83,13 @@ class VnaParameters:
     seconds_per_point: float = 350e-6
     sweep_timeout_s: float = 10.0
     request_timeout_s: float = 40.0
-    attempts: int = 3
+    attempts: int = 9
     retry_pause_s: float = 0.5
     link_check_s: float = 5.0
     transfer_format: str = TransferFormat.REAL32.value
-    min_frequency_hz: float = InstrumentRange.min_frequency_hz
-    max_frequency_hz: float = InstrumentRange.max_frequency_hz
+    min_frequency_hz: float = MIN_FREQUENCY_HZ
+    max_frequency_hz: float = MAX_FREQUENCY_HZ
+    accepted_calibrations: Tuple[int, ...] = (1, 2, 3)
     min_level_db: float = QualityLimits.min_level_db
     max_level_db: float = QualityLimits.max_level_db
     same_points: int = QualityLimits.same_points
@@ -104,7 +115,10 @@ class VnaParameters:
                 f"transfer_format is '{self.transfer_format}'; it must be one of "
                 f"{', '.join(one.value for one in TransferFormat)}"
             )
-
+        for status in self.accepted_calibrations:
+            number_between(
+                "accepted_calibrations", status, min(CalibrationStatus), max(CalibrationStatus)
+            )
         # Limits that make no sense stop the node at its start.
         _ = self.quality_limits
 
@@ -120,10 +134,27 @@ class VnaParameters:
         """The format in which numbers travel."""
         return TransferFormat(self.transfer_format)
 
-    @property
-    def instrument_range(self) -> InstrumentRange:
-        """What sweeps the instrument can make."""
-        return InstrumentRange(self.min_frequency_hz, self.max_frequency_hz)
+    def check_sweep(self, settings: SweepSettings) -> None:
+        """Refuse a sweep that the instrument cannot make.
+
+        Raises:
+            InvalidValueError: A value is outside its range, or start is not below stop.
+        """
+        lower_hz, upper_hz = self.min_frequency_hz, self.max_frequency_hz
+        start_hz, stop_hz = settings.start_frequency_hz, settings.stop_frequency_hz
+        number_between("start frequency", start_hz, lower_hz, upper_hz, "Hz")
+        number_between("stop frequency", stop_hz, lower_hz, upper_hz, "Hz")
+        number_between(
+            "number of frequency points",
+            settings.points,
+            MIN_FREQUENCY_POINTS,
+            MAX_FREQUENCY_POINTS,
+        )
+        if not start_hz < stop_hz:
+            raise InvalidValueError(
+                f"start frequency is {start_hz:.12g} Hz; it must be below the stop frequency, "
+                f"which is {stop_hz:.12g} Hz"
+            )
 
     def nominal_sweep_s(self, points: int) -> float:
         """Return how long a sweep takes [s]."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
 
 @dataclass(frozen=True)

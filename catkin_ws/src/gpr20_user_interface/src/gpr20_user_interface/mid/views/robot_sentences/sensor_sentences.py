@@ -11,7 +11,6 @@ SENSORS: Tuple[str, ...] = (
     QT_TRANSLATE_NOOP("RobotText", "height {height} m"),
     QT_TRANSLATE_NOOP("RobotText", "no height measured yet"),
     QT_TRANSLATE_NOOP("RobotText", "the antenna height could not be measured: {reason}"),
-    QT_TRANSLATE_NOOP("RobotText", "the measurement was given up"),
     QT_TRANSLATE_NOOP("RobotText", "no height: {reason}"),
     QT_TRANSLATE_NOOP(
         "RobotText",
@@ -140,6 +139,7 @@ SENSORS: Tuple[str, ...] = (
         "check that nobody changed the VNA's bandwidth, and its network",
     ),
     QT_TRANSLATE_NOOP("RobotText", "the sweep was repeated {times}: {reason}"),
+    QT_TRANSLATE_NOOP("RobotText", "the sweep also failed with: {reason}"),
     QT_TRANSLATE_NOOP("RobotText", "{missing} of {all} numbers of the instrument are not finite"),
     QT_TRANSLATE_NOOP(
         "RobotText",
