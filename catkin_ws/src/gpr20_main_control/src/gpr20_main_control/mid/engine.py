@@ -45,7 +45,7 @@ class SurveyEngine:
         self._positioner = positioner
         self._interruption = interruption
         self._instruments = Instruments(plan, robot, positioner, interruption)
-        self._archive = SurveyArchive(plan, robot, status, interruption)
+        self._archive = SurveyArchive(plan, robot, status, interruption.clock)
         limit_s = plan.settings.return_limit_s
         self._recovery = Recovery(positioner, status, interruption, limit_s)
         self._progress = steps.SurveyProgress.at_start(plan)
@@ -68,7 +68,7 @@ class SurveyEngine:
     def run(self) -> None:
         """Carry out the survey; every way out ends in a final state with a message."""
         try:
-            self._archive.announce()
+            self._status.show_coverage(self._archive.coverage)
             while not self._continue():
                 pass
         except StopRequested:
@@ -78,7 +78,7 @@ class SurveyEngine:
             if not isinstance(error, DeviceError):
                 raise
         finally:
-            self._archive.give_up()
+            self._archive.queue.close()
 
     def pause(self) -> None:
         """Hold after the sample that is being measured."""
@@ -111,7 +111,7 @@ class SurveyEngine:
                 self._actions[type(step)](step)
             except DeviceError as error:
                 if isinstance(step, (steps.Move, steps.Measure)):
-                    self._archive.note_failed(step.point.index, str(error))
+                    self._archive.coverage.note_failed(step.point.index, str(error))
                 raise
         return True
 
@@ -134,7 +134,7 @@ class SurveyEngine:
             self._progress.repeat_last = True
             raise
         self._progress.note_homed(bool(homed))
-        self._archive.retry()
+        self._archive.queue.retry()
         self._status.enter(SurveyState.SURVEYING, "measuring")
         self._archive.start_timing()
 
@@ -145,7 +145,7 @@ class SurveyEngine:
         self._move(step)
         measured = self._instruments.measure(step.point)
         repeat = compare(stored, measured, measured.antennae_height_m)
-        self._archive.note_repeat(repeat)
+        self._archive.note_repeat(repeat, self._interruption.check)
         self._progress.repeat_last = False
         self._status.set_message(f"measuring; {repeat.text}")
 
@@ -162,15 +162,17 @@ class SurveyEngine:
         trace, self._measured = self._measured, None
         # Counted before the wait for room: the trace is taken over even if that fails.
         self._progress.note_measured(trace)
-        self._archive.store(trace)
+        self._archive.queue.put(trace, self._interruption.check)
 
     def _finish(self, _step: steps.Finish) -> None:
-        self._archive.drain(self._interruption.check)
+        self._archive.queue.drain(self._interruption.check)
         self._close_finished()
 
     @property
     def _all_stored(self) -> bool:
-        return self._progress.measured == len(self._plan.pending) and not self._archive.waiting
+        return (
+            self._progress.measured == len(self._plan.pending) and not self._archive.queue.waiting
+        )
 
     def _finish_now(self) -> bool:
         """End the survey, all of which is stored; whether that was possible as things are.
@@ -186,7 +188,7 @@ class SurveyEngine:
         return True
 
     def _close_finished(self) -> None:
-        verdict = self._archive.verdict
+        verdict = self._archive.coverage.verdict()
         stored = self._archive.close("finished", verdict.text, self._interruption.check)
         total = self._plan.total_points
         if not verdict.complete or stored != total:
@@ -247,8 +249,8 @@ class SurveyEngine:
             if self._recovery.nodes_changed:
                 # The storage may be one of them, to which no survey is open.
                 self._archive.reopen(check)
-            self._archive.retry()
-            self._archive.drain_within(STOPPING_LIMIT_S)
+            self._archive.queue.retry()
+            self._archive.queue.drain_within(STOPPING_LIMIT_S)
             stored = self._archive.close(outcome, reason, check)
         except DeviceError as error:
             return f"; the recordings could not be finished: {error}"

@@ -7,18 +7,17 @@ from dataclasses import asdict
 from pathlib import PurePosixPath
 from typing import Callable, Optional, Tuple
 
+from gpr20_common.low.clock import Clock
 from gpr20_main_control.mid.instruments import AnalyzerState
-from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_main_control.mid.robot import Robot, SurveyRecord
 from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_survey.plan.coverage import Coverage, Verdict
+from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.trace import Trace
 
 Check = Callable[[], None]
 
@@ -28,11 +27,14 @@ class SurveyArchive:
 
     Where a method takes a `check`, it is called again and again while the storage is waited
     for; what it raises ends the wait.
+
+    Attributes:
+        coverage: What became of each planned sample.
+        queue: The traces that are not durable yet.
+        folder: The survey's folder; empty before it is made.
     """
 
-    def __init__(
-        self, plan: SurveyPlan, robot: Robot, status: SurveyStatus, interruption: Interruption
-    ) -> None:
+    def __init__(self, plan: SurveyPlan, robot: Robot, status: SurveyStatus, clock: Clock) -> None:
         """Begin, or continue, the report of a survey.
 
         Raises:
@@ -41,39 +43,19 @@ class SurveyArchive:
         self._plan = plan
         self._storage, self._calls = robot.storage, robot.storage_calls
         self._status = status
-        self._interruption = interruption
+        self._clock = clock
         reopened = plan.reopened
-        self._folder = "" if reopened is None else reopened.folder
-        self._report = SurveyReport(
-            Coverage(plan.total_points, plan.stored_indices),
-            "" if reopened is None else reopened.report_json,
-            status.show_coverage,
-        )
+        self.folder = "" if reopened is None else reopened.folder
+        self.coverage = Coverage(plan.total_points, plan.stored_indices)
+        self._report = SurveyReport(self.coverage, "" if reopened is None else reopened.report_json)
+        # Only now: what was measured before is no change.
+        self.coverage.on_change = status.show_coverage
         self._closing_report = ""
         self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
         self._remaining = RemainingTime(plan.pending_durations_s)
         self._measuring_since_s: Optional[float] = None
         self._measured_s = 0.0
-        self._queue = StorageQueue(robot.storage, interruption.clock, self._note_stored)
-
-    @property
-    def folder(self) -> str:
-        """The survey's folder; empty before it is made."""
-        return self._folder
-
-    @property
-    def verdict(self) -> Verdict:
-        """How much of the plan is durable."""
-        return self._report.coverage.verdict()
-
-    @property
-    def waiting(self) -> int:
-        """Number of traces that are not durable yet."""
-        return self._queue.waiting
-
-    def announce(self) -> None:
-        """Tell what of the survey is stored before it begins."""
-        self._report.announce()
+        self.queue = StorageQueue(robot.storage, clock, self._note_stored)
 
     def open(self, analyzer: AnalyzerState, check: Check) -> str:
         """Make the survey's folder and begin its recordings, or see that they are still open.
@@ -90,64 +72,32 @@ class SurveyArchive:
         Raises:
             DeviceError: There is no room, or the folder cannot be made.
         """
-        if self._folder:
+        if self.folder:
             self.reopen(check)
             return ""
         record = self._record_with(analyzer)
         opened = self._calls.call(lambda: self._storage.open(record), check)
-        self._folder = opened.folder
+        self.folder = opened.folder
         return opened.interrupted
 
     def reopen(self, check: Check) -> None:
         """See that the survey is still open at the storage."""
-        name = PurePosixPath(self._folder).name
+        name = PurePosixPath(self.folder).name
         self._calls.call(lambda: self._storage.reopen(name), check)
 
     def start_timing(self) -> None:
         """Count the time from now on as time that is spent on measuring."""
-        self._measuring_since_s = self._interruption.clock.now_s()
+        self._measuring_since_s = self._clock.now_s()
 
     def stop_timing(self) -> None:
         """Count the time no longer."""
         self._measured_s = self._elapsed_s()
         self._measuring_since_s = None
 
-    def store(self, trace: Trace) -> None:
-        """Take over a trace; returns once there is room for the next one.
-
-        Raises:
-            DeviceError: Storing has failed; the trace is stored after `retry`.
-        """
-        self._queue.put(trace, self._interruption.check)
-
-    def retry(self) -> None:
-        """Forget a failure and store what waits."""
-        self._queue.retry()
-
-    def drain(self, check: Check) -> None:
-        """Return when every trace is durable.
-
-        Raises:
-            DeviceError: Storing has failed.
-        """
-        self._queue.drain(check)
-
-    def drain_within(self, time_limit_s: float) -> None:
-        """Return when every trace is durable.
-
-        Raises:
-            DeviceError: Storing has failed, or it takes longer than the limit [s].
-        """
-        self._queue.drain_within(time_limit_s)
-
-    def note_failed(self, index: int, reason: str) -> None:
-        """Note that a sample could not be measured."""
-        self._report.note_failed(index, reason)
-
-    def note_repeat(self, repeat: RepeatMeasurement) -> None:
+    def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
         """Keep how far a point that was measured again is from its stored trace."""
         self._report.note_repeat(repeat, utc_time.now_us())
-        self._send_report(self._report.to_json(), self._interruption.check)
+        self._send_report(self._report.to_json(), check)
 
     def close(self, outcome: str, reason: str, check: Check) -> int:
         """End the survey and return how many traces its folder holds."""
@@ -158,10 +108,6 @@ class SurveyArchive:
         self._closing_report = report_json
         survey_id = self._plan.survey_id
         return self._calls.call(lambda: self._storage.close(survey_id, outcome, reason), check)
-
-    def give_up(self) -> None:
-        """Store no more; what is not durable is given up."""
-        self._queue.close()
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same again if the answer to the first call was lost: the storage knows it by that.
@@ -174,7 +120,7 @@ class SurveyArchive:
         self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
 
     def _note_stored(self, stored: int, index: int) -> None:
-        self._report.note_stored(index)
+        self.coverage.note_stored(index)
         visited = len(self._plan.stored_indices) + stored
         self._status.set_progress(visited, self._remaining.remaining_s(stored, self._elapsed_s()))
 
@@ -182,7 +128,7 @@ class SurveyArchive:
         since_s = self._measuring_since_s
         if since_s is None:
             return self._measured_s
-        return self._measured_s + self._interruption.clock.now_s() - since_s
+        return self._measured_s + self._clock.now_s() - since_s
 
 
 def interruption_remark(interrupted: str) -> str:
