@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import threading
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_book import NodeBook
+from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.robot import (
     AxisReading,
     MoveOutcome,
@@ -21,8 +20,8 @@ from gpr20_main_control.mid.robot import (
     ReopenedSurvey,
     Robot,
 )
-from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_factory import Surroundings
+from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
@@ -202,6 +201,19 @@ class FakeStorage:
         return before + stored - self.lose
 
 
+class HandNotedNodes(NodeLiveness):
+    """Nodes that a test calls alive or silent; nobody asks them."""
+
+    def __init__(self, clock, on_change):
+        super().__init__(dict.fromkeys(NODES), clock, on_change)
+        self.on_refresh = lambda: None
+        for name in NODES:
+            self.note_alive(name, 1)
+
+    def refresh(self):
+        self.on_refresh()
+
+
 class Bench:
     """A control over a fake robot, and what it said."""
 
@@ -209,33 +221,34 @@ class Bench:
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
         self.storage = storage or FakeStorage()
-        robot = Robot(self.x, self.y, self.z, self.analyzer, self.height, self.storage)
         self.history = []
         self.coverages = []
-        self._changed = threading.Condition()
-        self.board = StatusBoard(self._note)
-        clock = clock or FastClock()
-        self.on_refresh = lambda: None
-        self.nodes = NodeBook(NODES, clock, self.board.note_missing, lambda: self.on_refresh())
-        for name in NODES:
-            self.nodes.note_alive(name, 1)
         self.parameters = []
-        surroundings = Surroundings(
-            robot,
+        self._changed = threading.Condition()
+        self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
+        clock = clock or FastClock()
+        self.nodes = HandNotedNodes(clock, self.board.set_missing)
+        self.control = MainControl(
+            Robot(
+                dict(zip(AxisId, self.axes)),
+                self.analyzer,
+                self.height,
+                self.storage,
+                self.nodes,
+            ),
             RobotConfig(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
-            self.nodes,
             self.board,
             clock,
-            lambda: time.time_ns() // 1000,
-            lambda coverage: self.coverages.append((coverage.states, coverage.verdict())),
         )
-        self.control = MainControl(surroundings, self.parameters.append)
 
     def _note(self, _before, after):
         with self._changed:
             self.history.append(after)
             self._changed.notify_all()
+
+    def _note_coverage(self, coverage, _survey_id):
+        self.coverages.append((coverage.states, coverage.verdict()))
 
     def release(self):
         """Let go of everything that a test has blocked."""

@@ -7,7 +7,7 @@ import pytest
 from fake_robot import LIMIT_S, Bench, FakeAnalyzer, FakeStorage
 
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.background import Turns
+from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"
@@ -92,7 +92,7 @@ def test_a_connection_that_was_given_up_does_not_undo_the_next_one(bench):
 
 
 def test_a_call_that_was_given_up_before_its_turn_is_never_made():
-    turns = Turns()
+    calls = SerialCalls()
     begun, go_on = threading.Event(), threading.Event()
     made = []
 
@@ -106,11 +106,11 @@ def test_a_call_that_was_given_up_before_its_turn_is_never_made():
             raise DeviceError("given up")
 
     with pytest.raises(DeviceError):
-        turns.take(first, give_up)
+        calls.call(first, give_up)
     with pytest.raises(DeviceError):
-        turns.take(lambda: made.append("second"), give_up)
+        calls.call(lambda: made.append("second"), give_up)
     go_on.set()
-    turns.take(lambda: made.append("third"), lambda: None)
+    calls.call(lambda: made.append("third"), lambda: None)
     assert made == ["first", "third"]
 
 

@@ -110,7 +110,7 @@ def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(patient_b
             bench.analyzer.on_sweep = lambda: None
             bench.analyzer.failures = 1
             # Nobody knows yet; the survey has to ask.
-            bench.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
+            bench.nodes.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
 
     bench.analyzer.on_sweep = fail
     bench.start()

@@ -11,20 +11,20 @@ FILES = (
     *(
         f"gpr20_main_control/src/gpr20_main_control/mid/{name}.py"
         for name in (
-            "control_measurement",
+            "engine",
+            "instruments",
             "main_control",
-            "measurement",
-            "node_book",
+            "node_liveness",
             "positioner",
-            "preparation",
             "recovery",
-            "resumption",
-            "status_board",
+            "repeat_measurement",
             "storage_queue",
-            "survey_run",
+            "survey_archive",
+            "survey_plan",
+            "survey_status",
         )
     ),
-    "gpr20_main_control/src/gpr20_main_control/high/axis_link.py",
+    "gpr20_main_control/src/gpr20_main_control/high/ros_axis.py",
     "gpr20_survey/src/gpr20_survey/plan/coverage.py",
     "gpr20_survey/src/gpr20_survey/trace/calibration.py",
     "gpr20_common/src/gpr20_common/high/service_client.py",

@@ -5,11 +5,13 @@ Every call returns or raises `DeviceError` within a time limit of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import List, Optional, Protocol, Tuple
+from dataclasses import dataclass, field
+from typing import Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
+from gpr20_main_control.mid.node_liveness import NodeLiveness
+from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -161,15 +163,23 @@ class Storage(Protocol):
 
 @dataclass(frozen=True)
 class Robot:
-    """All parts of the robot."""
+    """All parts of the robot.
 
-    x: Axis
-    y: Axis
-    z: Axis
+    Attributes:
+        axes: The three axes.
+        analyzer: Of S21.
+        height_sensor: Of the antennas.
+        storage: Of traces.
+        nodes: The processes of all of them.
+        analyzer_calls: Through which the analyzer is set up.
+        storage_calls: Through which surveys are opened, reported and closed.
+    """
+
+    axes: Mapping[AxisId, Axis]
     analyzer: Analyzer
     height_sensor: HeightSensor
     storage: Storage
-
-    def axes(self) -> List[Tuple[AxisId, Axis]]:
-        """Return the three axes with their names."""
-        return [(AxisId.X, self.x), (AxisId.Y, self.y), (AxisId.Z, self.z)]
+    nodes: NodeLiveness
+    # Of all surveys: a call that one has given up must not disturb the next.
+    analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
+    storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

@@ -22,7 +22,7 @@ STOP_LIMIT_S = 1.0
 DRIVER = "axis_driver"
 
 
-class AxisLink:
+class RosAxis:
     """Action, topic and services of one axis; implements `gpr20_main_control.mid.robot.Axis`."""
 
     def __init__(self, group: str, clock: Clock) -> None:
@@ -61,7 +61,7 @@ class AxisLink:
         return AxisReading(last.coordinate, last.homed, last.moving, age_s)
 
     def begin_move(self, target: float) -> None:
-        """Tell the axis to move [mm or deg] and return at once.
+        """Send the axis to a target [mm or deg] and return at once.
 
         Raises:
             DeviceError: The axis's node is not there.
@@ -109,10 +109,10 @@ class AxisLink:
             self._stop.call(STOP_LIMIT_S)
         except ServiceUnavailableError as error:
             # A node that is gone moves nothing; if it lives, this must be seen.
-            rospy.logerr("%s could not be told to stop: %s", self._group, error)
+            rospy.logerr("%s could not be stopped: %s", self._group, error)
 
     def _hear(self, message: CurrentCoordinate) -> None:
-        # A recording that is played beside the robot tells where another robot stood: a trace
+        # A recording that is played beside the robot says where another robot stood: a trace
         # could be taken for one from there.
         speaker = message._connection_header["callerid"]
         if speaker != self._driver:
@@ -137,8 +137,8 @@ class AxisLink:
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
     result: Optional[AxisResult] = goal.get_result()
-    told = goal.get_goal_status_text()
+    text = goal.get_goal_status_text()
     if result is None:
-        return MoveOutcome(False, told or "it ended without a result")
+        return MoveOutcome(False, text or "it ended without a result")
     # The result of a goal that actionlib itself refused says nothing.
-    return MoveOutcome(result.success, result.message or told)
+    return MoveOutcome(result.success, result.message or text)

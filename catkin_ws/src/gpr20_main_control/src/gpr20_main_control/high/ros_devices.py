@@ -6,16 +6,11 @@ from typing import Any
 
 import genpy
 import numpy as np
-import rospy
 
 from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import (
-    OpenedSurvey,
-    ReopenedSurvey,
-    SurveyRecord,
-)
+from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
 from gpr20_msgs.srv import (
     CloseSurvey,
     Connection,
@@ -41,7 +36,7 @@ from gpr20_survey.trace.trace import Trace
 WHOLE_SURVEY_LIMIT_S = 620.0
 
 
-class Caller:
+class DeviceService:
     """A service whose failures are the device's failures."""
 
     def __init__(self, name: str, service_class: Any, time_limit_s: float) -> None:
@@ -67,15 +62,15 @@ class Caller:
         return response
 
 
-class AnalyzerLink:
+class RosAnalyzer:
     """Implements `gpr20_main_control.mid.robot.Analyzer`."""
 
-    def __init__(self, time_limit_s: float) -> None:
-        self._connection = Caller("connection", Connection, time_limit_s)
-        self._setup = Caller("freq_sweep_setup", FreqSweepSetup, time_limit_s)
-        self._frequencies = Caller("get_freq", GetFreq, time_limit_s)
-        self._calibration = Caller("get_calibration_status", GetCalibrationStatus, time_limit_s)
-        self._data = Caller("get_data", GetData, time_limit_s)
+    def __init__(self, limit_s: float) -> None:
+        self._connection = DeviceService("connection", Connection, limit_s)
+        self._setup = DeviceService("freq_sweep_setup", FreqSweepSetup, limit_s)
+        self._frequencies = DeviceService("get_freq", GetFreq, limit_s)
+        self._calibration = DeviceService("get_calibration_status", GetCalibrationStatus, limit_s)
+        self._data = DeviceService("get_data", GetData, limit_s)
 
     def connect(self, address: str) -> str:
         """Connect, or connect again, and return the instrument's identity."""
@@ -116,26 +111,26 @@ class AnalyzerLink:
         )
 
 
-class HeightLink:
+class RosHeightSensor:
     """Implements `gpr20_main_control.mid.robot.HeightSensor`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._measure = Caller("get_height", GetHeight, time_limit_s)
+        self._measure = DeviceService("get_height", GetHeight, time_limit_s)
 
     def height_m(self) -> float:
         """Measure the height of the antennas above the ground [m] now."""
         return float(self._measure().height_m)
 
 
-class StorageLink:
+class RosStorage:
     """Implements `gpr20_main_control.mid.robot.Storage`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._open = Caller("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._reopen = Caller("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._report = Caller("report_survey", ReportSurvey, time_limit_s)
-        self._store = Caller("store_data", StoreData, time_limit_s)
-        self._close = Caller("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._open = DeviceService("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._reopen = DeviceService("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._report = DeviceService("report_survey", ReportSurvey, time_limit_s)
+        self._store = DeviceService("store_data", StoreData, time_limit_s)
+        self._close = DeviceService("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> OpenedSurvey:
         """Begin a survey; one that is still open is closed as interrupted."""
@@ -175,11 +170,6 @@ class StorageLink:
         """End a survey and return how many traces its folder holds."""
         response = self._close(survey_id=survey_id, outcome=outcome, reason=reason)
         return int(response.stored_traces)
-
-
-def utc_now_us() -> int:
-    """Return the time of day [us since 1970, UTC]."""
-    return int(rospy.Time.now().to_nsec()) // utc_time.NS_PER_US
 
 
 def _time(time_us: int) -> genpy.Time:

@@ -6,6 +6,8 @@ import threading
 from dataclasses import dataclass, replace
 from typing import Callable, Optional
 
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState, check_transition
 
@@ -47,16 +49,27 @@ class Status:
         return 100.0 * self.visited_points / self.total_points if self.total_points else 0.0
 
 
-class StatusBoard:
-    """Holds the status, lets only legal transitions pass, and tells of every change."""
+class SurveyStatus:
+    """Holds the status, lets only legal transitions pass, and announces every change."""
 
-    def __init__(self, on_change: Callable[[Status, Status], None]) -> None:
+    def __init__(
+        self,
+        on_change: Callable[[Status, Status], None],
+        on_parameters: Callable[[SurveyParameters], None],
+        on_coverage: Callable[[Coverage, str], None],
+    ) -> None:
         """Begin idle.
 
         Args:
             on_change: Called with the status before and after each change.
+            on_parameters: Called with the parameters of the next or present survey when they
+                change.
+            on_coverage: Called with the coverage of the present survey at every change of it,
+                and the survey's id.
         """
         self._on_change = on_change
+        self._on_parameters = on_parameters
+        self._on_coverage = on_coverage
         self._lock = threading.RLock()
         self._status = Status()
 
@@ -76,12 +89,12 @@ class StatusBoard:
             target = self._status.target if state.running else None
             self._change(replace(self._status, state=state, message=message, target=target))
 
-    def say(self, message: str) -> None:
-        """Say something else in the same state."""
+    def set_message(self, message: str) -> None:
+        """Change the message in the same state."""
         with self._lock:
             self._change(replace(self._status, message=message))
 
-    def note_missing(self, missing: str) -> None:
+    def set_missing(self, missing: str) -> None:
         """Say which nodes do not answer; empty if all do."""
         with self._lock:
             self._change(replace(self._status, missing=missing))
@@ -101,17 +114,25 @@ class StatusBoard:
                 )
             )
 
-    def aim(self, target: SurveyPoint) -> None:
+    def set_target(self, target: SurveyPoint) -> None:
         """Note the point that is being visited."""
         with self._lock:
             self._change(replace(self._status, target=target))
 
-    def progress(self, visited_points: int, remaining_s: float) -> None:
+    def set_progress(self, visited_points: int, remaining_s: float) -> None:
         """Note how far the survey is."""
         with self._lock:
             self._change(
                 replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
             )
+
+    def show_parameters(self, parameters: SurveyParameters) -> None:
+        """Announce the parameters of the next or present survey."""
+        self._on_parameters(parameters)
+
+    def show_coverage(self, coverage: Coverage) -> None:
+        """Announce what became of each sample of the present survey."""
+        self._on_coverage(coverage, self._status.survey_id)
 
     def _change(self, status: Status) -> None:
         before, self._status = self._status, status

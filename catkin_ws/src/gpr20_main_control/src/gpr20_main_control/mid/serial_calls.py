@@ -5,14 +5,13 @@ from __future__ import annotations
 import threading
 from concurrent.futures import Future
 from concurrent.futures import wait as wait_for_futures
-from dataclasses import dataclass, field
 from typing import Callable, Optional, TypeVar
 
 Result = TypeVar("Result")
 POLL_S = 0.05
 
 
-class Turns:
+class SerialCalls:
     """Calls of one device, which are never made two at a time.
 
     A call that was given up may still wait for a node that is being started again, and would
@@ -23,23 +22,15 @@ class Turns:
     def __init__(self) -> None:
         self._lock = threading.Lock()
 
-    def take(self, call: Callable[[], Result], check: Callable[[], None]) -> Result:
+    def call(self, call: Callable[[], Result], check: Callable[[], None]) -> Result:
         """Make a call when those before it have ended, and return its result.
 
         Args:
-            call: What to call. If the wait for it is given up once it has begun, it goes on in
-                its thread.
+            call: What to call. If the wait for it is given up once it has begun, it continues
+                in its thread.
             check: Called again and again meanwhile; what it raises ends the wait.
         """
         return result_of(in_background(call, self._lock), check)
-
-
-@dataclass(frozen=True)
-class DeviceTurns:
-    """The turns of the devices on which a call that comes late would change something."""
-
-    analyzer: Turns = field(default_factory=Turns)
-    storage: Turns = field(default_factory=Turns)
 
 
 def in_background(
@@ -83,5 +74,5 @@ def result_of(future: Future[Result], check: Callable[[], None]) -> Result:
         while not wait_for_futures([future], POLL_S).done:
             check()
     finally:
-        future.cancel()  # what has begun goes on
+        future.cancel()  # what has begun continues
     return future.result()

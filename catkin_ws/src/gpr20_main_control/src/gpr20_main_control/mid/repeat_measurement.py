@@ -12,7 +12,7 @@ from gpr20_survey.trace.trace import Trace
 
 
 @dataclass(frozen=True)
-class ControlMeasurement:
+class RepeatMeasurement:
     """How far a second measurement of a point is from the stored one.
 
     Attributes:
@@ -38,7 +38,7 @@ class ControlMeasurement:
         )
 
 
-def compare(stored: Trace, sweep: Sweep, height_m: float) -> ControlMeasurement:
+def compare(stored: Trace, sweep: Sweep, height_m: float) -> RepeatMeasurement:
     """Compare a new sweep of a point with the stored one.
 
     Args:
@@ -52,7 +52,7 @@ def compare(stored: Trace, sweep: Sweep, height_m: float) -> ControlMeasurement:
         difference_db = -math.inf
     else:
         difference_db = 10.0 * math.log10(difference / reference) if reference else math.inf
-    return ControlMeasurement(stored.index, difference_db, height_m - stored.antennae_height_m)
+    return RepeatMeasurement(stored.index, difference_db, height_m - stored.antennae_height_m)
 
 
 def _power(real: np.ndarray, imag: np.ndarray) -> float:
