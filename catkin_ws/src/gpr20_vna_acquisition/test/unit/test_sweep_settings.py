@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.settings import check_frequencies
@@ -102,4 +103,4 @@ def test_refuses_a_logarithmic_grid():
 )
 def test_parameters_that_make_no_sense_are_named(name, value):
     with pytest.raises(ValueError, match=name):
-        VnaParameters(**{name: value})
+        record_from(VnaParameters, {name: value}, "vna_acquisition")

@@ -21,7 +21,6 @@ from gpr20_vna_acquisition.errors import (
 )
 from gpr20_vna_acquisition.mid.trace_quality import (
     MOST_REASONS,
-    QualityLimits,
     TraceQuality,
     duration_remarks,
     flat_remarks,
@@ -31,7 +30,7 @@ from gpr20_vna_acquisition.mid.trace_quality import (
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-LIMITS = QualityLimits()
+LIMITS = VnaParameters()
 STARTED_US = 1_800_000_000_000_000
 POINTS = 101
 FINITE = st.floats(allow_nan=False, allow_infinity=False, width=32)
@@ -186,23 +185,23 @@ def test_a_trace_of_zeros_is_repeated_and_never_given_to_the_survey():
     zeros = bench.vna.block([0.0] * 22)
     bench.vna.spoil = lambda answer: zeros
     with pytest.raises(VnaSweepError, match="2 times: every number of the trace is zero"):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_a_repeated_sweep_says_so_and_the_next_one_no_longer():
     bench = Bench(max_level_db=60.0).configured()
     cut = [lambda answer: answer[:-9]]
     bench.vna.spoil = lambda answer: cut.pop()(answer) if cut else answer
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert remark.startswith("the sweep was repeated once: the data block is cut")
-    assert bench.driver.sweep().quality == () == bench.driver.state.last_quality
+    assert bench.driver.get_trace().quality == () == bench.driver.state.last_quality
 
 
 def test_the_calibration_is_that_of_the_moment_of_each_sweep():
     bench = Bench(max_level_db=60.0).configured()
-    assert bench.driver.sweep().quality == ()
+    assert bench.driver.get_trace().quality == ()
     bench.vna.calibration = "3"
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert "more than 5 degrees" in remark
 
 
@@ -211,23 +210,23 @@ def test_a_sweep_without_an_accepted_calibration_is_refused_and_not_repeated(sta
     bench = Bench().configured()
     bench.vna.calibration = str(int(status))
     with pytest.raises(VnaCalibrationError, match=f"calibration status is {int(status)} "):
-        bench.driver.sweep()
+        bench.driver.get_trace()
     assert bench.vna.sent.count(":INIT:IMM") == 1
     assert "calibrate it" in bench.driver.state.last_error
     # A new link would set up the sweep while somebody calibrates.
     assert bench.driver.state.linked
     bench.vna.calibration = "1"
-    assert (bench.driver.sweep().s21_real == 2.0).all()
+    assert (bench.driver.get_trace().s21_real == 2.0).all()
 
 
 def test_which_calibrations_are_accepted_is_a_parameter():
     bench = Bench(accepted_calibrations=(0,), max_level_db=60.0).configured()
     bench.vna.calibration = "0"
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert "not calibrated" in remark
     bench.vna.calibration = "1"
     with pytest.raises(VnaCalibrationError, match=r"now 0\)"):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
@@ -239,25 +238,25 @@ def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
             raise broken.pop()
 
     bench.vna.before = before
-    assert (bench.driver.sweep().s21_real == 2.0).all()
+    assert (bench.driver.get_trace().s21_real == 2.0).all()
 
 
 def test_a_sweep_that_takes_longer_than_its_like_says_so():
     bench = Bench(max_level_db=60.0).configured()
     for _ in range(5):
-        assert bench.driver.sweep().quality == ()
+        assert bench.driver.get_trace().quality == ()
     bench.vna.sweep_s = 0.5
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert "the sweep took" in remark
 
 
 def test_a_newly_configured_sweep_has_a_usual_duration_of_its_own():
     bench = Bench(max_level_db=60.0).configured()
     for _ in range(5):
-        bench.driver.sweep()
+        bench.driver.get_trace()
     bench.vna.sweep_s = 0.5
     bench.configured()
-    assert bench.driver.sweep().quality == ()
+    assert bench.driver.get_trace().quality == ()
 
 
 # However often and for whatever reason a sweep was repeated, its remarks say so.
@@ -288,7 +287,7 @@ def remarks_after(failures):
     bench = Bench(max_level_db=60.0).configured()
     left = list(failures)
     bench.vna.spoil = lambda answer: left.pop(0)(answer) if left else answer
-    sweep = bench.driver.sweep()
+    sweep = bench.driver.get_trace()
     assert not left and (sweep.s21_real == len(failures) + 1.0).all()
     return sweep.quality
 

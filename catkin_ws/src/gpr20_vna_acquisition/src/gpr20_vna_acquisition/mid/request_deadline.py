@@ -1,4 +1,4 @@
-"""How long a request may go on, and the end of all requests."""
+"""How long a request may take, and the end of all requests."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
 
-class Patience:
+class RequestDeadline:
     """Bounds a request as a whole: an instrument that is slow at every step is one that hangs."""
 
     def __init__(self, clock: Clock) -> None:
@@ -45,12 +45,7 @@ class Patience:
         self.pause_s(0.0)
 
     def pause_s(self, duration_s: float) -> None:
-        """Wait [s], unless the request must end.
-
-        Raises:
-            VnaClosedError: The driver is being shut down.
-            VnaTimeoutError: The request takes too long.
-        """
+        """Wait [s], unless the request must end; raise as `check` does."""
         if self._clock.wait_s(self._closed, duration_s):
             raise VnaClosedError("the driver is being shut down")
         if self._clock.now_s() > self._deadline_s:
