@@ -24,8 +24,8 @@ from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop, SurveyGrid
 from gpr20_user_interface.mid.radar_model import RadarTrace
 from gpr20_user_interface.mid.shown_survey import ShownSurvey
-from gpr20_user_interface.mid.views.map.map_view import MapView
-from gpr20_user_interface.mid.views.radar.radar_view import RadarView
+from gpr20_user_interface.views.map_view import MapView
+from gpr20_user_interface.views.radar_view import RadarView
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))

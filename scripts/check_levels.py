@@ -1,4 +1,6 @@
-"""Check that imports point downwards: high may use mid and low, mid low, and neither ROS.
+"""Check that imports point downwards: high may use views, mid and low, views mid and low, mid low.
+
+Only high may know ROS; only views and high may know Qt.
 
 Usage: check_levels.py FOLDER_OF_PACKAGES
 """
@@ -10,12 +12,13 @@ import sys
 from pathlib import Path
 from typing import Iterator, List, Tuple
 
-RANK = {"low": 0, "mid": 1, "high": 2}
+RANK = {"low": 0, "mid": 1, "views": 2, "high": 3}
 # What only the ROS interface may know.
 ROS_MODULES = {"rospy", "actionlib", "tf2_ros", "diagnostic_updater", "genpy", "rosbag"}
 # A bag is a file, so a low module may use what reads and writes it.
 FILE_MODULES = {"genpy", "rosbag"}
 ROS_SUFFIXES = ("_msgs", "_srvs")
+QT_MODULES = {"PyQt5", "pyqtgraph"}
 
 
 def imported_names(source: Path) -> Iterator[Tuple[int, str]]:
@@ -35,6 +38,8 @@ def complaints(source: Path, package: str, level: str) -> Iterator[str]:
         known = FILE_MODULES if level == "low" else set()
         if level != "high" and (root in ROS_MODULES - known or root.endswith(ROS_SUFFIXES)):
             yield f"{source}:{line}: {level} level imports {module}; only high may know ROS"
+        if RANK[level] < RANK["views"] and root in QT_MODULES:
+            yield f"{source}:{line}: {level} level imports {module}; only views may know Qt"
         parts = module.split(".")
         if parts[0] == package and len(parts) > 1 and RANK.get(parts[1], -1) > RANK[level]:
             yield f"{source}:{line}: {level} level imports {module}; imports must point down"

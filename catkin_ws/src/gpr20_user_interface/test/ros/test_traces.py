@@ -23,11 +23,11 @@ from virtual_screen import VirtualScreen
 from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.high.trace_link import TraceLink
+from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.survey_arguments import parse_arguments
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.views.survey_colours import LEVELS
+from gpr20_user_interface.views.survey_colours import LEVELS
 
 SERVICES = {
     "set_survey_parameters": SetSurveyParameters,
@@ -48,7 +48,7 @@ class Window:
     """The three tabs without their frame."""
 
     def __init__(self) -> None:
-        self.link = TraceLink()
+        self.link = StorageClient()
         self.presenter = TracePresenter(self.link)
         self.problems: list = []
         self.presenter.problem.connect(self.problems.append)

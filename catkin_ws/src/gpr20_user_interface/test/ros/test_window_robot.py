@@ -16,7 +16,7 @@ from window_case import WindowCase, run_on_a_screen, wait_until
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.mid.views.main_window import TabName
+from gpr20_user_interface.views.main_window import TabName
 
 
 class WindowOnRobot(WindowCase):

@@ -21,11 +21,11 @@ from virtual_screen import VirtualScreen
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.mid.events import Event
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_state import Event
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.translation import Languages
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:

@@ -20,7 +20,7 @@ from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.translation import Languages
 
 
 def shown(interface: UserInterface) -> str:

@@ -2,9 +2,9 @@ import pytest
 from window_helpers import application, click, enter, snapshot, window, wishes
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import Request
 from gpr20_user_interface.mid.parameter_form import FIELDS, default_parameters
 from gpr20_user_interface.mid.survey_preview import preview
-from gpr20_user_interface.mid.survey_state import Request
 
 __all__ = ["application", "window"]
 

@@ -8,8 +8,8 @@ from view_kit import SURVEY, description
 from window_helpers import application, snapshot
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
-from gpr20_user_interface.mid.survey_state import ControlState
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 

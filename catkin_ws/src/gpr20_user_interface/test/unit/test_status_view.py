@@ -7,15 +7,15 @@ from PyQt5.QtWidgets import QTextEdit
 from window_helpers import application, snapshot, window
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.robot_health import HealthReport
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     CurrentPosition,
     HealthLevel,
     NodeHealth,
     Progress,
     TargetPosition,
 )
-from gpr20_user_interface.mid.views.main_window import TabName
+from gpr20_user_interface.mid.robot_health import HealthReport
+from gpr20_user_interface.views.main_window import TabName
 
 __all__ = ["application", "window"]
 

@@ -8,7 +8,7 @@ import pytest
 
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.mid.event_queue import EventQueue
-from gpr20_user_interface.mid.survey_state import StopWish
+from gpr20_user_interface.mid.events import StopRequested
 
 
 @pytest.mark.parametrize(
@@ -16,10 +16,10 @@ from gpr20_user_interface.mid.survey_state import StopWish
 )
 def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
     events = EventQueue()
-    with StopSignals(lambda reason: events.put(StopWish(reason))) as signals:
+    with StopSignals(lambda reason: events.put(StopRequested(reason))) as signals:
         assert not signals.received
         os.kill(os.getpid(), number)
-        assert events.next(5.0) == StopWish(name)
+        assert events.next(5.0) == StopRequested(name)
         assert signals.received
         with pytest.raises(SecondStopSignal):
             os.kill(os.getpid(), signal.SIGINT)

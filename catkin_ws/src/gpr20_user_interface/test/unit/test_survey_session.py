@@ -1,23 +1,23 @@
 import pytest
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
     ControlState,
     Progress,
     Request,
-    StopWish,
+    StopRequested,
 )
-from gpr20_user_interface.mid.survey_watch import (
+from gpr20_user_interface.mid.survey_follower import (
     ExitStatus,
     Limits,
     Mode,
     OnPause,
     Outcome,
-    SurveyWatch,
+    SurveyFollower,
 )
+from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
 
 
 class ScriptedEvents:
@@ -64,7 +64,7 @@ def state(code, survey_id="ours"):
 
 def run(clock, *events):
     recorder = Recorder()
-    watch = SurveyWatch(Mode.START, OnPause.EXIT, Limits(), clock)
+    watch = SurveyFollower(Mode.START, OnPause.EXIT, Limits(), clock)
     session = SurveySession(watch, ScriptedEvents(clock, events), recorder, recorder)
     return session.run(), recorder, session
 
@@ -117,7 +117,7 @@ def test_stop_and_its_refusal_are_told(clock):
         state("IDLE", ""),
         Answer(Request.START, True, "", "ours"),
         state("SURVEYING"),
-        StopWish("Ctrl-C"),
+        StopRequested("Ctrl-C"),
         Answer(Request.STOP, False, "busy"),
         state("STOPPED"),
     )
@@ -139,7 +139,7 @@ def test_display_is_closed_when_the_session_is_broken_off(clock):
         def next(self, timeout_s):
             raise KeyboardInterrupt
 
-    watch = SurveyWatch(Mode.START, OnPause.EXIT, Limits(), clock)
+    watch = SurveyFollower(Mode.START, OnPause.EXIT, Limits(), clock)
     with pytest.raises(KeyboardInterrupt):
         SurveySession(watch, Broken(), recorder, recorder).run()
     assert recorder.closed

@@ -14,11 +14,11 @@ from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, TabName, Tabs
-from gpr20_user_interface.mid.views.status.status_view import StatusView
-from gpr20_user_interface.mid.views.style import BORDER_PX, TOUCH_PX
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.main_window import MainWindow, TabName, Tabs
+from gpr20_user_interface.views.status_view import StatusView
+from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
+from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
 

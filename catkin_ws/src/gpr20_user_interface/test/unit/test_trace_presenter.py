@@ -12,11 +12,11 @@ from PyQt5.QtWidgets import QApplication
 from view_kit import SURVEY, description, make_grid, trace_at
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import ControlState, CurrentPosition, TargetPosition
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_state import ControlState, CurrentPosition, TargetPosition
 from gpr20_user_interface.mid.trace_events import (
     ReadingFailed,
     SurveyDescribed,

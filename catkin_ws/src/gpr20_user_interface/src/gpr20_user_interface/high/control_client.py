@@ -18,10 +18,10 @@ from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.direct_service import DirectServiceClient
-from gpr20_user_interface.high.listening import Listening, in_background
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_travel import read_axis_limits
-from gpr20_user_interface.mid.survey_state import Accepted, Answer, AxisLimits, Event, Request
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event, Request
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -42,7 +42,7 @@ class ControlClient:
     """
 
     def __init__(self, listener: Callable[[Event], None]) -> None:
-        self._listening = Listening(listener)
+        self._listening = RosEvents(listener)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = DirectServiceClient("stop_survey", Trigger)

@@ -13,7 +13,7 @@ from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     ControlParameters,
     ControlState,
     CurrentPosition,

@@ -7,7 +7,7 @@ from PyQt5.QtCore import QObject, pyqtSignal
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high.control_client import ControlClient
-from gpr20_user_interface.mid.survey_state import Event
+from gpr20_user_interface.mid.events import Event
 
 
 class RosLink(QObject):

@@ -18,11 +18,11 @@ from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals,
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.bar_display import BarDisplay
 from gpr20_user_interface.mid.event_queue import EventQueue
+from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL, Request, StopRequested
 from gpr20_user_interface.mid.plain_display import PlainDisplay
 from gpr20_user_interface.mid.survey_arguments import Bar, Options, parse_arguments
+from gpr20_user_interface.mid.survey_follower import ExitStatus, Limits, Mode, SurveyFollower
 from gpr20_user_interface.mid.survey_session import Display, SurveySession, outcome_lines
-from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL, Request, StopWish
-from gpr20_user_interface.mid.survey_watch import ExitStatus, Limits, Mode, SurveyWatch
 
 
 class RequestSender:
@@ -45,7 +45,7 @@ def main() -> int:
     options = parse_arguments(rospy.myargv()[1:])
     events = EventQueue()
     try:
-        with StopSignals(lambda name: events.put(StopWish(name))) as signals:
+        with StopSignals(lambda name: events.put(StopRequested(name))) as signals:
             return _run(options, events, signals)
     except SecondStopSignal:
         print("\nleft at once, without waiting: the robot may still run", file=sys.stderr)
@@ -76,7 +76,7 @@ def _check(options: Options, travel: RobotTravel) -> None:
 
 def _follow(options: Options, events: EventQueue) -> int:
     client = ControlClient(events.put)
-    watch = SurveyWatch(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
+    watch = SurveyFollower(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
     session = SurveySession(watch, events, RequestSender(client, options), _display(options.bar))
     client.listen()
     outcome = session.run()

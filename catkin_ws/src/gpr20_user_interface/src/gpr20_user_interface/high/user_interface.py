@@ -15,7 +15,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.ros_link import RosLink
-from gpr20_user_interface.high.trace_link import TraceLink
+from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.language import Language, language_from_code
@@ -23,11 +23,11 @@ from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.profiles_presenter import ProfilesPresenter
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, TabName, Tabs
-from gpr20_user_interface.mid.views.status.status_view import StatusView
-from gpr20_user_interface.mid.views.translation import Languages
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.main_window import MainWindow, TabName, Tabs
+from gpr20_user_interface.views.status_view import StatusView
+from gpr20_user_interface.views.translation import Languages
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
@@ -40,7 +40,7 @@ class UserInterface:
     """The window and everything that it needs, connected."""
 
     def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
-        self.trace_link = TraceLink()
+        self.trace_link = StorageClient()
         self.traces = TracePresenter(self.trace_link)
         views = self.traces.views
         tabs = Tabs(ControlView(), StatusView(), views.map, views.radar, views.past)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Optional
 
 from gpr20_user_interface.low.terminal_bar import TerminalBar
+from gpr20_user_interface.mid.events import ControlState, Progress
 from gpr20_user_interface.mid.progress_text import remaining_text
-from gpr20_user_interface.mid.survey_state import ControlState, Progress
 
 
 class BarDisplay:

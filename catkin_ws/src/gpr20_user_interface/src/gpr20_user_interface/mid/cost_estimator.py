@@ -9,7 +9,7 @@ from PyQt5.QtCore import QObject, pyqtSignal
 
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.survey_state import RobotFigures
+from gpr20_user_interface.mid.events import RobotFigures
 
 
 class CostEstimator(QObject):

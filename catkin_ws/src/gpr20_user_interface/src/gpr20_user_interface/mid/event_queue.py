@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 from typing import Optional
 
-from gpr20_user_interface.mid.survey_state import Event
+from gpr20_user_interface.mid.events import Event
 
 
 class EventQueue:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Optional, TextIO
 
+from gpr20_user_interface.mid.events import ControlState, Progress
 from gpr20_user_interface.mid.progress_text import progress_line
-from gpr20_user_interface.mid.survey_state import ControlState, Progress
 
 STEP_PERCENT = 5.0
 

@@ -8,7 +8,7 @@ from PyQt5.QtCore import QObject
 
 from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.mid.profiles import Profiles, is_name
-from gpr20_user_interface.mid.views.main_window import MainWindow
+from gpr20_user_interface.views.main_window import MainWindow
 
 
 class ProfilesPresenter(QObject):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from gpr20_user_interface.mid.survey_state import Progress
+from gpr20_user_interface.mid.events import Progress
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_user_interface.mid.survey_state import HealthLevel, NodeHealth
+from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
 
 # Nodes report once a second; a report that is this old [s] tells of a node that hangs or is gone.
 STALE_S = 4.0

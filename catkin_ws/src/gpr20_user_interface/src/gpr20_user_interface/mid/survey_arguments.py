@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import List, Optional, Sequence
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.survey_watch import Mode, OnPause
+from gpr20_user_interface.mid.survey_follower import Mode, OnPause
 from gpr20_user_interface.mid.units import hertz_from_megahertz, rotations_from_text
 
 DESCRIPTION = """\

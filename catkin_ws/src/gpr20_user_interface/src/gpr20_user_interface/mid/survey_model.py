@@ -10,8 +10,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.alarms import Alarm, worst_alarm
-from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
     ControlParameters,
@@ -25,6 +24,7 @@ from gpr20_user_interface.mid.survey_state import (
     RobotFigures,
     TargetPosition,
 )
+from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
 
 # main_control speaks at 2 Hz.
 CONTROL_SILENCE_S = 3.0

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import List, Optional, Protocol
 
-from gpr20_user_interface.mid.progress_text import time_text
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
     ControlState,
     Event,
     Progress,
     Request,
-    StopWish,
+    StopRequested,
 )
-from gpr20_user_interface.mid.survey_watch import ExitStatus, Outcome, SurveyWatch
+from gpr20_user_interface.mid.progress_text import time_text
+from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
 
 TICK_S = 0.2
 # Words of main_control, or ticks, that the progress of a finished survey may be behind its end.
@@ -73,7 +73,7 @@ class SurveySession:
     """Carries events to the watch, its requests to main_control and the news to the display."""
 
     def __init__(
-        self, watch: SurveyWatch, events: Events, control: Control, display: Display
+        self, watch: SurveyFollower, events: Events, control: Control, display: Display
     ) -> None:
         self._watch = watch
         self._events = events
@@ -135,7 +135,7 @@ class SurveySession:
             self._show_progress(event)
         elif isinstance(event, Accepted):
             self._display.note(_accepted_text(event))
-        elif isinstance(event, StopWish):
+        elif isinstance(event, StopRequested):
             self._display.note(f"{event.reason}: asking main_control to stop the survey")
         elif isinstance(event, Answer) and event.request is Request.STOP and not event.success:
             self._display.note(f"stop not accepted: {event.message}")

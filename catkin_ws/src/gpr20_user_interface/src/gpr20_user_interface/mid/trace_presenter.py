@@ -22,9 +22,9 @@ from gpr20_user_interface.mid.trace_events import (
     TraceSource,
     TracesRead,
 )
-from gpr20_user_interface.mid.views.map.map_view import MapView
-from gpr20_user_interface.mid.views.radar.radar_view import RadarView
-from gpr20_user_interface.mid.views.surveys.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.map_view import MapView
+from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.radar_view import RadarView
 
 # A trace must be seen within a second; drawing more often than this costs a core and shows no more.
 REFRESH_MS = 250
