@@ -34,9 +34,8 @@ from window_kit import (
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05

@@ -22,10 +22,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.events import Event
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:

@@ -18,9 +18,8 @@ from window_case import new_interface
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 
 def shown(interface: UserInterface) -> str:

@@ -15,9 +15,9 @@ from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_user_interface.mid.cost_estimator import CostEstimator
 from gpr20_user_interface.mid.events import RobotFigures
 from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.survey_preview import CostEstimator
 
 __all__ = ["application"]
 

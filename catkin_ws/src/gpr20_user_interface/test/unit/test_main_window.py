@@ -7,8 +7,8 @@ from PyQt5.QtWidgets import QPushButton
 from window_helpers import application, click, snapshot, window, wishes
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.events import Progress, Request
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.style import TOUCH_PX
 

@@ -11,7 +11,6 @@ from window_helpers import application, snapshot, window
 
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.events import (
     ControlState,
     CurrentPosition,
@@ -20,15 +19,20 @@ from gpr20_user_interface.mid.events import (
     Progress,
     TargetPosition,
 )
-from gpr20_user_interface.mid.language import Language
-from gpr20_user_interface.mid.robot_health import CALIBRATION, EXPECTED_NODES, HealthReport
+from gpr20_user_interface.mid.robot_health import (
+    CALIBRATION,
+    EXPECTED_NODES,
+    Alarm,
+    AlarmKind,
+    HealthReport,
+)
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.notice import NoticeKind
 from gpr20_user_interface.views.problem_text import allowed_text, field_title
 from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.top_bar import ElidedLabel
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 __all__ = ["application", "window"]
 

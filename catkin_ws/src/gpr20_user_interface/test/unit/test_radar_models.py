@@ -7,9 +7,8 @@ from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, tr
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan
+from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan, b_scan, c_scan
 from gpr20_user_interface.mid.radar_processing import FrequencyToDelay, delay_of_depth
-from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
 
 LINEAR = RadarSettings(in_db=False)
 

@@ -11,12 +11,11 @@ from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.translation_file import FOLDER, read_translations
 from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.views.robot_sentences import SENTENCES
 from gpr20_user_interface.views.robot_text import robot_text
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 __all__ = ["application", "window"]
 

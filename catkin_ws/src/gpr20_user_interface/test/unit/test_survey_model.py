@@ -3,7 +3,6 @@ import math
 import pytest
 
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
 from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
@@ -18,6 +17,7 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
 
 

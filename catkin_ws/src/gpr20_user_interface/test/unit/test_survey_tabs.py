@@ -8,7 +8,6 @@ from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
 from view_kit import SURVEY, make_grid, trace_at
 from window_helpers import application, click
 
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey
@@ -18,7 +17,7 @@ from gpr20_user_interface.views.control_view import ControlView
 from gpr20_user_interface.views.main_window import MainWindow, TabName, Tabs
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 __all__ = ["application"]
 

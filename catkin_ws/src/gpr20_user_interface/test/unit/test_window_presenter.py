@@ -12,12 +12,12 @@ from PyQt5.QtWidgets import QApplication
 
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.control_view import ControlView
 from gpr20_user_interface.views.main_window import MainWindow, Tabs
 from gpr20_user_interface.views.status_view import StatusView
+from gpr20_user_interface.views.translation import Language
 
 
 class ControlThatRecords:

@@ -13,11 +13,11 @@ from PyQt5.QtWidgets import QApplication
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.control_view import ControlView
 from gpr20_user_interface.views.main_window import MainWindow, Tabs
 from gpr20_user_interface.views.status_view import StatusView
+from gpr20_user_interface.views.translation import Language
 
 ROBOT = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 

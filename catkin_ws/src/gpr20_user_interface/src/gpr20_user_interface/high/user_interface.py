@@ -18,7 +18,6 @@ from gpr20_user_interface.high.ros_link import RosLink
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
-from gpr20_user_interface.mid.language import Language, language_from_code
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.profiles_presenter import ProfilesPresenter
 from gpr20_user_interface.mid.survey_model import SurveyModel
@@ -27,7 +26,7 @@ from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.control_view import ControlView
 from gpr20_user_interface.views.main_window import MainWindow, TabName, Tabs
 from gpr20_user_interface.views.status_view import StatusView
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages, language_from_code
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import List, Optional, Sequence
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.parameter_form import hertz_from_megahertz, rotations_from_text
 from gpr20_user_interface.mid.survey_follower import Mode, OnPause
-from gpr20_user_interface.mid.units import hertz_from_megahertz, rotations_from_text
 
 DESCRIPTION = """\
 Run a survey without a window: set its parameters, start it and follow it to its end.

@@ -9,7 +9,6 @@ from typing import FrozenSet, Generic, Optional, Set, TypeVar
 from gpr20_common.low.clock import Clock
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, worst_alarm
 from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
@@ -24,7 +23,7 @@ from gpr20_user_interface.mid.events import (
     RobotFigures,
     TargetPosition,
 )
-from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
+from gpr20_user_interface.mid.robot_health import Alarm, HealthBook, HealthReport, worst_alarm
 
 # main_control speaks at 2 Hz.
 CONTROL_SILENCE_S = 3.0

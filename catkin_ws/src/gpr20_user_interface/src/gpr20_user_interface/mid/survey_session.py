@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import List, Optional, Protocol
 
+from gpr20_user_interface.mid.displays import time_text
 from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
@@ -13,7 +14,6 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.progress_text import time_text
 from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
 
 TICK_S = 0.2

@@ -9,11 +9,10 @@ from PyQt5.QtCore import QObject, QTimer, pyqtSignal
 
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.cost_estimator import CostEstimator
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
-from gpr20_user_interface.mid.survey_preview import SurveyPreview, preview
+from gpr20_user_interface.mid.survey_preview import CostEstimator, SurveyPreview, preview
 from gpr20_user_interface.views.main_window import MainWindow
 
 # Topics come at up to 50 Hz; nobody reads figures that change more often than this.

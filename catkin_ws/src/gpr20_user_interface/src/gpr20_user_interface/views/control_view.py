@@ -30,8 +30,7 @@ from gpr20_user_interface.mid.parameter_form import (
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.key_pad import Judge
-from gpr20_user_interface.views.number_field import TouchEdit
-from gpr20_user_interface.views.parameter_form_view import ParameterFormView
+from gpr20_user_interface.views.parameter_form_view import ParameterFormView, TouchEdit
 from gpr20_user_interface.views.preview_panel import PreviewPanel
 from gpr20_user_interface.views.problem_text import (
     allowed_text,

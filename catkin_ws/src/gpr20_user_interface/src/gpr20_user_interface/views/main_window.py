@@ -10,7 +10,6 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QPushButton, QTabWidget, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.events import Request
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.profiles import MAX_NAME_LENGTH
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.control_view import ControlView, PadRequest
@@ -20,7 +19,7 @@ from gpr20_user_interface.views.profiles_view import ProfilesView
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style import STYLE_SHEET
 from gpr20_user_interface.views.top_bar import TopBar
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import Language, TranslatedWidget
 
 WIDTH_PX = 800
 HEIGHT_PX = 480

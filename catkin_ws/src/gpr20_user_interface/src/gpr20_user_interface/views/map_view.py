@@ -12,8 +12,7 @@ from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.radar_pictures import a_scan
-from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
+from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan
 from gpr20_user_interface.views.map_canvas import MapCanvas
 from gpr20_user_interface.views.plots import CurvePlot
 from gpr20_user_interface.views.robot_text import robot_text

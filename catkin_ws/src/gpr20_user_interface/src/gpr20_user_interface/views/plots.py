@@ -10,7 +10,7 @@ from PyQt5.QtCore import QRectF
 from PyQt5.QtGui import QFont
 from PyQt5.QtWidgets import QWidget
 
-from gpr20_user_interface.mid.radar_settings import Axis, Curve, Picture
+from gpr20_user_interface.mid.radar_pictures import Axis, Curve, Picture
 from gpr20_user_interface.views.survey_colours import (
     CURVE,
     LEVELS,

@@ -6,7 +6,7 @@ from typing import List, Optional, Tuple
 
 from PyQt5.QtWidgets import QGridLayout, QLabel, QWidget
 
-from gpr20_user_interface.mid.progress_text import time_text
+from gpr20_user_interface.mid.displays import time_text
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.translation import TranslatedWidget
 

@@ -3,14 +3,76 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Callable, Optional, Tuple
+from typing import Callable, Optional, Sequence, Tuple
 
-from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QWidget
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
-from gpr20_user_interface.mid.radar_settings import RadarSettings
-from gpr20_user_interface.views.stepper import Stepper
+from gpr20_user_interface.mid.radar_pictures import RadarSettings
+from gpr20_user_interface.views.style import TOUCH_PX
 from gpr20_user_interface.views.translation import TranslatedWidget
+
+
+class Stepper(QWidget):
+    """Chooses one of a few numbers."""
+
+    changed = pyqtSignal(float)
+
+    def __init__(
+        self, values: Sequence[float], start: float, parent: Optional[QWidget] = None
+    ) -> None:
+        super().__init__(parent)
+        self._values = list(values)
+        self._place = self._values.index(start)
+        self._title, self._pattern = "", "{value:g}"
+        self.less = self._button("\N{MINUS SIGN}")
+        self.more = self._button("+")
+        self._label = QLabel()
+        self._label.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        layout.addWidget(self.less)
+        layout.addWidget(self._label, 1)
+        layout.addWidget(self.more)
+        self.less.clicked.connect(lambda: self._step(-1))
+        self.more.clicked.connect(lambda: self._step(+1))
+        self._show()
+
+    @property
+    def value(self) -> float:
+        """The number that is chosen."""
+        return self._values[self._place]
+
+    @property
+    def text(self) -> str:
+        """What is written between the buttons."""
+        return self._label.text()
+
+    def set_texts(self, title: str, pattern: str) -> None:
+        """Say what the number is; the pattern holds {value}."""
+        self._title, self._pattern = title, pattern
+        self._show()
+
+    def _step(self, direction: int) -> None:
+        place = min(max(self._place + direction, 0), len(self._values) - 1)
+        if place != self._place:
+            self._place = place
+            self._show()
+            self.changed.emit(self.value)
+
+    def _show(self) -> None:
+        self._label.setText(f"{self._title}\n{self._pattern.format(value=self.value)}")
+        self.less.setEnabled(self._place > 0)
+        self.more.setEnabled(self._place < len(self._values) - 1)
+
+    @staticmethod
+    def _button(text: str) -> QPushButton:
+        button = QPushButton(text)
+        button.setObjectName("small")
+        button.setFixedWidth(TOUCH_PX)
+        return button
+
 
 PERMITTIVITIES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
 GAINS_DB_PER_NS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)

@@ -10,8 +10,15 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QVBoxLayo
 
 from gpr20_user_interface.mid.map_grid import Cell
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_user_interface.mid.radar_pictures import DEPTH_STEP_M, a_scan, b_scan, c_scan, depths_m
-from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
+from gpr20_user_interface.mid.radar_pictures import (
+    DEPTH_STEP_M,
+    Axis,
+    RadarSettings,
+    a_scan,
+    b_scan,
+    c_scan,
+    depths_m,
+)
 from gpr20_user_interface.views.plots import CurvePlot, PicturePlot
 from gpr20_user_interface.views.radar_controls import RadarControls
 from gpr20_user_interface.views.style import TOUCH_PX

@@ -1,4 +1,4 @@
-"""What main_control and the nodes say of themselves, in the operator's language."""
+"""What main_control and the nodes say, and the states of a survey, in the operator's language."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Dict, Optional, Tuple
 
 from PyQt5.QtCore import QCoreApplication
 
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.views.robot_sentences import SENTENCES
 
 BETWEEN_SENTENCES = "; "
@@ -70,3 +71,21 @@ def _rank(template: str) -> Tuple[bool, bool]:
 
 
 _PATTERNS = tuple((template, _pattern(template)) for template in sorted(SENTENCES, key=_rank))
+
+
+def state_title(state: SurveyState) -> str:
+    """Return a state as a title."""
+    translate = QCoreApplication.translate
+    return {
+        SurveyState.IDLE: translate("SurveyState", "IDLE"),
+        SurveyState.CONFIGURED: translate("SurveyState", "CONFIGURED"),
+        SurveyState.CHECKING: translate("SurveyState", "CHECKING"),
+        SurveyState.HOMING: translate("SurveyState", "HOMING"),
+        SurveyState.SURVEYING: translate("SurveyState", "SURVEYING"),
+        SurveyState.PAUSED: translate("SurveyState", "PAUSED"),
+        SurveyState.PAUSING: translate("SurveyState", "PAUSING"),
+        SurveyState.STOPPING: translate("SurveyState", "STOPPING"),
+        SurveyState.FINISHED: translate("SurveyState", "FINISHED"),
+        SurveyState.STOPPED: translate("SurveyState", "STOPPED"),
+        SurveyState.FAILED: translate("SurveyState", "FAILED"),
+    }[state]

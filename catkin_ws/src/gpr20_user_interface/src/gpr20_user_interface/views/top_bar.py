@@ -9,10 +9,9 @@ from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.views.robot_text import robot_text
-from gpr20_user_interface.views.state_text import state_title
+from gpr20_user_interface.views.robot_text import robot_text, state_title
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 HEIGHT_PX = 64
