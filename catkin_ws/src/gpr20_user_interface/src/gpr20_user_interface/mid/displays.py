@@ -9,6 +9,9 @@ from typing import Optional, TextIO
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.events import ControlState, Progress
 
+# A line is written for each such part of the survey.
+STEP_PERCENT = 5.0
+
 
 @dataclass(frozen=True)
 class TimeParts:
@@ -46,9 +49,6 @@ def progress_line(progress: Progress) -> str:
         f"{progress.completion_percent:5.1f} %  {progress.visited_points}/{progress.total_points} "
         f"traces  {remaining_text(progress)}"
     )
-
-
-STEP_PERCENT = 5.0
 
 
 class PlainDisplay:

@@ -21,7 +21,12 @@ from gpr20_survey.plan.survey_parameters import (
     find_problems,
 )
 
-HERTZ_EXPONENT_OF_MEGAHERTZ = 6
+ADDRESS = "vna_address"
+ROTATIONS = "polarizations_deg"
+# The arrows stop here; main_control's own limit is that of the whole survey.
+MAX_GRID_POINTS = 9999
+HERTZ_PER_MEGAHERTZ = 1.0e6
+MEGAHERTZ_EXPONENT = 6
 
 
 def hertz_from_megahertz(text: str) -> float:
@@ -33,7 +38,7 @@ def hertz_from_megahertz(text: str) -> float:
         ValueError: The text is not a number.
     """
     try:
-        return float(Decimal(text.strip()).scaleb(HERTZ_EXPONENT_OF_MEGAHERTZ))
+        return float(Decimal(text.strip()).scaleb(MEGAHERTZ_EXPONENT))
     except ArithmeticError:
         raise ValueError(f"'{text}' is not a number of MHz, such as 600 or 5999.5") from None
 
@@ -52,21 +57,12 @@ def rotations_from_text(text: str) -> Tuple[float, ...]:
 
 def megahertz_text(frequency_hz: float) -> str:
     """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
-    number = Decimal(repr(frequency_hz)).scaleb(-HERTZ_EXPONENT_OF_MEGAHERTZ)
-    text = f"{number:f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    return _plain(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
 
 
 def rotations_text(rotations_deg: Iterable[float]) -> str:
     """Return rotations [deg] as a list with commas."""
     return ", ".join(f"{rotation_deg:.12g}" for rotation_deg in rotations_deg)
-
-
-ADDRESS = "vna_address"
-ROTATIONS = "polarizations_deg"
-# The arrows stop here; main_control's own limit is that of the whole survey.
-MAX_GRID_POINTS = 9999
-HERTZ_PER_MEGAHERTZ = 1.0e6
 
 
 def _whole_number(text: str) -> int:

@@ -19,8 +19,10 @@ from gpr20_user_interface.mid.radar_processing import (
     gain_factor,
 )
 
-MIN_PERMITTIVITY, MAX_PERMITTIVITY = 1.0, 81.0  # air, water
-MAX_GAIN_DB_PER_NS = 10.0
+DEPTH_STEP_M = 0.005
+# So much above the surface is shown too: its echo tells whether the height is right.
+ABOVE_SURFACE_M = 0.05
+MAX_DEPTH_M = 0.5
 
 
 class Axis(enum.Enum):
@@ -89,12 +91,6 @@ class Picture:
     def measured(self) -> bool:
         """Whether there is anything to see."""
         return bool(np.isfinite(self.levels).any())
-
-
-DEPTH_STEP_M = 0.005
-# So much above the surface is shown too: its echo tells whether the height is right.
-ABOVE_SURFACE_M = 0.05
-MAX_DEPTH_M = 0.5
 
 
 def depths_m(model: RadarModel, permittivity: float) -> Optional[np.ndarray]:

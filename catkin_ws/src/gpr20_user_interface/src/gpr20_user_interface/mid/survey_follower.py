@@ -53,7 +53,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Limits:
-    """How long the watch waits [s]."""
+    """How long the follower waits [s]."""
 
     # For the first word of main_control.
     wait_s: float = 15.0

@@ -11,8 +11,7 @@ from PyQt5.QtCore import QObject, pyqtSignal
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import RobotFigures
-
-SPEED_OF_LIGHT_M_PER_S = 299_792_458.0
+from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,8 @@ def preview(parameters: SurveyParameters) -> SurveyPreview:
         x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
         y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
         frequency_step_hz=step_hz,
-        unambiguous_range_m=SPEED_OF_LIGHT_M_PER_S / (2.0 * step_hz),
-        range_resolution_m=SPEED_OF_LIGHT_M_PER_S / (2.0 * bandwidth_hz),
+        unambiguous_range_m=SPEED_OF_LIGHT_M_S / (2.0 * step_hz),
+        range_resolution_m=SPEED_OF_LIGHT_M_S / (2.0 * bandwidth_hz),
     )
 
 

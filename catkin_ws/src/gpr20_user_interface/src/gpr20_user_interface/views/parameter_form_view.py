@@ -24,6 +24,12 @@ from gpr20_user_interface.views.translation import TranslatedWidget
 MAX_LENGTH = 40
 REPEAT_DELAY_MS = 400
 REPEAT_MS = 120
+OCTETS = 4
+ROWS = (
+    ("start_frequency_hz", "stop_frequency_hz", "frequency_points"),
+    ("x_start_mm", "x_stop_mm", "x_points"),
+    ("y_start_mm", "y_stop_mm", "y_points"),
+)
 
 
 class TouchEdit(QLineEdit):
@@ -79,14 +85,6 @@ class NumberField(QWidget):
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         button.clicked.connect(lambda: self.stepped.emit(direction))
         return button
-
-
-OCTETS = 4
-ROWS = (
-    ("start_frequency_hz", "stop_frequency_hz", "frequency_points"),
-    ("x_start_mm", "x_stop_mm", "x_points"),
-    ("y_start_mm", "y_stop_mm", "y_points"),
-)
 
 
 class ParameterFormView(TranslatedWidget):

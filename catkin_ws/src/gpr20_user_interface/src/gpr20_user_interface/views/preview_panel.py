@@ -7,12 +7,12 @@ from typing import List, Optional, Tuple
 from PyQt5.QtWidgets import QGridLayout, QLabel, QWidget
 
 from gpr20_user_interface.mid.displays import time_text
+from gpr20_user_interface.mid.parameter_form import HERTZ_PER_MEGAHERTZ
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 UNKNOWN = "—"
 COLUMNS = 4
-HERTZ_PER_MEGAHERTZ = 1.0e6
 BYTES_PER_MEGABYTE = 1.0e6
 MILLIMETRES_PER_METRE = 1000.0
 

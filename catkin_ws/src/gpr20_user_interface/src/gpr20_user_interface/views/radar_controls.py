@@ -12,6 +12,9 @@ from gpr20_user_interface.mid.radar_pictures import RadarSettings
 from gpr20_user_interface.views.style import TOUCH_PX
 from gpr20_user_interface.views.translation import TranslatedWidget
 
+PERMITTIVITIES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
+GAINS_DB_PER_NS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)
+
 
 class Stepper(QWidget):
     """Chooses one of a few numbers."""
@@ -72,10 +75,6 @@ class Stepper(QWidget):
         button.setObjectName("small")
         button.setFixedWidth(TOUCH_PX)
         return button
-
-
-PERMITTIVITIES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
-GAINS_DB_PER_NS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)
 
 
 class RadarControls(TranslatedWidget):

@@ -24,6 +24,9 @@ from gpr20_user_interface.views.robot_text import robot_text, state_title
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 UNKNOWN = "—"
+# The progress bar counts in thousandths.
+FULL = 1000
+HEIGHT_COLUMN = 4
 
 
 class MessagePanel(TranslatedWidget):
@@ -67,10 +70,6 @@ class MessagePanel(TranslatedWidget):
         if message != self._message.toPlainText():
             self._message.setPlainText(message)
         self._title.setText(UNKNOWN if self._shown is None else state_title(self._shown.code))
-
-
-# The bar counts in thousandths.
-FULL = 1000
 
 
 class ProgressPanel(TranslatedWidget):
@@ -136,10 +135,6 @@ class ProgressPanel(TranslatedWidget):
         else:
             text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (measured)")
         return text.format(d=parts.days, h=parts.hours, m=parts.minutes, s=parts.seconds)
-
-
-UNKNOWN = "—"
-HEIGHT_COLUMN = 4
 
 
 class PositionPanel(TranslatedWidget):
