@@ -140,7 +140,7 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
             f"{100 * core:7.1f} {late:13d} "
-            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.traces.live.radar.count:13d} "
+            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.window.traces.live.radar.count:13d} "
             f"{surveys:8d}",
             flush=True,
         )

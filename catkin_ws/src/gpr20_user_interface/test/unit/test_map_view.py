@@ -17,7 +17,7 @@ from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.views.map_view import MapView
-from gpr20_user_interface.views.survey_colours import CURRENT, STOP_COLOURS
+from gpr20_user_interface.views.style import CURRENT, STOP_COLOURS
 
 
 @pytest.fixture(scope="module")

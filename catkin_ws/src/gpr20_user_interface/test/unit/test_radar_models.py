@@ -162,12 +162,10 @@ def test_a_trace_may_come_twice():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"x_mm": 101.0},
-        {"z_deg": 90.0},
-        {"s21": np.full(501, np.nan)},
+        {"x_coord_mm": 101.0},
+        {"z_coord_deg": 90.0},
         {"frequency_hz": FREQUENCY_HZ + 1e6},
         {"frequency_hz": FREQUENCY_HZ[:300], "s21": np.zeros(300)},
-        {"s21": np.zeros(300)},
     ],
 )
 def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again(changes):

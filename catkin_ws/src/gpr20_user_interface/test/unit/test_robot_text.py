@@ -3,7 +3,7 @@ import string
 
 import pytest
 from said_sentences import said_by_the_robot
-from window_helpers import application, snapshot, window
+from window_helpers import application, show, snapshot, window
 
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_state import SurveyState
@@ -167,7 +167,7 @@ def test_whatever_the_robot_can_say_to_the_operator_is_known(languages, path, se
 
 def test_status_and_top_bar_change_their_sentence_with_the_language(window, languages):
     state = ControlState(SurveyState.SURVEYING, "measuring", "id", True)
-    window.refresh(snapshot(SurveyState.SURVEYING, state=state))
+    show(window, snapshot(SurveyState.SURVEYING, state=state))
     assert window.status.message.message == "midiendo"
     assert window.top_bar.message.whole == "midiendo"
     languages.use(Language.ENGLISH)

@@ -1,16 +1,18 @@
-"""Traces and surveys on the ROS graph, for objects that live in the thread of a window."""
+"""The storage's topics and services, and the plan and coverage of a survey, as events."""
 
 from __future__ import annotations
 
 from typing import Any, Callable
 
-from PyQt5.QtCore import QObject, pyqtSignal
+import rospy
 from std_msgs.msg import String
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_msgs.msg import SurveyCoverage, Trace
+from gpr20_msgs.msg import SurveyCoverage
 from gpr20_msgs.srv import ListSurveys, ReadSurvey, ReadTraces
-from gpr20_user_interface.high import trace_conversions as conversions
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import trace_message
+from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.trace_events import ReadingFailed, TraceEvent
 
@@ -23,27 +25,21 @@ TRACES_PER_PAGE = 50
 TRACE_QUEUE = 200
 
 
-class StorageClient(QObject):
-    """Emits what is said of traces as signals; asks the storage without waiting."""
+class StorageClient(RosEvents):
+    """Tells a listener everything about traces; asks the storage without waiting."""
 
-    event = pyqtSignal(object)
-
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, listener: Callable[[TraceEvent], None]) -> None:
+        super().__init__(listener)
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
-        self._listening = RosEvents(self._emit)
 
     def listen(self) -> None:
-        """Begin to emit events."""
-        self._listening.subscribe("survey_metadata", String, conversions.survey_described, 1)
-        self._listening.subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
-        self._listening.subscribe("trace", Trace, conversions.radar_trace, TRACE_QUEUE)
-
-    def close(self) -> None:
-        """Emit nothing more, whatever is still on its way."""
-        self._listening.close()
+        """Subscribe to plan, coverage and traces."""
+        self._subscribe("survey_metadata", String, conversions.survey_described, 1)
+        self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
+        # As it was sent: the converter of traces reads these bytes.
+        self._subscribe_raw("trace", rospy.AnyMsg, self._on_trace, TRACE_QUEUE)
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""
@@ -71,20 +67,21 @@ class StorageClient(QObject):
             lambda response: conversions.traces_read(first_index, response),
         )
 
-    def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
-        in_background(lambda: self._answer(call, convert))
+    def _on_trace(self, message: rospy.AnyMsg) -> None:
+        try:
+            trace = trace_message.decode(message._buff, message._connection_header["md5sum"])
+        except TraceRefusedError as error:
+            rospy.logwarn("not shown: %s", error)
+        else:
+            self._tell(trace)
 
-    def _answer(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
+    def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
+        in_background(lambda: self._tell(self._answer(call, convert)))
+
+    @staticmethod
+    def _answer(call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> TraceEvent:
         try:
             response = call()
         except ServiceUnavailableError as error:
-            self._listening.tell(ReadingFailed(str(error)))
-            return
-        self._listening.tell(
-            convert(response) if response.success else ReadingFailed(response.message)
-        )
-
-    # A method, not the signal's own emit: a signal does not keep its object alive, and threads
-    # of ROS may outlive everybody else who does; after the end even the object itself.
-    def _emit(self, event: TraceEvent) -> None:
-        self.event.emit(event)
+            return ReadingFailed(str(error))
+        return convert(response) if response.success else ReadingFailed(response.message)

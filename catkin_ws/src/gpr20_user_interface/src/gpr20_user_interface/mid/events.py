@@ -48,21 +48,20 @@ class Progress:
 
 
 @dataclass(frozen=True)
-class CurrentPosition:
+class Position:
+    """A place of the antennas."""
+
+    x_mm: float
+    y_mm: float
+    z_deg: float
+
+
+class CurrentPosition(Position):
     """Where the three axes are."""
 
-    x_mm: float
-    y_mm: float
-    z_deg: float
 
-
-@dataclass(frozen=True)
-class TargetPosition:
+class TargetPosition(Position):
     """Where the three axes go; all three are -1 while no survey runs."""
-
-    x_mm: float
-    y_mm: float
-    z_deg: float
 
     @property
     def is_none(self) -> bool:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from typing import Optional, Tuple
-
-from PyQt5.QtCore import QObject, pyqtSignal
+from typing import Callable, Optional, Tuple
 
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -59,14 +57,25 @@ def preview(parameters: SurveyParameters) -> SurveyPreview:
     )
 
 
-class CostEstimator(QObject):
-    """Answers the newest question; questions that were overtaken are left out."""
+@dataclass(frozen=True)
+class CostEstimated:
+    """What a survey with given parameters costs."""
 
-    # Carries the SurveyParameters and their SurveyCost.
-    estimated = pyqtSignal(object, object)
+    parameters: SurveyParameters
+    cost: SurveyCost
 
-    def __init__(self) -> None:
-        super().__init__()
+
+class CostEstimator:
+    """Answers the newest question beside the window's thread: a large survey takes seconds.
+
+    Questions that were overtaken are left out.
+
+    Args:
+        listener: Told each CostEstimated, from a thread of this class.
+    """
+
+    def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
+        self._listener = listener
         self._lock = threading.Lock()
         self._wanted: Optional[Tuple[SurveyParameters, RobotFigures]] = None
         self._working = False
@@ -78,7 +87,7 @@ class CostEstimator(QObject):
             self._closed = True
 
     def ask(self, parameters: SurveyParameters, figures: RobotFigures) -> None:
-        """Estimate; the answer is a signal."""
+        """Estimate; the answer is told to the listener."""
         with self._lock:
             self._wanted = parameters, figures
             if self._working:
@@ -95,6 +104,6 @@ class CostEstimator(QObject):
                 (parameters, figures), self._wanted = self._wanted, None
             cost = survey_cost(parameters, figures.facts, figures.settings)
             with self._lock:
-                # The receiver, and this object, may be gone once it has been closed.
+                # The listener may be gone once this has been closed.
                 if not self._closed:
-                    self.estimated.emit(parameters, cost)
+                    self._listener(CostEstimated(parameters, cost))

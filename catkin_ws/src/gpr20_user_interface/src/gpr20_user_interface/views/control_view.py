@@ -28,7 +28,6 @@ from gpr20_user_interface.mid.parameter_form import (
     texts_of,
 )
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.key_pad import Judge
 from gpr20_user_interface.views.parameter_form_view import ParameterFormView, TouchEdit
 from gpr20_user_interface.views.preview_panel import PreviewPanel
@@ -114,10 +113,6 @@ class ControlView(TranslatedWidget):
         """Put parameters into the fields."""
         for name, text in texts_of(parameters).items():
             self.form.show_text(name, text)
-
-    def show_preview(self, preview: Optional[SurveyPreview]) -> None:
-        """Show what the survey will be."""
-        self.preview.show_preview(preview)
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""

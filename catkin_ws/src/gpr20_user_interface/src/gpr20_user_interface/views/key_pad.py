@@ -8,7 +8,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
 
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import set_look, set_wrong
+from gpr20_user_interface.views.style import new_button, set_look, set_wrong
 
 DIGITS = ("789", "456", "123", "-0.", ", ")
 LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
@@ -93,17 +93,17 @@ class KeyPad(Overlay):
         self.accept_button.setEnabled(not (problem and self._strict))
 
     def _key(self, character: str) -> QPushButton:
-        key = self._button("␣" if character == " " else character, lambda: None)
+        key = self._button(
+            "␣" if character == " " else character, lambda: self.edit.insert(character)
+        )
         key.setObjectName("key")
         key.setProperty("character", character)
-        key.clicked.connect(lambda: self.edit.insert(character))
         return key
 
     def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
-        button = QPushButton(text)
+        button = new_button(act, text)
         # The text keeps the focus, and with it the mark.
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        button.clicked.connect(lambda: act())
         return button
 
     def _lay_out(self, rows: Sequence[str]) -> None:

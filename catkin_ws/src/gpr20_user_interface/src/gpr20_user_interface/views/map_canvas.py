@@ -13,7 +13,7 @@ from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_geometry import MapGeometry, fit
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.map_model import MapModel
-from gpr20_user_interface.views.survey_colours import (
+from gpr20_user_interface.views.style import (
     CARRIAGE,
     CURRENT,
     SELECTED,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Callable, Dict, Optional, Tuple
+from typing import Dict, Optional, Tuple
 
 from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_grid import Cell, Stop
@@ -16,7 +16,7 @@ from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan
 from gpr20_user_interface.views.map_canvas import MapCanvas
 from gpr20_user_interface.views.plots import CurvePlot
 from gpr20_user_interface.views.robot_text import robot_text
-from gpr20_user_interface.views.survey_colours import STOP_COLOURS
+from gpr20_user_interface.views.style import STOP_COLOURS, new_button
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 PANEL_WIDTH_PX = 290
@@ -39,8 +39,8 @@ class MapView(TranslatedWidget):
         self.verdict = QLabel()
         self.stop_text = QLabel()
         self.trace_plot = CurvePlot()
-        self.next_problem = self._button(self._on_next_problem)
-        self.polarization = self._button(self._on_polarization)
+        self.next_problem = new_button(self._on_next_problem)
+        self.polarization = new_button(self._on_polarization)
         self._lay_out()
         self.canvas.stop_touched.connect(self.select)
         self.retranslate()
@@ -102,18 +102,8 @@ class MapView(TranslatedWidget):
 
     def _show_legend(self) -> None:
         counts = self._model.counts()
-        numbers = (
-            {}
-            if counts is None
-            else {
-                StopState.DONE: counts.done,
-                StopState.PARTLY: counts.partly,
-                StopState.MISSING: counts.missing,
-                StopState.FAILED: counts.failed,
-            }
-        )
         for state, label in self.legend.items():
-            number = str(numbers[state]) if state in numbers else "—"
+            number = "—" if counts is None else str(counts[state])
             label.setText(f"{self._name(state)}: {number}")
         self.verdict.setText(robot_text(self._model.verdict))
         self.next_problem.setEnabled(self._model.next_problem(None) is not None)
@@ -216,10 +206,3 @@ class MapView(TranslatedWidget):
         for column in (1, 3):
             grid.setColumnStretch(column, 1)
         return grid
-
-    @staticmethod
-    def _button(slot: Callable[..., None]) -> QPushButton:
-        button = QPushButton()
-        button.setObjectName("small")
-        button.clicked.connect(slot)
-        return button

@@ -5,16 +5,16 @@ from __future__ import annotations
 import enum
 from typing import Dict, Optional, Tuple
 
-from PyQt5.QtCore import QEvent, Qt
-from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
 
-from gpr20_user_interface.mid.events import Request
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.robot_text import robot_text
+from gpr20_user_interface.views.style import new_button
 
 
 class NoticeKind(enum.Enum):
-    """What did not succeed."""
+    """What did not succeed: a Request to main_control, or the use of a profile."""
 
     START = "start"
     STOP = "stop"
@@ -37,8 +37,7 @@ class Notice(Overlay):
         self.reason.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.next_step = QLabel()
         self.next_step.setWordWrap(True)
-        self.close_button = QPushButton()
-        self.close_button.clicked.connect(self.hide)
+        self.close_button = new_button(self.hide)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(24, 16, 24, 16)
         layout.setSpacing(12)
@@ -47,23 +46,14 @@ class Notice(Overlay):
         layout.addWidget(self.next_step)
         layout.addWidget(self.close_button)
 
-    def show_refusal(self, request: Request, reason: str) -> None:
-        """Say why a request to main_control came to nothing."""
-        self.show_notice(NoticeKind[request.name], reason)
-
     def show_notice(self, kind: NoticeKind, reason: str) -> None:
         """Say why something did not succeed."""
         self._shown = kind, reason
-        self._write()
+        self.retranslate()
         self.open()
 
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Qt: something about the widget has changed."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self._write()
-        super().changeEvent(event)
-
-    def _write(self) -> None:
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
         self.close_button.setText(self.tr("CLOSE"))
         if self._shown is None:
             return

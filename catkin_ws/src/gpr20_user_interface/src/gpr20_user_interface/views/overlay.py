@@ -33,6 +33,15 @@ class Overlay(QFrame):
             self._cover()
         return super().eventFilter(watched, event)
 
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Qt: something about the widget has changed."""
+        if event.type() == QEvent.Type.LanguageChange:
+            self.retranslate()
+        super().changeEvent(event)
+
+    def retranslate(self) -> None:
+        """Write the texts that stay while it is open in the language of the application."""
+
     def _cover(self) -> None:
         window = self.parentWidget()
         self.setGeometry(0, HEIGHT_PX, window.width(), window.height() - HEIGHT_PX)

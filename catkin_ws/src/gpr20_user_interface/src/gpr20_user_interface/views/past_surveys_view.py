@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import Optional, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QShowEvent
@@ -11,7 +11,6 @@ from PyQt5.QtWidgets import (
     QHBoxLayout,
     QHeaderView,
     QLabel,
-    QPushButton,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -20,7 +19,7 @@ from PyQt5.QtWidgets import (
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
 from gpr20_user_interface.views.robot_text import robot_text
-from gpr20_user_interface.views.style import TOUCH_PX
+from gpr20_user_interface.views.style import TOUCH_PX, new_button
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 WHEN, VERDICT, TRACES = range(3)
@@ -29,7 +28,7 @@ WHEN, VERDICT, TRACES = range(3)
 class PastSurveysView(TranslatedWidget):
     """Shows PastSurveys and tells what the operator wants."""
 
-    # Empty: the list anew. Else the folder before which the next page begins.
+    # Empty: the first page. Else the folder before which the next page begins.
     page_requested = pyqtSignal(str)
     # The name of a folder.
     open_requested = pyqtSignal(str)
@@ -38,13 +37,15 @@ class PastSurveysView(TranslatedWidget):
     def __init__(self, surveys: PastSurveys, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
         self._surveys = surveys
-        self._problem = ""
+        self._revision = -1
+        # As in the rows of the table.
+        self._shown: Tuple[PastSurvey, ...] = ()
         self.table = QTableWidget(0, 3)
         self.details = QLabel()
-        self.open = self._button(self._on_open)
-        self.resume = self._button(self._on_resume)
-        self.older = self._button(lambda: self.page_requested.emit(self._surveys.next_before))
-        self.anew = self._button(lambda: self.page_requested.emit(""))
+        self.open = new_button(self._on_open)
+        self.resume = new_button(self._on_resume)
+        self.older = new_button(lambda: self.page_requested.emit(self._surveys.next_before))
+        self.again = new_button(lambda: self.page_requested.emit(""))
         self._lay_out()
         self.table.itemSelectionChanged.connect(self._show_choice)
         self.retranslate()
@@ -53,31 +54,35 @@ class PastSurveysView(TranslatedWidget):
     def chosen(self) -> Optional[PastSurvey]:
         """The survey that the operator touched."""
         rows = {index.row() for index in self.table.selectedIndexes()}
-        listed = self._surveys.surveys
-        return listed[rows.pop()] if rows and max(rows) < len(listed) else None
+        return self._shown[rows.pop()] if rows and max(rows) < len(self._shown) else None
 
     def refresh(self) -> None:
-        """Show the list as it is now; the choice stays."""
-        chosen = self.chosen
-        self._problem = ""
-        self.table.setRowCount(len(self._surveys.surveys))
-        for row, survey in enumerate(self._surveys.surveys):
-            self._show_row(row, survey)
-        if chosen is not None:
-            folders = [one.folder for one in self._surveys.surveys]
-            if chosen.folder in folders:
-                self.table.selectRow(folders.index(chosen.folder))
-        self._show_choice()
+        """Show the list as it is now, if it has changed; somebody who looks at it wants it new."""
+        if self._surveys.outdated and self.isVisible():
+            self._ask_again()
+        if self._surveys.revision != self._revision:
+            self._revision = self._surveys.revision
+            self._show_list()
 
-    def show_problem(self, reason: str) -> None:
-        """Say why the list or a survey cannot be read."""
-        self._problem = reason
+    def _ask_again(self) -> None:
+        self._surveys.outdated = False
+        self.page_requested.emit("")
+
+    def _show_list(self) -> None:
+        # The choice stays, wherever its survey is in the new list.
+        chosen = self.chosen
+        self._shown = self._surveys.surveys
+        self.table.setRowCount(len(self._shown))
+        for row, survey in enumerate(self._shown):
+            self._show_row(row, survey)
+            if chosen is not None and survey.folder == chosen.folder:
+                self.table.selectRow(row)
         self._show_choice()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
-        """Ask for the list anew whenever somebody wants to see it."""
+        """Ask for the list again whenever somebody wants to see it."""
         super().showEvent(event)
-        self.page_requested.emit("")
+        self._ask_again()
 
     def _show_row(self, row: int, survey: PastSurvey) -> None:
         counted = f"{survey.stored_traces} / {survey.planned_traces}"
@@ -103,8 +108,8 @@ class PastSurveysView(TranslatedWidget):
         self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
         self.older.setEnabled(self._surveys.more)
-        if self._problem:
-            text = robot_text(self._problem)
+        if self._surveys.problem:
+            text = robot_text(self._surveys.problem)
         elif chosen is None:
             text = self.tr("Touch a survey.")
         else:
@@ -132,8 +137,8 @@ class PastSurveysView(TranslatedWidget):
         self.open.setText(self.tr("Show in RADAR"))
         self.resume.setText(self.tr("Resume"))
         self.older.setText(self.tr("Older"))
-        self.anew.setText(self.tr("Refresh"))
-        self.refresh()
+        self.again.setText(self.tr("Refresh"))
+        self._show_list()
 
     def _lay_out(self) -> None:
         table = self.table
@@ -147,7 +152,7 @@ class PastSurveysView(TranslatedWidget):
         self.details.setWordWrap(True)
         self.details.setTextFormat(Qt.TextFormat.PlainText)
         buttons = QHBoxLayout()
-        for button in (self.open, self.resume, self.older, self.anew):
+        for button in (self.open, self.resume, self.older, self.again):
             buttons.addWidget(button)
         column = QVBoxLayout(self)
         column.setContentsMargins(4, 4, 4, 4)
@@ -155,10 +160,3 @@ class PastSurveysView(TranslatedWidget):
         column.addWidget(table, 1)
         column.addWidget(self.details)
         column.addLayout(buttons)
-
-    @staticmethod
-    def _button(slot: Callable[..., None]) -> QPushButton:
-        button = QPushButton()
-        button.setObjectName("small")
-        button.clicked.connect(slot)
-        return button

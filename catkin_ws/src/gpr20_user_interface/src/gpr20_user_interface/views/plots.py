@@ -11,17 +11,15 @@ from PyQt5.QtGui import QFont
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.mid.radar_pictures import Axis, Curve, Picture
-from gpr20_user_interface.views.survey_colours import (
-    CURVE,
-    LEVELS,
-    SURFACE_LINE,
-    level_colours,
-)
+from gpr20_user_interface.views.style import CURVE, SURFACE_LINE
 
 # How far below the strongest level a curve, and the darkest colour of a picture, ends.
 CURVE_RANGE_DB = 60.0
 PICTURE_RANGE_DB = 40.0
 INK = "#111111"
+LEVELS = 255
+# No colour of the level scale, which runs from violet over green to yellow.
+NOT_MEASURED = (140, 140, 140)
 AXIS_WIDTH_PX = 48
 TICK_FONT_PX = 11
 
@@ -157,6 +155,12 @@ class PicturePlot(FixedPlot):
         low, high = picture.range
         self._image.setRect(QRectF(left, low, right - left, high - low))
         self.setRange(xRange=(left, right), yRange=(low, high), padding=0.0)
+
+
+def level_colours() -> np.ndarray:
+    """Return the colours of 255 levels and, last, that of what was not measured (256 x 3)."""
+    scale = pyqtgraph.colormap.get("viridis").getLookupTable(nPts=LEVELS)
+    return np.vstack([scale, NOT_MEASURED]).astype(np.uint8)
 
 
 def level_range(levels: np.ndarray, range_db: Optional[float]) -> Tuple[float, float]:

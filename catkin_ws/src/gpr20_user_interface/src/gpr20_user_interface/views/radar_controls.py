@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from gpr20_user_interface.mid.radar_pictures import RadarSettings
-from gpr20_user_interface.views.style import TOUCH_PX
+from gpr20_user_interface.views.style import TOUCH_PX, new_button
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 PERMITTIVITIES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
@@ -28,8 +28,10 @@ class Stepper(QWidget):
         self._values = list(values)
         self._place = self._values.index(start)
         self._title, self._pattern = "", "{value:g}"
-        self.less = self._button("\N{MINUS SIGN}")
-        self.more = self._button("+")
+        self.less = new_button(lambda: self._step(-1), "\N{MINUS SIGN}")
+        self.more = new_button(lambda: self._step(+1), "+")
+        for button in (self.less, self.more):
+            button.setFixedWidth(TOUCH_PX)
         self._label = QLabel()
         self._label.setAlignment(Qt.AlignmentFlag.AlignCenter)
         layout = QHBoxLayout(self)
@@ -38,8 +40,6 @@ class Stepper(QWidget):
         layout.addWidget(self.less)
         layout.addWidget(self._label, 1)
         layout.addWidget(self.more)
-        self.less.clicked.connect(lambda: self._step(-1))
-        self.more.clicked.connect(lambda: self._step(+1))
         self._show()
 
     @property
@@ -69,13 +69,6 @@ class Stepper(QWidget):
         self.less.setEnabled(self._place > 0)
         self.more.setEnabled(self._place < len(self._values) - 1)
 
-    @staticmethod
-    def _button(text: str) -> QPushButton:
-        button = QPushButton(text)
-        button.setObjectName("small")
-        button.setFixedWidth(TOUCH_PX)
-        return button
-
 
 class RadarControls(TranslatedWidget):
     """A row of buttons, each of which says what is shown now."""
@@ -87,10 +80,10 @@ class RadarControls(TranslatedWidget):
         super().__init__(parent)
         self._settings = RadarSettings()
         self._rotations_deg: Tuple[float, ...] = (0.0,)
-        self.polarization = self._button(self._next_polarization)
-        self.axis = self._button(lambda: self._change(in_depth=not self._settings.in_depth))
-        self.scale = self._button(lambda: self._change(in_db=not self._settings.in_db))
-        self.background = self._button(
+        self.polarization = new_button(self._next_polarization)
+        self.axis = new_button(lambda: self._change(in_depth=not self._settings.in_depth))
+        self.scale = new_button(lambda: self._change(in_db=not self._settings.in_db))
+        self.background = new_button(
             lambda: self._change(remove_background=not self._settings.remove_background)
         )
         self.permittivity = Stepper(PERMITTIVITIES, self._settings.permittivity)
@@ -146,9 +139,3 @@ class RadarControls(TranslatedWidget):
         removed = self.tr("Background\nremoved")
         kept = self.tr("Background\nkept")
         self.background.setText(removed if settings.remove_background else kept)
-
-    def _button(self, slot: Callable[..., None]) -> QPushButton:
-        button = QPushButton()
-        button.setObjectName("small")
-        button.clicked.connect(slot)
-        return button

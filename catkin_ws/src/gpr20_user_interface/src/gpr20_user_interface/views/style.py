@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import enum
-from typing import NamedTuple
+from typing import Callable, Dict, NamedTuple
 
-from PyQt5.QtWidgets import QWidget
+from PyQt5.QtWidgets import QPushButton, QWidget
+
+from gpr20_user_interface.mid.map_coverage import StopState
 
 # What a gloved finger hits.
 TOUCH_PX = 44
@@ -18,6 +20,18 @@ BORDER_PX = 2
 # Colours that are lines and marks, not text.
 BORDER = "#555555"
 PAPER = "#ffffff"
+# Those of map and radar differ in brightness too, for whoever sees no colours.
+STOP_COLOURS: Dict[StopState, str] = {
+    StopState.MISSING: "#d9d9d9",
+    StopState.PARTLY: "#8ab8e6",
+    StopState.DONE: "#1f4e8c",
+    StopState.FAILED: "#d94801",
+}
+CURRENT = "#ffd400"
+CARRIAGE = "#000000"
+SELECTED = "#c000c0"
+CURVE = "#1f4e8c"
+SURFACE_LINE = "#a80000"
 
 
 class ColourPair(NamedTuple):
@@ -111,6 +125,14 @@ QSlider::handle:vertical {{ background: {TextColours.BUTTON.value.ground}; heigh
 QTableWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
 QFrame#sheet {{ border: {BORDER_PX}px solid {BORDER}; }}
 """
+
+
+def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
+    """Return a button that does something when it is clicked."""
+    button = QPushButton(text)
+    # Not the function itself, which would be told whether the button is checked.
+    button.clicked.connect(lambda: act())
+    return button
 
 
 def set_wrong(widget: QWidget, wrong: bool) -> None:

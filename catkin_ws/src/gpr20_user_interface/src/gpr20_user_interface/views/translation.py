@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from typing import Dict, Optional, Tuple
 
-from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QTranslator, pyqtSignal
+from PyQt5.QtCore import QCoreApplication, QEvent, QTranslator
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.errors import LanguageError
@@ -60,10 +60,8 @@ class TranslatedWidget(QWidget):
         super().changeEvent(event)
 
 
-class Languages(QObject):
+class Languages:
     """Puts a language on the application."""
-
-    changed = pyqtSignal(object)
 
     def __init__(self, application: QCoreApplication, language: Language) -> None:
         """Begin with a language.
@@ -71,7 +69,6 @@ class Languages(QObject):
         Raises:
             LanguageError: Its translations cannot be read.
         """
-        super().__init__()
         self._application = application
         self._translator: Optional[_Translator] = None
         self._language = Language.ENGLISH
@@ -89,13 +86,12 @@ class Languages(QObject):
             LanguageError: Its translations cannot be read.
         """
         translator = _translator(language)
+        self._language = language
         if self._translator is not None:
             self._application.removeTranslator(self._translator)
         if translator is not None:
             self._application.installTranslator(translator)
         self._translator = translator
-        self._language = language
-        self.changed.emit(language)
 
     def use_next(self) -> None:
         """Change to the next language."""
