@@ -203,14 +203,6 @@
     <source>SURVEYS</source>
     <translation>CAMPAÑAS</translation>
   </message>
-  <message>
-    <source>Save profile as</source>
-    <translation>Guardar el perfil como</translation>
-  </message>
-  <message>
-    <source>a new name of at most {most} letters a to z, digits, blanks, - and _; first a letter or digit, no blank last</source>
-    <translation>un nombre nuevo de {most} letras de la a a la z, cifras, espacios, - y _ como máximo; primero una letra o cifra, sin espacio al final</translation>
-  </message>
 </context>
 <context>
   <name>MapCanvas</name>
@@ -514,6 +506,14 @@
   <message>
     <source>SURE?</source>
     <translation>¿SEGURO?</translation>
+  </message>
+  <message>
+    <source>Save profile as</source>
+    <translation>Guardar el perfil como</translation>
+  </message>
+  <message>
+    <source>a new name of at most {most} letters a to z, digits, blanks, - and _; first a letter or digit, no blank last</source>
+    <translation>un nombre nuevo de {most} letras de la a a la z, cifras, espacios, - y _ como máximo; primero una letra o cifra, sin espacio al final</translation>
   </message>
 </context>
 <context>
