@@ -6,9 +6,13 @@ import doctest
 from pathlib import Path
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.scene import Scene
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
+from gpr20_simulator.mid.simulated_analyzer import (
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+    medium_by_name,
+)
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 
@@ -17,7 +21,7 @@ def test_the_example_of_the_readme_gives_what_it_shows():
     scene = Scene()
     place = AntennaPosition(100.0, 100.0, 0.0)
     medium = medium_by_name("scene", scene)
-    vna = VnaAssembly(medium, lambda: place, Clock(), scene.instrument, VnaOptions())
+    vna = SimulatedAnalyzer(medium, lambda: place, Clock(), scene.instrument, AnalyzerOptions())
     vna.start()
     try:
         results = doctest.testfile(
