@@ -24,7 +24,7 @@ from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.translation import Languages
 
 TIME_LIMIT_S = 60.0
 SCREEN = "800x480x24"

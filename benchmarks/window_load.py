@@ -33,9 +33,8 @@ from window_kit import (
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.mid.language import Language
-from gpr20_user_interface.mid.views.main_window import TabName
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Language, Languages
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05
@@ -140,7 +139,7 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
             f"{100 * core:7.1f} {late:13d} "
-            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.traces.live.radar.count:13d} "
+            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.window.traces.live.radar.count:13d} "
             f"{surveys:8d}",
             flush=True,
         )
