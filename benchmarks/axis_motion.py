@@ -64,7 +64,7 @@ class XAxis:
     def __init__(self) -> None:
         self.client = actionlib.SimpleActionClient("x_axis/axis", AxisAction)
         assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
-        self.world: SharedState = open_shared_state(shared_state_path("/"))
+        self.state: SharedState = open_shared_state(shared_state_path("/"))
         self._changed = threading.Condition()
         self._readings = 0
         self._values: dict = {}
@@ -172,8 +172,8 @@ def measure_steps(quick: bool) -> None:
     chance = random.Random(1)
     stopped = wrong = 0
     with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
-        path = Path(folder) / "world"
-        world = open_shared_state(path, {AxisId.X: 800})
+        path = Path(folder) / "state"
+        state = open_shared_state(path, {AxisId.X: 800})
         engine = ProcessEngine(SimulatedHardware(X, path, AxisId.X, X_AXIS, 200.0, None))
         driver = AxisDriver(X, engine)
         driver.home(lambda: False)
@@ -187,7 +187,7 @@ def measure_steps(quick: bool) -> None:
                 stopped += 1
             else:
                 wrong += driver.coordinate != target_mm
-            wrong += round(driver.coordinate * 100) != world.steps(AxisId.X)
+            wrong += round(driver.coordinate * 100) != state.steps(AxisId.X)
         took_s = time.monotonic() - begin_s
         engine.close()
     print(f"{moves} random moves, {stopped} of them stopped: {wrong} wrong, {took_s:.0f} s")
@@ -223,14 +223,14 @@ def last_pulse_after(x: XAxis, request: Callable[[], object], resting: Callable[
         assert time.monotonic() < deadline_s
         time.sleep(0.01)
     last_ns = 0
-    while last_ns != max(x.world.last_pulse_ns(axis) for axis in AxisId):
-        last_ns = max(x.world.last_pulse_ns(axis) for axis in AxisId)
+    while last_ns != max(x.state.last_pulse_ns(axis) for axis in AxisId):
+        last_ns = max(x.state.last_pulse_ns(axis) for axis in AxisId)
         time.sleep(0.3)
     return max(0.0, (last_ns - requested_ns) * 1e-9)
 
 
 def cancelled_move(x: XAxis, chance: random.Random) -> float:
-    target_mm = 0.0 if x.world.steps(AxisId.X) > 20000 else 600.0
+    target_mm = 0.0 if x.state.steps(AxisId.X) > 20000 else 600.0
     x.client.send_goal(AxisGoal(target_coordinate=target_mm))
     time.sleep(chance.uniform(0.5, 1.5))
     return last_pulse_after(x, x.client.cancel_goal, x.ended)
@@ -274,8 +274,8 @@ def stopped_survey(x: XAxis, control: Control, chance: random.Random, place: int
     """Stop a survey on its way to its first point."""
     control.begin(*((600.0, 600.0) if place % 2 == 0 else (5.0, 5.0)))
     control.wait_for(ControlStatus.SURVEYING)
-    steps = [x.world.steps(axis) for axis in (AxisId.X, AxisId.Y)]
-    while any(x.world.steps(a) == s for a, s in zip((AxisId.X, AxisId.Y), steps)):
+    steps = [x.state.steps(axis) for axis in (AxisId.X, AxisId.Y)]
+    while any(x.state.steps(a) == s for a, s in zip((AxisId.X, AxisId.Y), steps)):
         time.sleep(0.01)
     time.sleep(chance.uniform(0.5, 1.5))
     return last_pulse_after(x, control.stop, lambda: control.code == ControlStatus.STOPPED)

@@ -73,7 +73,7 @@ class FaultsTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("faults_rostest")
         cls.client = SurveyClient()
-        cls.world = open_shared_state(shared_state_path("/"))
+        cls.state = open_shared_state(shared_state_path("/"))
         cls.set_fault = rospy.ServiceProxy("simulator/set_fault", SetFault)
 
     @classmethod
@@ -93,7 +93,7 @@ class FaultsTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
 
     def true_steps(self):
-        return [self.world.steps(axis) for axis in AxisId]
+        return [self.state.steps(axis) for axis in AxisId]
 
     def wait_for_pause(self, *words):
         """Wait until the survey pauses; what the operator reads must hold the words."""
@@ -166,7 +166,7 @@ class FaultsTest(unittest.TestCase):
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
         # The axis has its zero back: it stands where it says.
-        self.assertEqual(self.world.steps(AxisId.X), 100 * self.FAR_MM)
+        self.assertEqual(self.state.steps(AxisId.X), 100 * self.FAR_MM)
 
     def test_03_an_endstop_stuck_open_does_no_harm_before_the_next_homing(self):
         self.check_complete(self.begin_and_meet("endstop_y", ("STUCK_OPEN", 0)))
@@ -233,7 +233,7 @@ class FaultsTest(unittest.TestCase):
     def turn_knob(self, command):
         """Change the instrument as a hand at its front panel would."""
         panel = vxi11.Instrument("127.0.0.1")
-        panel.client = vxi11.vxi11.CoreClient("127.0.0.1", self.world.vna_port)
+        panel.client = vxi11.vxi11.CoreClient("127.0.0.1", self.state.vna_port)
         panel.write(command)
         panel.close()
 

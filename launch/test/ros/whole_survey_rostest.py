@@ -79,14 +79,14 @@ class WholeSurveyTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("whole_survey_rostest")
         cls.client = SurveyClient()
-        cls.world = open_shared_state(shared_state_path("/"))
+        cls.state = open_shared_state(shared_state_path("/"))
 
     @classmethod
     def tearDownClass(cls):
         shutil.rmtree(cls.client.data)
 
     def true_steps(self):
-        return [self.world.steps(axis) for axis in AxisId]
+        return [self.state.steps(axis) for axis in AxisId]
 
     def assert_same_numbers(self, stored, message):
         for name in SCALARS:

@@ -27,11 +27,11 @@ def add(arguments, _caller):
     return pack_uint((arguments.uint() + arguments.uint()) & 0xFFFFFFFF)
 
 
-PROGRAMS = [RpcProgram(PROGRAM, VERSION, {ADD: add, SILENT: lambda _a, _c: None})]
+OFFERED = RpcProgram(PROGRAM, VERSION, {ADD: add, SILENT: lambda _a, _c: None})
 
 
 def answered(message):
-    return answer_call(PROGRAMS, message, Nobody())
+    return answer_call(OFFERED, message, Nobody())
 
 
 @given(st.binary(max_size=50))

@@ -25,7 +25,7 @@ def gone():
 @pytest.fixture
 def server(gone):
     echo = RpcProgram(PROGRAM, VERSION, {ECHO: lambda a, _c: pack_opaque(a.opaque(900))})
-    one = RpcTcpServer("127.0.0.1", 0, [echo], LONGEST_RECORD, 3, gone.append)
+    one = RpcTcpServer("127.0.0.1", 0, echo, LONGEST_RECORD, 3, gone.append)
     one.start()
     yield one
     one.stop()
@@ -138,7 +138,7 @@ def test_stopped_server_drops_its_clients_and_listens_no_more(server):
 
 def test_taken_port_is_a_clear_error(server):
     with pytest.raises(ListenError, match=f"port {server.port}"):
-        RpcTcpServer("127.0.0.1", server.port, [], LONGEST_RECORD, 1)
+        RpcTcpServer("127.0.0.1", server.port, RpcProgram(PROGRAM, VERSION, {}), LONGEST_RECORD, 1)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may listen on port 111")

@@ -49,10 +49,10 @@ class _DatagramCaller:
 
 
 class RpcUdpServer:
-    """Serves programs on one UDP port; each datagram is one call."""
+    """Serves a program on one UDP port; each datagram is one call."""
 
-    def __init__(self, host: str, port: int, programs: Sequence[RpcProgram]) -> None:
-        self._programs = programs
+    def __init__(self, host: str, port: int, program: RpcProgram) -> None:
+        self._program = program
         self._closing = False
         self._socket = bound_socket(socket.SOCK_DGRAM, host, port)
         self.port: int = self._socket.getsockname()[1]
@@ -84,7 +84,7 @@ class RpcUdpServer:
                 # The news that an earlier client did not get its reply; the next call is another's.
                 continue
             try:
-                reply = answer_call(self._programs, message, _DatagramCaller())
+                reply = answer_call(self._program, message, _DatagramCaller())
             except XdrError:
                 # Not a call, so nobody waits for a reply.
                 continue
@@ -118,7 +118,7 @@ class Portmapper:
             VERSION,
             {SET: self._refuse, UNSET: self._refuse, GETPORT: self._get_port, DUMP: self._dump},
         )
-        self._tcp, self._udp = _servers(host, port, [program])
+        self._tcp, self._udp = _servers(host, port, program)
         self.port = self._tcp.port
 
     def start(self) -> None:
@@ -151,13 +151,11 @@ class Portmapper:
         return b"".join(pack_uint(word) for item in items for word in item) + pack_uint(0)
 
 
-def _servers(
-    host: str, port: int, programs: Sequence[RpcProgram]
-) -> Tuple[RpcTcpServer, RpcUdpServer]:
+def _servers(host: str, port: int, program: RpcProgram) -> Tuple[RpcTcpServer, RpcUdpServer]:
     for trial in range(FREE_PORT_TRIALS):
-        tcp = RpcTcpServer(host, port, programs, LONGEST_RECORD, MOST_CONNECTIONS)
+        tcp = RpcTcpServer(host, port, program, LONGEST_RECORD, MOST_CONNECTIONS)
         try:
-            return tcp, RpcUdpServer(host, tcp.port, programs)
+            return tcp, RpcUdpServer(host, tcp.port, program)
         except ListenError:
             # A free TCP port can be taken on UDP; only then is another trial of use.
             tcp.stop()

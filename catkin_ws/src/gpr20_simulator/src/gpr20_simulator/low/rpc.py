@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import struct
 from dataclasses import dataclass
-from typing import Callable, Mapping, Optional, Protocol, Sequence
+from typing import Callable, Mapping, Optional, Protocol
 
 from gpr20_common.errors import Gpr20Error
 
@@ -132,7 +132,7 @@ class _Call:
     procedure: int
 
 
-def answer_call(programs: Sequence[RpcProgram], message: bytes, caller: Caller) -> Optional[bytes]:
+def answer_call(program: RpcProgram, message: bytes, caller: Caller) -> Optional[bytes]:
     """Return the reply to one message; None if there is to be none.
 
     Raises:
@@ -150,22 +150,19 @@ def answer_call(programs: Sequence[RpcProgram], message: bytes, caller: Caller) 
     for _credential_then_verifier in range(2):
         reader.uint()
         reader.opaque(LONGEST_CREDENTIAL)
-    outcome = _outcome(programs, call, reader, caller)
+    outcome = _outcome(program, call, reader, caller)
     if outcome is None:
         return None
     return head + pack_uint(ReplyStatus.ACCEPTED) + AUTH_NONE + outcome
 
 
 def _outcome(
-    programs: Sequence[RpcProgram], call: _Call, arguments: XdrReader, caller: Caller
+    program: RpcProgram, call: _Call, arguments: XdrReader, caller: Caller
 ) -> Optional[bytes]:
-    offered = [one for one in programs if one.number == call.number]
-    if not offered:
+    if call.number != program.number:
         return pack_uint(AcceptStatus.PROGRAM_UNAVAILABLE)
-    program = next((one for one in offered if one.version == call.version), None)
-    if program is None:
-        versions = [one.version for one in offered]
-        lowest_and_highest = pack_uint(min(versions)) + pack_uint(max(versions))
+    if call.version != program.version:
+        lowest_and_highest = 2 * pack_uint(program.version)
         return pack_uint(AcceptStatus.PROGRAM_MISMATCH) + lowest_and_highest
     if call.procedure == NULL_PROCEDURE:
         return pack_uint(AcceptStatus.SUCCESS)

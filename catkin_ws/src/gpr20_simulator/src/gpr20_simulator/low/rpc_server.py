@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import struct
 import threading
-from typing import Callable, List, Optional, Sequence
+from typing import Callable, List, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
@@ -99,12 +99,12 @@ class RpcConnection:
 
 
 class RpcTcpServer:
-    """Serves programs on one TCP port.
+    """Serves a program on one TCP port.
 
     Args:
         host: Address to listen on.
         port: Port to listen on; 0: any free one.
-        programs: What clients can call.
+        program: What clients can call.
         longest_record: Longest call accepted [bytes].
         most_connections: Further clients are turned away at once.
         on_disconnect: Called with each connection after its last call.
@@ -114,12 +114,12 @@ class RpcTcpServer:
         self,
         host: str,
         port: int,
-        programs: Sequence[RpcProgram],
+        program: RpcProgram,
         longest_record: int,
         most_connections: int,
         on_disconnect: Callable[[RpcConnection], None] = lambda _connection: None,
     ) -> None:
-        self._programs = programs
+        self._program = program
         self._longest_record = longest_record
         self._most_connections = most_connections
         self._on_disconnect = on_disconnect
@@ -197,7 +197,7 @@ class RpcTcpServer:
                 record = connection.read_record()
                 if record is None:
                     return
-                reply = answer_call(self._programs, record, connection)
+                reply = answer_call(self._program, record, connection)
                 if reply is not None and not connection.write_record(reply):
                     return
         except XdrError:

@@ -45,10 +45,10 @@ class Vxi11Server:
         self._links = LinkBook(limits.links)
         longest_record = limits.receive_size + LONGEST_HEAD
         most = limits.connections
-        self._abort = RpcTcpServer(host, 0, [self._abort_program()], longest_record, most)
+        self._abort = RpcTcpServer(host, 0, self._abort_program(), longest_record, most)
         channel = CoreChannel(device, self._links, limits, self._abort.port, self._misbehave)
         self._core = RpcTcpServer(
-            host, port, [channel.program()], longest_record, most, self._links.destroy_all_of
+            host, port, channel.program(), longest_record, most, self._links.destroy_all_of
         )
         self._portmapper: Optional[Portmapper] = None
         if portmapper_port is not None:
