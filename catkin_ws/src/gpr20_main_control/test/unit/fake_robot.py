@@ -294,11 +294,11 @@ class Bench:
                 f"still {self.board.status}"
             )
 
-    def wait_for(self, *states):
+    def wait_for(self, *states, limit_s=LIMIT_S):
         """Wait until the control is in one of the states and return its status."""
         names = {state.name for state in states}
         with self._changed:
-            assert self._changed.wait_for(lambda: self.board.status.state.name in names, LIMIT_S), (
+            assert self._changed.wait_for(lambda: self.board.status.state.name in names, limit_s), (
                 f"still {self.board.status}"
             )
             return self.board.status

@@ -43,6 +43,18 @@ def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
     assert [sample.index for sample in bench.storage.samples] == list(range(24))
 
 
+def test_a_fault_in_storing_pauses_the_survey_and_loses_nothing(bench, monkeypatch):
+    def break_down(_sample):
+        raise ValueError("a fault of ours")
+
+    monkeypatch.setattr(bench.storage, "store", break_down)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "could not be stored: a fault of ours" in status.message
+    monkeypatch.undo()
+    bench.resume_to_the_end()
+
+
 def test_a_slow_disk_makes_the_survey_wait(bench):
     bench.storage.free.clear()
     fifth, sixth = threading.Event(), threading.Event()

@@ -42,7 +42,7 @@ class StorageQueue:
         self._changed = threading.Condition()
         self._traces: Deque[Trace] = deque()
         self._stored = 0
-        self._failure: Optional[DeviceError] = None
+        self._failure: Optional[Exception] = None
         self._retries = 0
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="storage queue", daemon=True)
@@ -131,13 +131,14 @@ class StorageQueue:
                     self._failure = failure
                 self._changed.notify_all()
 
-    def _store(self, trace: Trace) -> Optional[DeviceError]:
-        failure: Optional[DeviceError] = None
+    def _store(self, trace: Trace) -> Optional[Exception]:
+        failure: Optional[Exception] = None
         for _attempt in range(ATTEMPTS):
             try:
                 self._storage.store(trace)
                 return None
-            except DeviceError as error:
+            except Exception as error:
+                # A fault of the software, too: it must not leave the survey waiting for ever.
                 failure = error
             if self._clock.wait_s(self._closing, RETRY_S):
                 break
