@@ -11,6 +11,9 @@ from pathlib import Path
 from typing import Iterator, List, Tuple
 
 RANK = {"low": 0, "mid": 1, "high": 2}
+# The analysis has folders by subject instead; none of them knows ROS.
+SUBJECTS = ("read", "formats", "processing", "imaging", "plotting", "report")
+RANK.update(dict.fromkeys(SUBJECTS, RANK["mid"]))
 # What only the ROS interface may know.
 ROS_MODULES = {"rospy", "actionlib", "tf2_ros", "diagnostic_updater", "genpy", "rosbag"}
 # A bag is a file, so a low module may use what reads and writes it.

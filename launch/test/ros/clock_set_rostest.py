@@ -12,7 +12,7 @@ from pathlib import Path
 import rospy
 import rostest
 
-from gpr20_analysis.mid.verification import COMPLETE, verify
+from gpr20_analysis.read.verification import COMPLETE, verify
 from gpr20_msgs.msg import ControlStatus
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from survey_kit import PARAMETERS, POINTS, make_survey, planned_trace
 
-from gpr20_analysis.mid.verification import verify
+from gpr20_analysis.read.verification import verify
 from gpr20_analysis.verify import main
 
 FOLDER_MODULES = ("rospy", "rosbag", "genpy", "roslib", "rospkg")

@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, Dict, Sequence, Tuple
 
 import xarray as xr
 
-from gpr20_analysis.commands import outputs, scheduler, survey_input
+from gpr20_analysis import cluster, dataset
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid import dataset, dataset_files
-from gpr20_analysis.mid.formats import (
+from gpr20_analysis.formats import (
     group_csv,
     merged_hdf5,
     original_json,
@@ -23,11 +23,12 @@ from gpr20_analysis.mid.formats import (
     segy,
     touchstone,
 )
-from gpr20_analysis.mid.processing.delay import to_time
-from gpr20_analysis.mid.processing.sweep import Sweep, Window
-from gpr20_analysis.mid.survey_source import Progress
+from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.progress import Progress
 
-Writer = Callable[[xr.Dataset, Path, argparse.Namespace], str]
+Writer = Callable[[xr.Dataset, Path, Progress], str]
 
 
 @dataclass(frozen=True)
@@ -45,53 +46,39 @@ class Format:
     holds: Tuple[str, ...] = ()
 
 
-def _netcdf(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
-    dataset_files.write_dataset(survey, path)
+def _counting(write: Callable[[xr.Dataset, Path, Progress], int], counted: str) -> Writer:
+    return lambda survey, path, progress: f"{write(survey, path, progress)} {counted}"
+
+
+def _write_dataset(survey: xr.Dataset, path: Path, _: Progress) -> str:
+    write_dataset(survey, path)
     return "everything"
 
 
-def _group_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
-    return f"{group_csv.write_group_csv(survey, path, _progress())} files"
-
-
-def _merged(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> str:
-    if dataset.A_SCAN in survey and chosen.domain == "frequency":
-        raise ExportError("the data are A-scans over time; --domain time exports them as they are")
+def _write_merged(survey: xr.Dataset, path: Path, _: Progress) -> str:
     merged_hdf5.write_merged(survey, path, path.stem)
     return f"A-scans over {'time' if dataset.A_SCAN in survey else 'frequency'}"
 
 
-def _plain_csv(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
-    return f"{plain_csv.write_plain_csv(survey, path, _progress())} samples"
-
-
-def _segy(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
-    return f"{segy.write_segy(survey, path, _progress())} traces"
-
-
-def _touchstone(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
-    return f"{touchstone.write_touchstone(survey, path, _progress())} files"
-
-
-def _original(survey: xr.Dataset, path: Path, _: argparse.Namespace) -> str:
-    return f"{original_json.write_original(survey, path, _progress())} files"
-
-
 FORMATS: Dict[str, Format] = {
-    "netcdf": Format(_netcdf, dataset_files.NETCDF),
-    "zarr": Format(_netcdf, dataset_files.ZARR),
-    "group-csv": Format(_group_csv, holds=("VNA_X*.csv",)),
-    "merged-hdf5": Format(_merged, ".h5"),
-    "csv": Format(_plain_csv, ".csv"),
-    "segy": Format(_segy, ".sgy"),
-    "touchstone": Format(_touchstone, holds=("[0-9]*_X*_Y*_Z*.s2p",)),
-    "original-json": Format(_original, holds=("X*_Y*_Z*.json",)),
+    "netcdf": Format(_write_dataset, NETCDF),
+    "zarr": Format(_write_dataset, ZARR),
+    "group-csv": Format(_counting(group_csv.write_group_csv, "files"), holds=("VNA_X*.csv",)),
+    "merged-hdf5": Format(_write_merged, ".h5"),
+    "csv": Format(_counting(plain_csv.write_plain_csv, "samples"), ".csv"),
+    "segy": Format(_counting(segy.write_segy, "traces"), ".sgy"),
+    "touchstone": Format(
+        _counting(touchstone.write_touchstone, "files"), holds=("[0-9]*_X*_Y*_Z*.s2p",)
+    ),
+    "original-json": Format(
+        _counting(original_json.write_original, "files"), holds=("X*_Y*_Z*.json",)
+    ),
 }
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    survey_input.add_survey(parser)
+    inputs.add_survey(parser)
     parser.add_argument(
         "output",
         type=Path,
@@ -107,50 +94,50 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "default as the data are",
     )
     outputs.add_overwrite(parser)
-    scheduler.add_scheduler(parser)
+    inputs.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Write the survey; return the exit status."""
     _check([chosen.output], chosen)
-    survey = survey_input.load(chosen)
-    with scheduler.machines(chosen) as machines, machines.fetched(
-        _transformed(survey, chosen, machines)
-    ) as fetched:
-        _write_all(fetched, chosen)
-    return survey_input.status_of(survey)
+    survey = inputs.load(chosen)
+    with cluster.connected(chosen.scheduler):
+        transformed = _transformed(survey, chosen)
+        with cluster.fetched(transformed) as fetched:
+            _write_all(fetched, chosen)
+    return inputs.status_of(survey)
 
 
-def _transformed(
-    survey: xr.Dataset, chosen: argparse.Namespace, machines: scheduler.Machines
-) -> xr.Dataset:
-    over_time = chosen.format == "merged-hdf5" and chosen.domain == "time"
-    if over_time and dataset.A_SCAN not in survey:
-        return to_time(machines.spread(survey), Window.NONE, _padding_for_real_parts(survey))
+def _transformed(survey: xr.Dataset, chosen: argparse.Namespace) -> xr.Dataset:
+    if chosen.format != "merged-hdf5":
+        return survey
+    if dataset.A_SCAN in survey:
+        if chosen.domain == "frequency":
+            raise ExportError(
+                "the data are A-scans over time; --domain time exports them as they are"
+            )
+    elif chosen.domain == "time":
+        return to_time(cluster.spread(survey), Window.NONE, _padding_for_real_parts(survey))
     return survey
 
 
 def _padding_for_real_parts(survey: xr.Dataset) -> float:
     # The group's programs work on the real part alone, which needs two samples per period of the
     # highest frequency; the complex values would need fewer.
-    sweep = Sweep.of(survey)
+    sweep = FrequencyGrid.of(survey)
     return 2.0 * float(sweep.frequency_hz[-1]) / (sweep.step_hz * sweep.count)
 
 
 def _write_all(survey: xr.Dataset, chosen: argparse.Namespace) -> None:
-    if chosen.format == "segy":
-        for turn, path in enumerate(_segy_files(survey, chosen)):
-            _write(survey.isel({dataset.POLARIZATION: [turn]}), path, chosen)
-    else:
+    if chosen.format != "segy":
         _write(survey, chosen.output, chosen)
-
-
-def _segy_files(survey: xr.Dataset, chosen: argparse.Namespace) -> List[Path]:
+        return
     # One file per polarization, which only the survey tells.
     turns = survey[dataset.POLARIZATION].values
     paths = [segy.file_of(chosen.output, turn) for turn in turns]
     _check(paths, chosen)
-    return paths
+    for turn, path in enumerate(paths):
+        _write(survey.isel({dataset.POLARIZATION: [turn]}), path, chosen)
 
 
 def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
@@ -158,7 +145,7 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
     for path in paths:
         if form.ending and path.suffix != form.ending:
             raise ExportError(f"{path} must end in {form.ending} for {chosen.format}")
-    if form.ending in (dataset_files.NETCDF, dataset_files.ZARR):
+    if form.ending in (NETCDF, ZARR):
         written = [outputs.dataset_output(path) for path in paths]
     else:
         written = [Output(path, form.holds) for path in paths]
@@ -166,17 +153,13 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
 
 
 def _write(survey: xr.Dataset, path: Path, chosen: argparse.Namespace) -> None:
-    form = FORMATS[chosen.format]
-    if dataset_files.is_dataset(path) and not form.holds:
-        told = form.write(survey, path, chosen)  # which is whole or not there by itself
+    form, progress = FORMATS[chosen.format], inputs.progress_bar("writing")
+    if form.ending in (NETCDF, ZARR):
+        written = form.write(survey, path, progress)  # which is whole or not there by itself
     else:
-        with whole_output(path, int(survey.nbytes)) as place:
-            told = form.write(survey, place, chosen)
-    print(f"{path}: {told}")
-
-
-def _progress() -> Progress:
-    return survey_input.progress_bar("writing")
+        with atomic_output(path, int(survey.nbytes)) as place:
+            written = form.write(survey, place, progress)
+    print(f"{path}: {written}")
 
 
 COMMAND = Command("Write a survey in a format of others.", add_arguments, run)

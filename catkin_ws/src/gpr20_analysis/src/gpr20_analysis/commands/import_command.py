@@ -7,12 +7,11 @@ from pathlib import Path
 
 import xarray as xr
 
-from gpr20_analysis.commands import outputs, survey_input
+from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.mid import dataset_files
-from gpr20_analysis.mid.formats import gprmax, group_csv, merged_hdf5, original_json
-from gpr20_analysis.mid.formats.gprmax_source import WAVEFORMS
+from gpr20_analysis.formats import dataset_files, gprmax, group_csv, merged_hdf5, original_json
+from gpr20_analysis.formats.gprmax_source import WAVEFORMS
 
 FORMATS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
 
@@ -49,14 +48,14 @@ def run(chosen: argparse.Namespace) -> int:
     if not chosen.input.exists():
         raise AnalysisError(f"{chosen.input} does not exist")
     survey = _read(chosen)
-    survey_input.tell(survey)
+    inputs.tell(survey)
     dataset_files.write_dataset(survey, chosen.output)
     print(f"{chosen.output}: {dict(survey.sizes)}")
-    return survey_input.status_of(survey)
+    return inputs.status_of(survey)
 
 
 def _read(chosen: argparse.Namespace) -> xr.Dataset:
-    progress = survey_input.progress_bar("reading")
+    progress = inputs.progress_bar("reading")
     if chosen.format == "group-csv":
         return group_csv.read_group_csv(chosen.input, progress)
     if chosen.format == "merged-hdf5":
