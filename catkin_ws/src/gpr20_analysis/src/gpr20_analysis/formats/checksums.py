@@ -51,8 +51,8 @@ def has_checksum(path: Path) -> bool:
         if size < 0 or not line.startswith(WORD):
             return False
         stream.seek(0)
-        while stream.tell() < size:
-            digest.update(stream.read(min(PIECE_BYTES, size - stream.tell())))
+        for start in range(0, size, PIECE_BYTES):
+            digest.update(stream.read(min(PIECE_BYTES, size - start)))
     if line != WORD + digest.hexdigest().encode("ascii") + b"\n":
         raise UnreadableFileError(
             f"{path} is damaged: its bytes are not those that were written (SHA-256); make it anew "

@@ -23,6 +23,7 @@ from gpr20_analysis.processing.polarization import (
 )
 from gpr20_analysis.processing.samples import fill_missing
 from gpr20_analysis.processing.sweep import apply_window, select_band
+from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 
 Reader = Callable[[str], xr.Dataset]
@@ -142,6 +143,16 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
         survey = FUNCTIONS[step.name](survey, **arguments)
         survey = survey.assign_attrs({PROCESSING: json.dumps(recorded)})
     return survey
+
+
+def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
+    """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
+
+    Raises:
+        RecipeError: One is not written so, or names what is not there.
+        AnalysisError: A step cannot be done with the survey.
+    """
+    return apply_steps(survey, [step_from_text(step) for step in steps], load_survey)
 
 
 def recipe_of(data: xr.Dataset) -> List[Dict[str, Any]]:

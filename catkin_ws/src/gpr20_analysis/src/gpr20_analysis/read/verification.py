@@ -60,7 +60,7 @@ class Verification:
         return f"INCOMPLETE, but intact: {counted}{ending}"
 
 
-def verify(folder: Path, progress: Progress = silent) -> Verification:
+def verify_survey(folder: Path, progress: Progress = silent) -> Verification:
     """Check a survey's folder; nothing in it is changed.
 
     Args:

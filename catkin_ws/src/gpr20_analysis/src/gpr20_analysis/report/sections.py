@@ -16,7 +16,7 @@ from gpr20_analysis.imaging.image import ImageOptions
 from gpr20_analysis.plotting import maps
 from gpr20_analysis.processing.chain import Step
 from gpr20_analysis.progress import Progress, silent
-from gpr20_analysis.read.verification import FILES, Verification, verify
+from gpr20_analysis.read.verification import FILES, Verification, verify_survey
 from gpr20_analysis.report import pictures
 from gpr20_analysis.report.page import Section, table
 from gpr20_analysis.report.summary import SIMULATED, settings_of, summarize
@@ -80,7 +80,7 @@ def _checked(survey: xr.Dataset, path: Path) -> List[Section]:
     if not path.is_dir() or not any((path / name).exists() for name in FILES):
         lines = ["Only the folder of a survey can be verified against its plan and checksums."]
         return [Section("Verdict", warnings, [*good, *lines])]
-    found = verify(path)
+    found = verify_survey(path)
     (warnings if found.status else good).append(found.verdict)
     return [Section("Verdict", warnings, good), _verification(found)]
 

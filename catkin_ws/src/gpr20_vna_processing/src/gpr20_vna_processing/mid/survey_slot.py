@@ -20,7 +20,6 @@ from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSu
 from gpr20_vna_processing.mid.reopening import Reopening, reopened_survey
 
 
-
 class SurveySlot:
     """Holds at most one open survey; all but `current` is for the storage's thread alone."""
 
