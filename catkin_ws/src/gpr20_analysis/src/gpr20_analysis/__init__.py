@@ -18,6 +18,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "formats.dataset_files": ("write_dataset",),
     "imaging.echoes": ("Echo", "find_echoes"),
     "imaging.image": ("ImageOptions", "Method", "image_survey"),
+    "imaging.image_output": ("echo_lines", "permittivity_line"),
     "plotting.maps": ("coverage_figure", "height_figure"),
     "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure", "projection_figure"),
     "processing.chain": ("process_survey",),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple, Union
 
 import xarray as xr
 
@@ -73,7 +73,7 @@ IMPORTS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
 
 
 def export_survey(
-    survey: xr.Dataset, path: Path, form: str, progress: Progress = silent
+    survey: xr.Dataset, path: Union[str, Path], form: str, progress: Progress = silent
 ) -> Dict[Path, str]:
     """Write a survey; each file or folder is whole or not there.
 
@@ -91,7 +91,7 @@ def export_survey(
             format's, or the disk refused.
         MissingLibraryError: A library is not installed.
     """
-    path = Path(path)
+    path = Path(path).expanduser()
     check_ending(path, form)
     written = {}
     for turn, own in enumerate(output_paths(survey, path, form)):
@@ -125,7 +125,7 @@ def check_ending(path: Path, form: str) -> None:
 
 
 def import_survey(
-    path: Path,
+    path: Union[str, Path],
     form: str,
     band: Optional[gprmax.Band] = None,
     height_m: Optional[float] = None,
@@ -145,7 +145,7 @@ def import_survey(
     Raises:
         AnalysisError: It is not of this format, or is damaged.
     """
-    path = Path(path)
+    path = Path(path).expanduser()
     if form == "group-csv":
         return group_csv.read_group_csv(path, progress)
     if form == "merged-hdf5":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Union
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.progress import Progress, silent
@@ -60,7 +60,7 @@ class Verification:
         return f"INCOMPLETE, but intact: {counted}{ending}"
 
 
-def verify_survey(folder: Path, progress: Progress = silent) -> Verification:
+def verify_survey(folder: Union[str, Path], progress: Progress = silent) -> Verification:
     """Check a survey's folder; nothing in it is changed.
 
     Args:
@@ -71,6 +71,7 @@ def verify_survey(folder: Path, progress: Progress = silent) -> Verification:
         AnalysisError: The folder is none of a survey.
         OSError: The disk cannot be read.
     """
+    folder = Path(folder).expanduser()
     if not any((folder / name).exists() for name in FILES):
         raise AnalysisError(
             f"{folder} is no folder of a survey; none of {', '.join(FILES)} is in it"
