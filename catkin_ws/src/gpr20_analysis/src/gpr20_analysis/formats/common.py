@@ -1,9 +1,9 @@
-"""A Dataset from numbers that came from a format of others."""
+"""What formats of others have in common: a Dataset from their numbers, and their conventions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, List, Optional, Sequence
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -11,6 +11,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, UnreadableFileError
+from gpr20_analysis.read.survey_grid import grid_of
 
 HIGHEST_M = 10.0
 
@@ -97,6 +98,70 @@ def as_dataset(found: Imported) -> xr.Dataset:
     data.attrs["missing"] = dataset.missing_samples(data)
     data.attrs["faults"] = [one for one in data.attrs["missing"] if one.startswith("damaged")]
     return data
+
+
+def on_grid(
+    source: str,
+    positions: np.ndarray,
+    spectra: Iterable[np.ndarray],
+    heights_m: Sequence[float],
+    frequency_hz: np.ndarray,
+    notes: List[str],
+    simulated: Optional[bool] = None,
+) -> xr.Dataset:
+    """Return the Dataset of samples that tell their places but not the grid.
+
+    Args:
+        source: Name of the file or folder.
+        positions: Rotation [deg], y and x [mm] of each sample.
+        spectra: Their numbers; each is read when it is its turn.
+        heights_m: Their antenna heights [m]; NaN where unknown.
+        frequency_hz: Frequencies [Hz].
+        notes: What should be known.
+        simulated: Whether no real ground was measured; None if that is unknown.
+
+    Raises:
+        DamagedSurveyError: The places are no grid.
+        UnreadableFileError: Two samples have one place.
+    """
+    notes = list(notes)
+    grid = grid_of(positions, notes)
+    cells = grid.places(positions)
+    if len(set(cells)) < len(cells):
+        raise UnreadableFileError(f"{source} holds two samples of the same place and rotation")
+    values = np.full((grid.cells, len(frequency_hz)), complex(np.nan, np.nan))
+    height_m = np.full(grid.cells, np.nan)
+    height_m[cells] = heights_m
+    for cell, spectrum in zip(cells, spectra):
+        values[cell] = spectrum
+    return as_dataset(
+        Imported(
+            values.reshape(*grid.shape, -1),
+            grid.polarization_deg,
+            np.array(grid.y_mm) / dataset.MM_PER_M,
+            np.array(grid.x_mm) / dataset.MM_PER_M,
+            height_m.reshape(grid.shape),
+            source,
+            frequency_hz=frequency_hz,
+            simulated=simulated,
+            notes=notes,
+        )
+    )
+
+
+def usable_samples(survey: xr.Dataset) -> List[Tuple[Tuple[int, int, int], float, float, float]]:
+    """Return place in the arrays, x [mm], y [mm] and rotation [deg] of samples with numbers."""
+    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
+    turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)
+    return [
+        (
+            (int(turn), int(row), int(column)),
+            float(x_m[column]) * dataset.MM_PER_M,
+            float(y_m[row]) * dataset.MM_PER_M,
+            float(turns_deg[turn]),
+        )
+        for turn, row, column in np.argwhere(usable)
+    ]
 
 
 DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import h5py
 import numpy as np
@@ -12,11 +12,10 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.gprmax_source import NONE, Signal, check_strength, source_of
 from gpr20_analysis.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, silent
-from gpr20_analysis.read.survey_grid import grid_of
 
 ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
 EXCITATION = "srcs/src1/excitation"
@@ -88,7 +87,15 @@ def read_gprmax(
             f"{0.5 / slowest_s:g} Hz, not {band.stop_hz:g} Hz"
         )
     spectra = [_spectrum(trace, given, source == NONE, band.frequency_hz) for trace in traces]
-    data = _placed(path, traces, spectra, band, height_m)
+    data = on_grid(
+        path.name,
+        np.array([trace.position for trace in traces]),
+        spectra,
+        [np.nan if height_m is None else height_m] * len(traces),
+        band.frequency_hz,
+        [],
+        simulated=True,
+    )
     if source == NONE:
         data.attrs[DISPLAY_ONLY] = WITH_SOURCE
     else:
@@ -110,36 +117,6 @@ def _spectrum(
             f"values, or --source {NONE} for spectra that can be looked at but not imaged"
         )
     return spectrum / check_strength(source, frequency_hz, trace.name)
-
-
-def _placed(
-    path: Path,
-    traces: List[_Trace],
-    spectra: List[np.ndarray],
-    band: Band,
-    height_m: Optional[float],
-) -> xr.Dataset:
-    notes: List[str] = []
-    positions = np.array([trace.position for trace in traces])
-    grid = grid_of(positions, notes)
-    cells = grid.places(positions)
-    if len(set(cells)) < len(cells):
-        raise UnreadableFileError(f"{path.name} holds two simulations of the same place")
-    values = np.full((grid.cells, band.points), complex(np.nan, np.nan))
-    values[cells] = spectra
-    return as_dataset(
-        Imported(
-            values.reshape(*grid.shape, band.points),
-            grid.polarization_deg,
-            np.array(grid.y_mm) / dataset.MM_PER_M,
-            np.array(grid.x_mm) / dataset.MM_PER_M,
-            np.full(grid.shape, np.nan if height_m is None else height_m),
-            path.name,
-            frequency_hz=band.frequency_hz,
-            simulated=True,
-            notes=notes,
-        )
-    )
 
 
 def _read(path: Path) -> _Trace:

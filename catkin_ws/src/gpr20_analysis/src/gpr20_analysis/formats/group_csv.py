@@ -14,9 +14,8 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
-from gpr20_analysis.formats.common import DEGREES, Imported, as_dataset, even_step, letters
+from gpr20_analysis.formats.common import DEGREES, even_step, letters, on_grid
 from gpr20_analysis.progress import Progress, silent
-from gpr20_analysis.read.survey_grid import grid_of
 
 HEADER = "S21_real,S21_imag"
 MM_PER_M, HZ_PER_MHZ = 1000.0, 1e6
@@ -91,29 +90,14 @@ def read_group_csv(folder: Path, progress: Progress = silent) -> xr.Dataset:
             "folder of its own"
         )
     start_mhz, stop_mhz, points = sweeps.pop()
-    notes: List[str] = ["heights and places are as exact as the names of the files tell them"]
-    turns = sorted({one.letter for one in names.values()})
-    positions = np.array([(DEGREES[one.letter], one.y_mm, one.x_mm) for one in names.values()])
-    grid = grid_of(positions, notes)
-    cells = grid.places(positions)
-    if len(set(cells)) < len(cells):
-        raise UnreadableFileError(f"{folder} holds two files of the same place and orientation")
-    values = np.full((grid.cells, points), complex(np.nan, np.nan))
-    height_m = np.full(grid.cells, np.nan)
-    for cell, (path, name) in zip(cells, progress(list(names.items()), len(names))):
-        values[cell] = _read(path, points)
-        height_m[cell] = name.height_mm / MM_PER_M
-    return as_dataset(
-        Imported(
-            values.reshape(*grid.shape, points),
-            [DEGREES[letter] for letter in turns],
-            np.array(grid.y_mm) / MM_PER_M,
-            np.array(grid.x_mm) / MM_PER_M,
-            height_m.reshape(grid.shape),
-            folder.name,
-            frequency_hz=np.linspace(start_mhz * HZ_PER_MHZ, stop_mhz * HZ_PER_MHZ, points),
-            notes=notes,
-        )
+    read = (_read(path, points) for path in progress(list(names), len(names)))
+    return on_grid(
+        folder.name,
+        np.array([(DEGREES[one.letter], one.y_mm, one.x_mm) for one in names.values()]),
+        read,
+        [one.height_mm / MM_PER_M for one in names.values()],
+        np.linspace(start_mhz * HZ_PER_MHZ, stop_mhz * HZ_PER_MHZ, points),
+        ["heights and places are as exact as the names of the files tell them"],
     )
 
 

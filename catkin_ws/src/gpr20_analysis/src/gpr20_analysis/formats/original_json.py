@@ -6,7 +6,7 @@ import json
 import math
 import re
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict
 
 import numpy as np
 import orjson
@@ -15,9 +15,8 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.common import on_grid, usable_samples
 from gpr20_analysis.progress import Progress, silent
-from gpr20_analysis.read.survey_grid import grid_of
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
@@ -41,16 +40,11 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = silent
         for name in (dataset.HEIGHT, dataset.TIMESTAMP, "sample_id")
     }
     folder.mkdir(parents=True, exist_ok=True)
-    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
-    places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]
-    for turn, row, column in progress(places, len(places)):
-        place = (turn, row, column)
-        x_mm = float(survey[dataset.X].values[column]) * dataset.MM_PER_M
-        y_mm = float(survey[dataset.Y].values[row]) * dataset.MM_PER_M
-        z_deg = float(survey[dataset.POLARIZATION].values[turn])
+    samples = usable_samples(survey)
+    for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
         moment = facts[dataset.TIMESTAMP][place]
         height_m = float(facts[dataset.HEIGHT][place])
-        values = np.asarray(s21[turn, row, column]).tolist()
+        values = np.asarray(s21[place]).tolist()
         sample: Dict[str, Any] = {
             "x_coord": x_mm,
             "y_coord": y_mm,
@@ -67,7 +61,7 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = silent
         name = f"X{x_mm:06.2f}_Y{y_mm:06.2f}_Z{z_deg:06.2f}.json"
         with (folder / name).open("x", encoding="ascii") as stream:
             json.dump(sample, stream, allow_nan=False)
-    return len(places)
+    return len(samples)
 
 
 def holds_original(folder: Path) -> bool:
@@ -90,30 +84,14 @@ def read_original(folder: Path, progress: Progress = silent) -> xr.Dataset:
     for path, sample in zip(paths[1:], samples[1:]):
         if not np.array_equal(sample.pop("frequency_hz"), frequency_hz):
             raise UnreadableFileError(f"{path.name} has other frequencies than {paths[0].name}")
-    notes: List[str] = []
-    positions = np.array([sample["position"] for sample in samples])
-    grid = grid_of(positions, notes)
-    cells = grid.places(positions)
-    if len(set(cells)) < len(cells):
-        raise UnreadableFileError(f"{folder} holds two samples of the same place and rotation")
-    values = np.full((grid.cells, len(frequency_hz)), complex(math.nan, math.nan))
-    height_m = np.full(grid.cells, math.nan)
-    for cell, sample in zip(cells, samples):
-        values[cell] = sample["s21"]
-        height_m[cell] = sample["height_m"]
-    if np.array_equal(values.real[cells], values.imag[cells]):
-        notes.append(SAME_PARTS)
-    return as_dataset(
-        Imported(
-            values.reshape(*grid.shape, -1),
-            grid.polarization_deg,
-            np.array(grid.y_mm) / dataset.MM_PER_M,
-            np.array(grid.x_mm) / dataset.MM_PER_M,
-            height_m.reshape(grid.shape),
-            folder.name,
-            frequency_hz=frequency_hz,
-            notes=notes,
-        )
+    copied = all(np.array_equal(sample["s21"].real, sample["s21"].imag) for sample in samples)
+    return on_grid(
+        folder.name,
+        np.array([sample["position"] for sample in samples]),
+        (sample["s21"] for sample in samples),
+        [sample["height_m"] for sample in samples],
+        frequency_hz,
+        [SAME_PARTS] if copied else [],
     )
 
 

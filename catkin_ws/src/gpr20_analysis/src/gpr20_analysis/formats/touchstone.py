@@ -10,6 +10,7 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import MissingLibraryError
+from gpr20_analysis.formats.common import usable_samples
 from gpr20_analysis.progress import Progress, silent
 
 IMPEDANCE_OHM = 50.0
@@ -27,20 +28,14 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = sile
     """
     skrf = _skrf()
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
     index = dataset.require(survey, "index", dataset.SAMPLE_DIMS).values
     frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
     folder.mkdir(parents=True, exist_ok=True)
-    places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]
-    for turn, row, column in progress(places, len(places)):
+    samples = usable_samples(survey)
+    for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
         scattering = np.zeros((len(frequency), 2, 2), np.complex128)
-        scattering[:, 1, 0] = s21[turn, row, column]
-        x_mm, y_mm = (
-            float(survey[axis].values[place]) * dataset.MM_PER_M
-            for axis, place in ((dataset.X, column), (dataset.Y, row))
-        )
-        z_deg = float(survey[dataset.POLARIZATION].values[turn])
-        number = int(index[turn, row, column])
+        scattering[:, 1, 0] = s21[place]
+        number = int(index[place])
         network = skrf.Network(frequency=frequency, s=scattering, z0=IMPEDANCE_OHM)
         network.comments = (
             f"GPR-20 survey {survey.attrs.get('survey_id', '')} sample {number}\n"
@@ -48,7 +43,7 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = sile
         )
         name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
         network.write_touchstone(name, dir=str(folder), form="ri")
-    return len(places)
+    return len(samples)
 
 
 def _skrf() -> Any:
