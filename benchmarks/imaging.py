@@ -23,19 +23,19 @@ from typing import Callable, Dict, List
 
 import numpy as np
 
-from gpr20_analysis.mid.imaging.back_projection import back_projection_image
-from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.mid.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.mid.imaging.records import Focus, Traces
-from gpr20_analysis.mid.imaging.refraction import one_way_delay_s
-from gpr20_analysis.mid.loading import load_survey
-from gpr20_analysis.mid.processing.background import remove_background
-from gpr20_analysis.mid.processing.sweep import Sweep
+from gpr20_analysis.imaging.back_projection import back_projection_image
+from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.phase_shift import phase_shift_image
+from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.imaging.refraction import one_way_delay_s
+from gpr20_analysis.processing.background import remove_background
+from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.read.load import load_survey
 
 STEP_M = 0.010
 HEIGHT_M = 0.20
 PERMITTIVITY = 4.0
-SWEEP = Sweep(600e6, 10.8e6, 501)
+SWEEP = FrequencyGrid(600e6, 10.8e6, 501)
 DEPTH_M = np.linspace(0.0, 0.297, 100)
 GROUP_MIGRATION_S = 101.0
 GROUP_CHAIN_S = 127.0

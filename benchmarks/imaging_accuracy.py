@@ -16,12 +16,13 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 import xarray as xr
+from scipy.constants import speed_of_light
 
-from gpr20_analysis.mid.dataset import S21_DIMS, SAMPLE_DIMS
-from gpr20_analysis.mid.imaging.echoes import Echo, find_echoes
-from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
-from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S, one_way_delay_s
-from gpr20_analysis.mid.processing.sweep import Window
+from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
+from gpr20_analysis.imaging.echoes import Echo, find_echoes
+from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.refraction import one_way_delay_s
+from gpr20_analysis.processing.sweep import Window
 
 PLACE_M = 0.05 + 0.010 * np.arange(41)
 HEIGHT_M = 0.20
@@ -108,7 +109,7 @@ def main() -> None:
             image = image_survey(data, options)
             found[method].append((find_echoes(image)[0], target, sidelobe_db(image, target)))
     across, in_depth = np.mean(theory, axis=0)
-    bound = 1.44 * SPEED_OF_LIGHT_M_S / (2.0 * np.ptp(FREQUENCY_HZ)) * MM
+    bound = 1.44 * speed_of_light / (2.0 * np.ptp(FREQUENCY_HZ)) * MM
     print(f"theory: -3 dB width {across:.1f} mm across, {in_depth:.1f} mm in depth")
     print(f"1.44 c / (2 B sqrt(er)) = {bound / np.sqrt(chosen.permittivity):.1f} mm")
     print("method           mean error x, y, depth mm   3D error median, max mm   "

@@ -23,8 +23,8 @@ from typing import List
 import dask.array
 import numpy as np
 
-from gpr20_analysis.mid.dataset_files import write_dataset
-from gpr20_analysis.mid.formats.imported import Imported, as_dataset
+from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.dataset_files import write_dataset
 
 POINTS, ROTATIONS_DEG, STEP_M, HEIGHT_M = 1001, [0.0, 90.0], 0.01, 0.2
 START_HZ, STOP_HZ = 600e6, 6e9

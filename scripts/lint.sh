@@ -10,9 +10,9 @@ nodes=(catkin_ws/src/*/nodes/*)
 ruff check . "${nodes[@]}"
 ruff format --check . "${nodes[@]}"
 
-# Not the high levels: ROS has no types.
+# Not the high levels of the nodes: ROS has no types.
 shopt -s nullglob
-levels=(catkin_ws/src/*/src/*/{mid,low,views,read,formats,processing,imaging,plotting,report,commands} catkin_ws/src/*/src/gpr20_survey)
+levels=(catkin_ws/src/*/src/*/{mid,low,views} catkin_ws/src/*/src/gpr20_{survey,analysis})
 MYPYPATH="$(printf '%s:' catkin_ws/src/*/src)" mypy --no-error-summary "${levels[@]}"
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo

@@ -1,4 +1,4 @@
-"""Puts the packages that gpr20_analysis stands on into its wheel; alone it needs them."""
+"""Puts what gpr20_analysis needs of the workspace into its wheel: no ROS is among it."""
 
 from __future__ import annotations
 
@@ -7,20 +7,24 @@ from typing import Any, Dict
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-BENEATH = ("gpr20_common", "gpr20_survey")
+NEEDED = {
+    "gpr20_survey": [""],
+    "gpr20_common": ["__init__.py", "errors.py", "mid", "low"],
+}
 
 
-class PackagesBeneath(BuildHookInterface):  # type: ignore[type-arg]
+class NeededPackages(BuildHookInterface):  # type: ignore[type-arg]
     """Takes them along, except when the sources run from where they are.
 
-    An editable installation finds them by `dev-mode-dirs`. Copies would come first on Python's
-    path, and stay as they were when the workspace changes.
+    An editable installation finds them by `dev-mode-dirs`. Copies, which `force-include` of
+    pyproject.toml would make there too, come first on Python's path and hide later changes.
     """
 
     def initialize(self, version: str, build_data: Dict[str, Any]) -> None:
         """Name what goes into the wheel."""
         if version == "editable":
             return
-        for name in BENEATH:
-            source = Path(self.root).parent / name / "src" / name
-            build_data["force_include"][str(source)] = name
+        for package, parts in NEEDED.items():
+            source = Path(self.root).parent / package / "src" / package
+            for part in parts:
+                build_data["force_include"][str(source / part)] = f"{package}/{part}".rstrip("/")

@@ -12,7 +12,7 @@ from pathlib import Path
 import rospy
 import rostest
 
-from gpr20_analysis.mid.verification import COMPLETE, verify
+from gpr20_analysis.read.verification import COMPLETE, verify_survey
 from gpr20_msgs.msg import ControlStatus
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -52,7 +52,7 @@ class ClockSetTest(unittest.TestCase):
         status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         folder = self.client.folder(survey_id)
-        found = verify(folder)
+        found = verify_survey(folder)
         self.assertEqual((found.status, found.faults), (COMPLETE, []))
         for trace in json_traces(folder):
             self.assertLess(trace["sweep_started"], trace["sweep_ended"])

@@ -1,3 +1,41 @@
-"""Offline reading and checking of GPR-20 surveys, without ROS."""
+"""Offline reading, checking, processing and imaging of GPR-20 surveys, without ROS.
+
+The names of `__all__` are the public interface, docs/analysis.md shows them at work. Each is loaded
+when it is first used, so that importing this package costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any, Dict, List, Tuple
 
 __version__ = "0.1.0"
+
+_HOMES: Dict[str, Tuple[str, ...]] = {
+    "dataset": ("Quality",),
+    "errors": ("AnalysisError", "DamagedSurveyError"),
+    "formats.conversion": ("export_survey", "import_survey"),
+    "formats.dataset_files": ("write_dataset",),
+    "imaging.echoes": ("Echo", "find_echoes"),
+    "imaging.image": ("ImageOptions", "Method", "image_survey"),
+    "imaging.image_output": ("echo_lines", "permittivity_line"),
+    "plotting.maps": ("coverage_figure", "height_figure"),
+    "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure", "projection_figure"),
+    "processing.chain": ("process_survey",),
+    "processing.delay": ("to_time",),
+    "read.load": ("load_survey",),
+    "read.verification": ("Verification", "verify_survey"),
+    "report.summary": ("summarize",),
+}
+__all__ = sorted(name for names in _HOMES.values() for name in names)
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(importlib.import_module(f"{__name__}.{module}"), name)
+    raise AttributeError(f"gpr20_analysis has no '{name}'; it has {', '.join(__all__)}")
+
+
+def __dir__() -> List[str]:
+    return [*globals(), *__all__]

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis.commands.outputs import save_figure
+from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, WrongDatasetError
-from gpr20_analysis.low.figure_file import save_figure
-from gpr20_analysis.mid.dataset import Quality
-from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.mid.plotting import maps, scans
-from gpr20_analysis.mid.plotting.style import NOT_MEASURED, decibels, remarks_of
-from gpr20_analysis.mid.processing.background import remove_background
-from gpr20_analysis.mid.processing.delay import to_time
+from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.plotting import maps, scans
+from gpr20_analysis.plotting.style import NOT_MEASURED, decibels, remarks_of
+from gpr20_analysis.processing.background import remove_background
+from gpr20_analysis.processing.delay import to_time
 
 PLACES_MM = np.linspace(160.0, 320.0, 9)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)

@@ -11,9 +11,9 @@ from distributed import Client, LocalCluster, get_task_stream
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.mid.dataset_files import write_dataset
-from gpr20_analysis.mid.formats.imported import Imported, as_dataset
-from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
 CHAIN = ["background:method=median", "time_zero", "fill", "window"]
@@ -76,7 +76,7 @@ def test_lazy_numbers_are_computed_by_the_workers(folder, cluster):
 
 
 def test_an_address_where_nobody_answers_is_told(folder, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("gpr20_analysis.commands.scheduler.TIME_LIMIT_S", 0.5)
+    monkeypatch.setattr("gpr20_analysis.cluster.TIME_LIMIT_S", 0.5)
     arguments = ["image", str(folder), "--permittivity", "4", "--scheduler", "tcp://127.0.0.1:9"]
     assert main([*arguments, "-o", str(tmp_path / "i.nc")]) == 3
     assert "tcp://127.0.0.1:9" in capsys.readouterr().err

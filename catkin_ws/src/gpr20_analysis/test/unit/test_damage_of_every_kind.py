@@ -12,9 +12,9 @@ import xarray as xr
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.mid.dataset_files import write_dataset
-from gpr20_analysis.mid.formats import group_csv, merged_hdf5, original_json
-from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.formats import group_csv, merged_hdf5, original_json
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
 VICTIM = 7

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from survey_kit import POINTS, SURVEY, make_survey
 
+from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
-from gpr20_analysis.mid.dataset import Quality
-from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
 VICTIM = 4

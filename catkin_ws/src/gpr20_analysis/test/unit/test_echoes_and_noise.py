@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gpr20_analysis.mid.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
-from gpr20_analysis.mid.imaging.echoes import find_echoes, noise_peak
-from gpr20_analysis.mid.imaging.image_output import doubtful_echoes, echo_lines
+from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.imaging.echoes import find_echoes, noise_peak
+from gpr20_analysis.imaging.image_output import doubtful_echoes, echo_lines
 
 SHAPE = (40, 30, 30)
 

@@ -14,8 +14,8 @@ from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
-from gpr20_analysis.mid.formats import group_csv, merged_hdf5, original_json
-from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.formats import group_csv, merged_hdf5, original_json
+from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
 MISSING = 4

@@ -8,14 +8,15 @@ import sys
 import pytest
 from survey_kit import POINTS, make_survey
 
-from gpr20_analysis.commands import info_command, registry
+from gpr20_analysis.commands import info_command
+from gpr20_analysis.commands.command import SUMMARIES
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.verify import main as gpr20_verify
 
 ALL = len(POINTS)
 
 
-@pytest.mark.parametrize("name", registry.SUMMARIES)
+@pytest.mark.parametrize("name", SUMMARIES)
 def test_every_command_explains_itself(name, capsys):
     assert main([name, "--help"]) == 0
     assert f"gpr20 {name}" in capsys.readouterr().out
@@ -24,7 +25,7 @@ def test_every_command_explains_itself(name, capsys):
 def test_help_lists_every_command(capsys):
     assert main(["--help"]) == 0
     told = capsys.readouterr().out
-    assert all(name in told for name in registry.SUMMARIES)
+    assert all(name in told for name in SUMMARIES)
 
 
 @pytest.mark.parametrize("arguments", [[], ["nonsense"], ["info"], ["export", "a", "b"]])
@@ -71,7 +72,7 @@ def test_replay_without_a_survey_is_refused(tmp_path, capsys):
 
 def test_a_library_that_is_not_installed_is_named_with_its_extra(tmp_path, capsys, monkeypatch):
     folder = make_survey(tmp_path, ALL, "finished")
-    for name in [one for one in sys.modules if one.startswith("gpr20_analysis.mid.plotting")]:
+    for name in [one for one in sys.modules if one.startswith("gpr20_analysis.plotting")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     assert main(["plot", "coverage", str(folder), "-o", str(tmp_path / "c.png")]) == 3
@@ -79,7 +80,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(tmp_path, capsy
 
 
 def test_a_fault_of_the_program_is_told_in_one_line(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(info_command, "facts", lambda survey: 1 / 0)
+    monkeypatch.setattr(info_command, "summarize", lambda survey: 1 / 0)
     folder = make_survey(tmp_path, ALL, "finished")
     assert main(["info", str(folder)]) == 3
     error = capsys.readouterr().err

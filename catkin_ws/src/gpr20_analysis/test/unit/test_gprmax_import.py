@@ -8,9 +8,9 @@ import pytest
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.mid.formats.gprmax import Band, read_gprmax
-from gpr20_analysis.mid.formats.gprmax_source import WAVEFORMS, source_of
-from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.formats.gprmax import Band, read_gprmax
+from gpr20_analysis.formats.gprmax_source import WAVEFORMS, source_of
+from gpr20_analysis.read.load import load_survey
 
 STEP_S, COUNT = 20e-12, 1000
 CENTRE_HZ = 2e9

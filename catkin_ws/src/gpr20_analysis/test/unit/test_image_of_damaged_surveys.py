@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
-from gpr20_analysis.mid.dataset import Quality
-from gpr20_analysis.mid.imaging.echoes import find_echoes
-from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
-from gpr20_analysis.mid.processing.background import Background, remove_background
-from gpr20_analysis.mid.processing.delay import set_time_zero, to_time
-from gpr20_analysis.mid.processing.polarization import apply_gain
-from gpr20_analysis.mid.processing.samples import fill_missing
+from gpr20_analysis.imaging.echoes import find_echoes
+from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.processing.background import Background, remove_background
+from gpr20_analysis.processing.delay import set_time_zero, to_time
+from gpr20_analysis.processing.polarization import apply_gain
+from gpr20_analysis.processing.samples import fill_missing
 
 PLACES_MM = np.linspace(120.0, 360.0, 21)
 TARGET = point(243.7, 236.2, 0.083)

@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ground_kit import GRID_MM, point, scene, survey_of
+from scipy.constants import speed_of_light
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.mid.imaging.echoes import find_echoes
-from gpr20_analysis.mid.imaging.gate import gated_sweep
-from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
-from gpr20_analysis.mid.imaging.records import Ground
-from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S, one_way_delay_s
-from gpr20_analysis.mid.processing.background import remove_background
-from gpr20_analysis.mid.processing.sweep import Sweep
+from gpr20_analysis.imaging.a_scans import gated_sweep
+from gpr20_analysis.imaging.echoes import find_echoes
+from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.imaging.refraction import one_way_delay_s
+from gpr20_analysis.processing.background import remove_background
+from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_simulator.mid.ground import Ground as SimulatedGround
 from gpr20_simulator.mid.refraction import refracted_path
 from gpr20_simulator.mid.scene import Surface
@@ -188,7 +189,7 @@ def test_kirchhoff_of_the_group_shows_the_target_near_its_place():
 
 
 def test_gating_keeps_an_echo_within_and_drops_one_beyond():
-    sweep = Sweep(6e8, 10.8e6, 501)
+    sweep = FrequencyGrid(6e8, 10.8e6, 501)
     window = np.hanning(501)
     within, beyond = (np.exp(-2j * np.pi * sweep.frequency_hz * t) * window for t in (6e-9, 25e-9))
     coarse, matrix = gated_sweep(sweep, 12e-9)
@@ -199,7 +200,7 @@ def test_gating_keeps_an_echo_within_and_drops_one_beyond():
 
 
 def test_a_gate_longer_than_the_sweep_changes_nothing():
-    sweep = Sweep(6e8, 54e6, 101)
+    sweep = FrequencyGrid(6e8, 54e6, 101)
     same, matrix = gated_sweep(sweep, 20e-9)
     assert same == sweep
     np.testing.assert_array_equal(matrix, np.eye(101))
@@ -208,10 +209,10 @@ def test_a_gate_longer_than_the_sweep_changes_nothing():
 def test_delays_agree_with_those_of_the_simulator():
     distance_m = np.linspace(0.0, 1.5, 31)
     path = refracted_path(0.2, np.full(31, 0.15), distance_m, 6.0)
-    theirs = (path.air_m + np.sqrt(6.0) * path.soil_m) / SPEED_OF_LIGHT_M_S
+    theirs = (path.air_m + np.sqrt(6.0) * path.soil_m) / speed_of_light
     np.testing.assert_allclose(one_way_delay_s(0.2, 0.15, distance_m, 6.0), theirs, rtol=1e-12)
 
 
 def test_a_wave_without_soil_goes_straight():
     delay_s = one_way_delay_s(0.2, 0.15, 0.6, 1.0)
-    assert delay_s == pytest.approx(np.hypot(0.35, 0.6) / SPEED_OF_LIGHT_M_S, rel=1e-12)
+    assert delay_s == pytest.approx(np.hypot(0.35, 0.6) / speed_of_light, rel=1e-12)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gpr20_analysis.low.whole_output import BESIDE
-from gpr20_analysis.mid.dataset import S21_DIMS, SAMPLE_DIMS
-from gpr20_analysis.mid.dataset_files import write_dataset
+from gpr20_analysis.atomic_output import BESIDE
+from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
+from gpr20_analysis.formats.dataset_files import write_dataset
 
 TIME_LIMIT_S = 120.0
 STOPS = 100

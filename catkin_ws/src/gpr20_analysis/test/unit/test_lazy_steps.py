@@ -6,12 +6,12 @@ import dask.array
 import numpy as np
 import pytest
 
+from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError
-from gpr20_analysis.mid.dataset import Quality
-from gpr20_analysis.mid.formats.imported import Imported, as_dataset
-from gpr20_analysis.mid.processing import background
-from gpr20_analysis.mid.processing.chain import FUNCTIONS, apply_steps, step_from_text
-from gpr20_analysis.mid.processing.samples import fill_missing
+from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.processing import background
+from gpr20_analysis.processing.chain import FUNCTIONS, apply_steps, step_from_text
+from gpr20_analysis.processing.samples import fill_missing
 
 STEPS = [
     "coupling:reference=empty.nc",

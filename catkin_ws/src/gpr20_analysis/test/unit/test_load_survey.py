@@ -7,18 +7,14 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given
-from hypothesis import strategies as st
 from survey_kit import POINTS, make_survey, planned_trace
 
+from gpr20_analysis import dataset
+from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.mid import dataset
-from gpr20_analysis.mid.dataset import Quality
-from gpr20_analysis.mid.dataset_files import write_dataset
-from gpr20_analysis.mid.loading import load_survey
-from gpr20_analysis.mid.row_order import arrange
-from gpr20_analysis.mid.survey_grid import grid_of
-from gpr20_analysis.mid.trace_table import in_memory
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.survey_grid import grid_of
 
 ALL = len(POINTS)
 
@@ -132,22 +128,6 @@ def test_the_order_of_the_files_does_not_matter(tmp_path):
     for path in sorted((folder / "traces").iterdir(), reverse=True):
         shutil.copy(path, shuffled)
     assert load_survey(shuffled).equals(expected)
-
-
-@given(st.data())
-def test_rows_come_to_their_cells_and_nothing_else(data):
-    count = data.draw(st.integers(1, 12))
-    filled = data.draw(st.integers(0, count))
-    spare = data.draw(st.integers(-filled, 3))
-    cells = np.array(data.draw(st.permutations(range(count)))[:filled], np.int64)
-    used = np.array(
-        sorted(data.draw(st.sets(st.sampled_from(range(filled))))) if filled else [], int
-    )
-    rows = np.full((max(count + spare, filled, 1), 2), np.nan + 0j)
-    rows[:filled] = np.arange(filled)[:, np.newaxis]
-    expected = np.full((count, 2), np.nan + 0j)
-    expected[cells[used]] = used[:, np.newaxis]
-    np.testing.assert_array_equal(arrange(rows, cells, used, count, in_memory), expected)
 
 
 def test_the_list_of_missing_samples_follows_the_flags(folder):

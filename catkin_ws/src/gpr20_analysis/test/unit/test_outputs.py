@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import process_command
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid.loading import load_survey
+from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
@@ -131,7 +131,7 @@ def test_work_that_is_cut_off_leaves_nothing_half_written(
         output.write_text("as before")
 
     def cut_off(data, path):
-        with whole_output(path) as place:
+        with atomic_output(path) as place:
             place.write_text("half")
             raise ending
 
@@ -153,7 +153,7 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(folder, tmp_path
 
 def test_a_disk_that_refuses_is_told_with_the_outputs_own_name():
     refused = pytest.raises(ExportError, match=r"/proc/x\.nc cannot be written")
-    with refused, whole_output(Path("/proc/x.nc")) as place:
+    with refused, atomic_output(Path("/proc/x.nc")) as place:
         place.write_text("")
 
 

@@ -7,9 +7,9 @@ import pytest
 from ground_kit import IMAGING_SCENE, point, scene, survey_of
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.mid.imaging.image_output import permittivity_line
-from gpr20_analysis.mid.processing.background import remove_background
+from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image_output import permittivity_line
+from gpr20_analysis.processing.background import remove_background
 
 POINTS = (point(173.3, 181.7, 0.113), point(318.9, 207.4, 0.071), point(236.2, 322.8, 0.16))
 

@@ -10,12 +10,13 @@ import yaml
 from ground_kit import point, scene, survey_of
 
 from gpr20_analysis.errors import RecipeError
-from gpr20_analysis.low.recipe_file import read_recipe, recipe_text
-from gpr20_analysis.mid.dataset_files import read_dataset, write_dataset
-from gpr20_analysis.mid.processing.chain import (
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.processing.chain import (
     FUNCTIONS,
     apply_steps,
+    read_recipe,
     recipe_of,
+    recipe_text,
     step_from_text,
     steps_from_recipe,
 )

@@ -7,24 +7,20 @@ import pytest
 from ground_kit import point, scene, survey_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.constants import speed_of_light
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.mid.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.mid.imaging.refraction import SPEED_OF_LIGHT_M_S
-from gpr20_analysis.mid.processing.background import (
-    Background,
-    remove_background,
-    subtract_coupling,
-)
-from gpr20_analysis.mid.processing.delay import set_time_zero, to_time
-from gpr20_analysis.mid.processing.polarization import (
+from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
+from gpr20_analysis.processing.delay import set_time_zero, to_time
+from gpr20_analysis.processing.polarization import (
     Combination,
     Gain,
     apply_gain,
     combine_polarizations,
     select_polarization,
 )
-from gpr20_analysis.mid.processing.sweep import Sweep, Window, apply_window, select_band
+from gpr20_analysis.processing.sweep import FrequencyGrid, Window, apply_window, select_band
 
 PLACES_MM = np.linspace(120.0, 360.0, 13)
 NONE_DB = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
@@ -98,7 +94,7 @@ def test_the_survey_itself_is_no_reference():
     window=st.sampled_from(list(Window)),
 )
 def test_an_echo_stands_at_its_delay_with_its_phase(delay_s, start_hz, padding, window):
-    sweep = Sweep(start_hz, 54e6, 101)
+    sweep = FrequencyGrid(start_hz, 54e6, 101)
     one = survey(TARGET).isel(polarization=[0], x=[0], y=[0])
     echo = np.exp(-2j * np.pi * sweep.frequency_hz * delay_s).reshape(1, 1, 1, -1)
     one = one.assign_coords(frequency=sweep.frequency_hz).assign(s21=(one.s21.dims, echo))
@@ -129,9 +125,7 @@ def test_time_zero_puts_the_surface_at_delay_zero():
     one = survey(height_m=0.173, coupling_level_db=-200.0).isel(polarization=[0])
     trace = to_time(set_time_zero(one)).a_scan.values[0, 0, 0]
     assert int(np.argmax(np.abs(trace))) == 0
-    assert float(set_time_zero(one).advance[0, 0, 0]) == pytest.approx(
-        2.0 * 0.173 / SPEED_OF_LIGHT_M_S
-    )
+    assert float(set_time_zero(one).advance[0, 0, 0]) == pytest.approx(2.0 * 0.173 / speed_of_light)
 
 
 def test_time_zero_changes_no_image_and_is_not_done_twice():

@@ -8,7 +8,7 @@ import pytest
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.mid.replay import Due, Pace, paced, recorded
+from gpr20_analysis.read.replay import Due, Pace, paced, recorded
 from gpr20_survey.recording.recording import RecordedMessage
 
 

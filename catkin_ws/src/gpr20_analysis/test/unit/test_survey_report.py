@@ -10,10 +10,10 @@ import pytest
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.mid.imaging.image import ImageOptions
-from gpr20_analysis.mid.loading import load_survey
-from gpr20_analysis.mid.report import pictures
-from gpr20_analysis.mid.report.page import Section, page
+from gpr20_analysis.imaging.image import ImageOptions
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.report import pictures
+from gpr20_analysis.report.page import Section, page
 
 ALL = len(POINTS)
 OPTIONS = ["--permittivity", "4", "--depth", "0", "0.02", "0.005"]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from survey_kit import PARAMETERS, POINTS, make_survey, planned_trace
 
-from gpr20_analysis.mid.verification import verify
+from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
 
 FOLDER_MODULES = ("rospy", "rosbag", "genpy", "roslib", "rospkg")
@@ -93,11 +93,11 @@ def test_no_byte_of_any_file_can_be_changed_unseen(copy):
             changed = bytearray(content)
             changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
             path.write_bytes(changed)
-            found = verify(copy)
+            found = verify_survey(copy)
             assert found.status == 2, path
             assert "complete" not in found.verdict
         path.write_bytes(content)
-    assert verify(copy).status == 0
+    assert verify_survey(copy).status == 0
 
 
 def test_damage_is_found_without_the_manifest_too(copy):
@@ -108,19 +108,19 @@ def test_damage_is_found_without_the_manifest_too(copy):
     values = json.loads(original[trace])
     values["s21_imag"][2] = values["s21_imag"][2] + 1e-12
     trace.write_text(json.dumps(values) + "\n")
-    faults = without_manifest_faults(verify(copy))
+    faults = without_manifest_faults(verify_survey(copy))
     assert faults == [
         "trace 4 has other numbers in survey.bag than in its JSON file",
         "trace 4 has other numbers in survey.mcap than in its JSON file",
     ]
     trace.write_bytes(original[trace])
-    assert without_manifest_faults(verify(copy)) == []
+    assert without_manifest_faults(verify_survey(copy)) == []
 
     numbers = planned_trace(4).s21_real.tobytes()
     bag = bytearray(original[copy / "survey.bag"])
     bag[bag.index(numbers) + 3] ^= 1
     (copy / "survey.bag").write_bytes(bag)
-    faults = without_manifest_faults(verify(copy))
+    faults = without_manifest_faults(verify_survey(copy))
     assert faults == ["trace 4 has other numbers in survey.bag than in its JSON file"]
 
 
@@ -134,7 +134,7 @@ def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(
         for offset in range(chance.choice([1, 4, 64])):
             changed[min(place + offset, len(content) - 1)] ^= chance.randrange(1, 256)
         (copy / name).write_bytes(changed if chance.random() < 0.7 else content[:place])
-        found = verify(copy)
+        found = verify_survey(copy)
         assert found.status == 2
         assert any(name in fault for fault in found.faults)
 
@@ -142,7 +142,7 @@ def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "manifest.json", "survey.json"])
 def test_a_file_that_is_gone_is_named(copy, name):
     (copy / name).unlink()
-    found = verify(copy)
+    found = verify_survey(copy)
     assert found.status == 2
     assert any(name in fault for fault in found.faults)
 
@@ -150,7 +150,7 @@ def test_a_file_that_is_gone_is_named(copy, name):
 def test_a_trace_that_is_gone_is_missed_everywhere(copy):
     path = sorted((copy / "traces").iterdir())[3]
     path.unlink()
-    faults = " ".join(verify(copy).faults)
+    faults = " ".join(verify_survey(copy).faults)
     assert f"traces/{path.name} is in the manifest but is gone" in faults
     assert "trace 3 is in survey.bag but has no readable JSON file" in faults
     assert "trace 3 is in survey.mcap but has no readable JSON file" in faults
@@ -160,7 +160,7 @@ def test_a_trace_that_is_gone_is_missed_everywhere(copy):
 
 def test_a_file_that_was_added_is_named(copy):
     (copy / "traces" / "note.txt").write_text("hello")
-    assert verify(copy).faults == ["traces/note.txt is not in the manifest"]
+    assert verify_survey(copy).faults == ["traces/note.txt is not in the manifest"]
 
 
 def test_a_name_that_is_no_text_is_told(copy):
@@ -177,12 +177,12 @@ def test_a_link_in_the_place_of_a_file_is_not_followed(copy, tmp_path):
     path = sorted((copy / "traces").iterdir())[0]
     path.rename(tmp_path / "elsewhere.json")
     path.symlink_to(tmp_path / "elsewhere.json")
-    assert any(path.name in fault for fault in verify(copy).faults)
+    assert any(path.name in fault for fault in verify_survey(copy).faults)
 
 
 def test_a_trace_at_another_place_than_planned_is_named(tmp_path):
     folder = make_survey(tmp_path, 18, "finished", misplaced={5: {"x_coord_mm": 10.02}})
-    assert without_manifest_faults(verify(folder)) == [
+    assert without_manifest_faults(verify_survey(folder)) == [
         "trace 5 was taken at x 10.02, planned was 20",
         "survey.json says finished, but not every planned trace is readable",
     ]
@@ -192,7 +192,7 @@ def test_a_trace_with_other_frequencies_than_planned_is_named(tmp_path):
     short = planned_trace(5).frequency_hz[:4]
     misplaced = {5: {"frequency_hz": short, "s21_real": short, "s21_imag": short}}
     folder = make_survey(tmp_path, 18, "stopped", misplaced=misplaced)
-    assert verify(folder).faults == ["trace 5 has 4 points, planned were 5"]
+    assert verify_survey(folder).faults == ["trace 5 has 4 points, planned were 5"]
 
 
 @pytest.mark.parametrize(
@@ -210,7 +210,7 @@ def test_a_trace_with_other_frequencies_than_planned_is_named(tmp_path):
 def test_words_that_contradict_the_files_are_faults(stopped, tmp_path, changes, reason):
     folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
     change_json(folder / "survey.json", **changes)
-    found = verify(folder)
+    found = verify_survey(folder)
     assert found.status == 2
     assert any(reason in fault for fault in found.faults)
 
@@ -233,7 +233,7 @@ def test_many_faults_are_counted_and_told_on_request(copy, capsys):
 def test_checking_changes_nothing(copy):
     before = {one: (one.read_bytes(), one.stat().st_mtime_ns) for one in copy.rglob("*.*")
               if one.is_file()}  # fmt: skip
-    verify(copy)
+    verify_survey(copy)
     assert before == {one: (one.read_bytes(), one.stat().st_mtime_ns) for one in copy.rglob("*.*")
                       if one.is_file()}  # fmt: skip
 

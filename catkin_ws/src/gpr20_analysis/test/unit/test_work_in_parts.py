@@ -10,24 +10,31 @@ from ground_kit import IMAGING_SCENE, survey_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
-from gpr20_analysis.mid.imaging.records import Ground
-from gpr20_analysis.mid.processing.background import remove_background
-from gpr20_analysis.mid.workers import ThisProcess, slices
+from gpr20_analysis import cluster
+from gpr20_analysis.cluster import slices
+from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.background import remove_background
 
 OPTIONS = ImageOptions(permittivity=4.0, depth_m=tuple(np.arange(0.03, 0.12, 0.01)))
 
 
-class InParts(ThisProcess):
-    """Cuts work as for a cluster, and does it here."""
+@pytest.fixture
+def cut(monkeypatch):
+    """Return a function that lets work be cut as for a cluster, and done here."""
+    calls = []
+    distribute = cluster.distribute
 
-    def __init__(self, parts):
-        self.parts = parts
-        self.calls = []
+    def counting(function, shared, things):
+        calls.append(len(things))
+        return distribute(function, shared, things)
 
-    def map(self, function, shared, things):
-        self.calls.append(len(things))
-        return super().map(function, shared, things)
+    def into(parts):
+        monkeypatch.setattr(cluster, "parts", lambda: parts)
+        monkeypatch.setattr(cluster, "distribute", counting)
+        return calls
+
+    return into
 
 
 @pytest.fixture(scope="module")
@@ -39,29 +46,30 @@ def cleaned():
 
 @pytest.mark.parametrize("parts", [2, 5, 64])
 @pytest.mark.parametrize("method", Method)
-def test_an_image_in_parts_is_the_same_to_the_last_digit(cleaned, method, parts):
-    workers = InParts(parts)
+def test_an_image_in_parts_is_the_same_to_the_last_digit(cleaned, cut, method, parts):
     options = replace(OPTIONS, method=method)
     expected = image_survey(cleaned, options)
     assert np.abs(expected.image.values).max() > 0.0
-    np.testing.assert_array_equal(image_survey(cleaned, options, workers).image, expected.image)
-    assert min(workers.calls) > 1
+    calls = cut(parts)
+    np.testing.assert_array_equal(image_survey(cleaned, options).image, expected.image)
+    assert min(calls) > 1
 
 
 @pytest.mark.parametrize("separation_m", [0.0, 0.1])
-def test_back_projection_over_uneven_ground_in_parts_is_the_same(cleaned, separation_m):
+def test_back_projection_over_uneven_ground_in_parts_is_the_same(cleaned, cut, separation_m):
     options = replace(
         OPTIONS, method=Method.BACK_PROJECTION, ground=Ground.UNEVEN, separation_m=separation_m
     )
     expected = image_survey(cleaned, options).image
-    np.testing.assert_array_equal(image_survey(cleaned, options, InParts(4)).image, expected)
+    assert not cut(4)
+    np.testing.assert_array_equal(image_survey(cleaned, options).image, expected)
 
 
-def test_the_permittivity_that_is_estimated_in_parts_is_the_same():
+def test_the_permittivity_that_is_estimated_in_parts_is_the_same(cut):
     survey = remove_background(survey_of(IMAGING_SCENE))
     expected = image_survey(survey, replace(OPTIONS, permittivity=None))
-    found = image_survey(survey, replace(OPTIONS, permittivity=None), InParts(6))
-    assert found.identical(expected)
+    assert not cut(6)
+    assert image_survey(survey, replace(OPTIONS, permittivity=None)).identical(expected)
 
 
 @given(st.integers(1, 200), st.integers(1, 50))

@@ -9,7 +9,7 @@ import socket
 import pytest
 from storage_kit import STARTED_US, SURVEY, Kit, make_trace
 
-from gpr20_analysis.mid.manifest_check import check_files
+from gpr20_analysis.read.manifest_check import check_files
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files import durable_files
 from gpr20_survey.recording.recordings import open_recordings

@@ -11,26 +11,26 @@ from typing import Dict, List, Optional
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.commands import outputs, processing_input, scheduler, survey_input
+from gpr20_analysis import cluster
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.outputs import Output
+from gpr20_analysis.commands.outputs import Output, save_figure
+from gpr20_analysis.dataset import DEPTH, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError
-from gpr20_analysis.low.figure_file import save_figure
-from gpr20_analysis.low.vtk_file import SUFFIX as VTK
-from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid.dataset import DEPTH, POLARIZATION
-from gpr20_analysis.mid.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.mid.imaging.echoes import FAINTEST_DB, Echo, find_echoes
-from gpr20_analysis.mid.imaging.image import ImageOptions, Method, image_survey
-from gpr20_analysis.mid.imaging.image_output import (
+from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.imaging.echoes import FAINTEST_DB, Echo, find_echoes
+from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.image_output import SUFFIX as VTK
+from gpr20_analysis.imaging.image_output import (
     echo_lines,
     permittivity_line,
     rotation_word,
     write_volume,
 )
-from gpr20_analysis.mid.imaging.records import Ground
-from gpr20_analysis.mid.processing.chain import PROCESSING, recipe_of
-from gpr20_analysis.mid.processing.sweep import Window
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.chain import PROCESSING, recipe_of
+from gpr20_analysis.processing.sweep import Window
 
 DEFAULT_STEPS = ("background:method=mean",)
 MOST_DEPTHS = 5000
@@ -41,10 +41,10 @@ ESTIMATE = ("permittivity_lowest", "permittivity_highest", "depth_uncertainty")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    survey_input.add_survey(parser)
-    processing_input.add_steps(parser)
+    inputs.add_survey(parser)
+    inputs.add_steps(parser)
     add_image_options(parser)
-    scheduler.add_scheduler(parser)
+    inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
         help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
@@ -91,16 +91,15 @@ def run(chosen: argparse.Namespace) -> int:
             f"--faintest is {chosen.faintest:g} dB; it must be {-FAINTEST_LIMIT_DB:g}.. below 0, "
             "since no echo is stronger than the brightest"
         )
-    steps = processing_input.steps_of(chosen)
-    inputs = processing_input.inputs_of(chosen, steps)
-    outputs.check(_outputs(chosen), inputs, chosen.overwrite)
-    survey = survey_input.load(chosen)
+    steps = inputs.steps_of(chosen)
+    outputs.check(_outputs(chosen), inputs.inputs_of(chosen, steps), chosen.overwrite)
+    survey = inputs.load(chosen)
     default = () if recipe_of(survey) else DEFAULT_STEPS
-    with scheduler.machines(chosen) as machines:
-        steps = processing_input.steps_of(chosen, default)
-        processed, status = processing_input.process(machines.spread(survey), steps)
-        progress = survey_input.progress_bar("imaging polarizations")
-        image = image_survey(processed, options, machines, progress)
+    with cluster.connected(chosen.scheduler):
+        steps = inputs.steps_of(chosen, default)
+        processed, status = inputs.process(cluster.spread(survey), steps)
+        progress = inputs.progress_bar("imaging polarizations")
+        image = image_survey(processed, options, progress)
     _write(image, chosen)
     _tell(image, chosen)
     return status
@@ -145,15 +144,15 @@ def _write(image: xr.Dataset, chosen: argparse.Namespace) -> None:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
         else:
-            with whole_output(path) as place:
+            with atomic_output(path) as place:
                 write_volume(image, place)
     if chosen.figures:
-        with whole_output(chosen.figures) as folder:
+        with atomic_output(chosen.figures) as folder:
             _draw(image, folder, chosen.faintest)
 
 
 def _draw(image: xr.Dataset, folder: Path, faintest_db: float) -> None:
-    from gpr20_analysis.mid.plotting.scans import c_scan_figure, projection_figure
+    from gpr20_analysis.plotting.scans import c_scan_figure, projection_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):

@@ -5,24 +5,21 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import xarray as xr
-
-from gpr20_analysis.commands import outputs, survey_input
+from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.mid import dataset_files
-from gpr20_analysis.mid.formats import gprmax, group_csv, merged_hdf5, original_json
-from gpr20_analysis.mid.formats.gprmax_source import WAVEFORMS
-
-FORMATS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
+from gpr20_analysis.formats import dataset_files
+from gpr20_analysis.formats.conversion import IMPORTS, import_survey
+from gpr20_analysis.formats.gprmax import Band
+from gpr20_analysis.formats.gprmax_source import WAVEFORMS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    band = gprmax.Band()
+    band = Band()
     parser.add_argument("input", type=Path, help="file, or folder of files")
     parser.add_argument("output", type=Path, help="Dataset to write, .nc or .zarr")
-    parser.add_argument("--format", choices=FORMATS, required=True, help="what the input is")
+    parser.add_argument("--format", choices=IMPORTS, required=True, help="what the input is")
     parser.add_argument(
         "--band",
         nargs=3,
@@ -48,29 +45,28 @@ def run(chosen: argparse.Namespace) -> int:
     outputs.check(written, [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
         raise AnalysisError(f"{chosen.input} does not exist")
-    survey = _read(chosen)
-    survey_input.tell(survey)
+    survey = import_survey(
+        chosen.input,
+        chosen.format,
+        _band(chosen),
+        chosen.height,
+        chosen.source,
+        inputs.progress_bar("reading"),
+    )
+    inputs.tell(survey)
     dataset_files.write_dataset(survey, chosen.output)
     print(f"{chosen.output}: {dict(survey.sizes)}")
-    return survey_input.status_of(survey)
+    return inputs.status_of(survey)
 
 
-def _read(chosen: argparse.Namespace) -> xr.Dataset:
-    progress = survey_input.progress_bar("reading")
-    if chosen.format == "group-csv":
-        return group_csv.read_group_csv(chosen.input, progress)
-    if chosen.format == "merged-hdf5":
-        return merged_hdf5.read_merged(chosen.input)
-    if chosen.format == "original-json":
-        return original_json.read_original(chosen.input, progress)
+def _band(chosen: argparse.Namespace) -> Band:
     start_hz, stop_hz, points = chosen.band
     if not (0.0 < start_hz < stop_hz and points >= 2 and points == int(points)):
         raise AnalysisError(
             f"--band is {start_hz:g} {stop_hz:g} {points:g}; it must be 0 < START < STOP and a "
             "whole number of at least 2 points"
         )
-    band = gprmax.Band(start_hz, stop_hz, int(points))
-    return gprmax.read_gprmax(chosen.input, band, chosen.height, chosen.source, progress)
+    return Band(start_hz, stop_hz, int(points))
 
 
 COMMAND = Command(

@@ -10,7 +10,7 @@ import traceback
 from typing import List, Optional
 
 from gpr20_analysis import __version__
-from gpr20_analysis.commands import registry
+from gpr20_analysis.commands import command
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
 from gpr20_common.errors import Gpr20Error
 
@@ -77,15 +77,15 @@ def _parser(given: List[str]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gpr20 {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
-    for name, summary in registry.SUMMARIES.items():
+    for name, summary in command.SUMMARIES.items():
         # Help lists every command, but only the chosen one's libraries are loaded.
         if given[:1] == [name]:
-            command = registry.load(name)
+            chosen = command.load(name)
             own = commands.add_parser(
-                name, help=summary, description=command.description, epilog=EXIT_STATUS
+                name, help=summary, description=chosen.description, epilog=EXIT_STATUS
             )
-            command.add_arguments(own)
-            own.set_defaults(run=command.run)
+            chosen.add_arguments(own)
+            own.set_defaults(run=chosen.run)
         else:
             commands.add_parser(name, help=summary)
     return parser

@@ -7,10 +7,10 @@ import os
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import List, Sequence
+from typing import TYPE_CHECKING, List, Sequence
 
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.mid.dataset_files import NETCDF, ZARR, is_dataset
+from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, is_dataset
 from gpr20_survey.folder import survey_folder
 
 SURVEY_PARTS = (survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER)
@@ -119,3 +119,22 @@ def _check_parent(path: Path, place: Path) -> None:
         raise ExportError(f"{path} cannot be written: {above} is no folder")
     if not os.access(str(above), os.W_OK | os.X_OK):
         raise ExportError(f"{path} cannot be written: {above} is read-only; name another place")
+
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = (".png", ".svg", ".pdf")
+RESOLUTION_DPI = 300
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, SVG or PDF, by the name's ending.
+
+    Raises:
+        ExportError: The name ends in something else.
+        OSError: It cannot be written.
+    """
+    if path.suffix not in FORMATS:
+        raise ExportError(f"{path.name} must end in {', '.join(FORMATS)}")
+    figure.savefig(str(path), dpi=RESOLUTION_DPI)

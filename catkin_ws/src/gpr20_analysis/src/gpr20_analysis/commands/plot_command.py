@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Dict, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.commands import outputs, processing_input, scheduler, survey_input
+from gpr20_analysis import cluster
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.outputs import Output
+from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
+from gpr20_analysis.dataset import A_SCAN, DELAY, DEPTH, IMAGE, MM_PER_M, X, Y
 from gpr20_analysis.errors import ExportError, WrongDatasetError
-from gpr20_analysis.low.figure_file import FORMATS, save_figure
-from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid.dataset import A_SCAN, DELAY, DEPTH, IMAGE, MM_PER_M, X, Y
-from gpr20_analysis.mid.processing.delay import to_time
+from gpr20_analysis.processing.delay import to_time
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +36,8 @@ NS_PER_S = 1e9
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("kind", choices=KINDS, help="what to draw")
-    survey_input.add_survey(parser)
-    processing_input.add_steps(parser)
+    inputs.add_survey(parser)
+    inputs.add_steps(parser)
     parser.add_argument("--x", type=float, metavar="MM", help="place; default the middle")
     parser.add_argument("--y", type=float, metavar="MM", help="place; default the middle")
     parser.add_argument("--along", choices=(X, Y), help="direction of a B-scan; default x")
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rotation", type=float, metavar="DEG", help="of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
     outputs.add_overwrite(parser)
-    scheduler.add_scheduler(parser)
+    inputs.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -58,14 +58,13 @@ def run(chosen: argparse.Namespace) -> int:
     if chosen.output.suffix not in FORMATS:
         raise ExportError(f"{chosen.output.name} must end in {', '.join(FORMATS)}")
     _check_options(chosen)
-    steps = processing_input.steps_of(chosen)
-    inputs = processing_input.inputs_of(chosen, steps)
-    outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
-    survey = survey_input.load(chosen)
-    with scheduler.machines(chosen) as machines:
-        data, status = processing_input.process(machines.spread(survey), steps)
+    steps = inputs.steps_of(chosen)
+    outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
+    survey = inputs.load(chosen)
+    with cluster.connected(chosen.scheduler):
+        data, status = inputs.process(cluster.spread(survey), steps)
         figure = figure_of(data, chosen)
-    with whole_output(chosen.output) as place:
+    with atomic_output(chosen.output) as place:
         save_figure(figure, place)
     return status
 
@@ -86,7 +85,7 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
     Raises:
         WrongDatasetError: The data do not hold what it shows.
     """
-    from gpr20_analysis.mid.plotting import maps, scans
+    from gpr20_analysis.plotting import maps, scans
 
     if chosen.kind == "coverage":
         return maps.coverage_figure(data)
@@ -108,7 +107,7 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
 
 
 def _c_scan(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
-    from gpr20_analysis.mid.plotting import scans
+    from gpr20_analysis.plotting import scans
 
     if IMAGE in data:
         if chosen.delay is not None:

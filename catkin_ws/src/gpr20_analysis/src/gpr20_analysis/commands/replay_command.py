@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
-from gpr20_analysis.mid.replay import Pace, paced, recorded
+from gpr20_analysis.read.replay import Pace, paced, recorded
 from gpr20_common.low.clock import Clock
 
 SUBSCRIBER_WAIT_S = 2.0

@@ -5,60 +5,53 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis.commands import (
-    image_command,
-    outputs,
-    processing_input,
-    scheduler,
-    survey_input,
-)
+from gpr20_analysis import cluster, dataset
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.low.whole_output import whole_output
-from gpr20_analysis.mid import dataset
 
 HTML, PDF = ".html", ".pdf"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    survey_input.add_survey(parser)
-    processing_input.add_steps(parser)
+    inputs.add_survey(parser)
+    inputs.add_steps(parser)
     parser.add_argument(
         "--output", "-o", type=Path, required=True, help="report to write: .html or .pdf"
     )
     image_command.add_image_options(parser)
     outputs.add_overwrite(parser)
-    scheduler.add_scheduler(parser)
+    inputs.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Write the report; return the exit status."""
     if chosen.output.suffix not in (HTML, PDF):
         raise ExportError(f"{chosen.output.name} must end in {HTML} or {PDF}")
-    from gpr20_analysis.mid.report.page import page
-    from gpr20_analysis.mid.report.pdf_pages import write_pdf
-    from gpr20_analysis.mid.report.sections import sections_of
+    from gpr20_analysis.report.page import page
+    from gpr20_analysis.report.pdf_pages import write_pdf
+    from gpr20_analysis.report.sections import sections_of
 
     options = image_command.options_of(chosen)
-    steps = processing_input.steps_of(chosen, image_command.DEFAULT_STEPS)
-    inputs = processing_input.inputs_of(chosen, steps)
-    outputs.check([Output(chosen.output)], inputs, chosen.overwrite)
-    survey = survey_input.load(chosen)
+    steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
+    outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
+    survey = inputs.load(chosen)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    progress = survey_input.progress_bar("making the report")
-    with scheduler.machines(chosen) as machines:
-        spread = machines.spread(survey)
-        sections = sections_of(spread, chosen.survey, steps, options, progress, machines)
+    progress = inputs.progress_bar("making the report")
+    with cluster.connected(chosen.scheduler):
+        spread = cluster.spread(survey)
+        sections = sections_of(spread, chosen.survey, steps, options, progress)
     title = f"GPR-20 survey {survey.attrs.get('survey_id', survey.attrs.get('source', ''))}"
-    with whole_output(chosen.output) as place:
+    with atomic_output(chosen.output) as place:
         if chosen.output.suffix == PDF:
             write_pdf(place, title, sections)
         else:
             place.write_text(page(title, sections), encoding="utf-8")
     print(chosen.output)
-    return survey_input.status_of(survey)
+    return inputs.status_of(survey)
 
 
 COMMAND = Command(

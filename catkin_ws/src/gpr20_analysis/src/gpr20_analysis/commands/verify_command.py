@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis.commands import survey_input
+from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.mid.verification import verify
+from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.errors import printable
 
 FAULTS_TOLD = 50
@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Check the folder, tell what was found and return the exit status."""
-    found = verify(chosen.folder, survey_input.progress_bar("verifying"))
+    found = verify_survey(chosen.folder, inputs.progress_bar("verifying"))
     told = found.faults if chosen.all else found.faults[:FAULTS_TOLD]
     for fault in told:
         print(f"FAULT: {printable(fault)}")

@@ -9,7 +9,7 @@ import rosgraph
 import rospy
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.mid.replay import Content
+from gpr20_analysis.read.replay import Content
 from gpr20_common.high.raw_message import preserialized
 from gpr20_msgs.msg import Trace
 from gpr20_survey.recording.recording import RecordedMessage

@@ -15,6 +15,7 @@ MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
+INTERRUPTED = "interrupted"  # the outcome of a survey that the storage closed by itself
 
 # What the storage itself writes into survey.json, beside the metadata.
 OWN_KEYS = frozenset(

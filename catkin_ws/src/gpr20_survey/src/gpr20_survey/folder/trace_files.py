@@ -28,8 +28,17 @@ class TraceFiles:
     """Files that are no whole trace of this survey, and why."""
 
 
-def read_trace(path: Path, survey_id: str) -> Trace:
+def read_trace(
+    path: Path,
+    survey_id: Optional[str] = None,
+    decode: Callable[[bytes], Trace] = trace_json.decode,
+) -> Trace:
     """Return the trace of a file, if all of it is as the storage wrote it.
+
+    Args:
+        path: The file.
+        survey_id: Whose trace it must be; None: of any survey.
+        decode: Makes a trace of the content.
 
     Raises:
         TraceRefusedError: It is not.
@@ -39,8 +48,8 @@ def read_trace(path: Path, survey_id: str) -> Trace:
         content = stream.read(MAX_FILE_BYTES + 1)
     if len(content) > MAX_FILE_BYTES:
         raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")
-    trace = trace_json.decode(content)
-    if trace.survey_id != survey_id:
+    trace = decode(content)
+    if survey_id is not None and trace.survey_id != survey_id:
         raise TraceRefusedError(f"the trace belongs to survey {trace.survey_id}")
     if survey_folder.trace_file_name(trace) != path.name:
         raise TraceRefusedError(

@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, Optional
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
@@ -17,8 +18,6 @@ from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
 from gpr20_vna_processing.mid.reopening import Reopening, reopened_survey
-
-INTERRUPTED = "interrupted"
 
 
 class SurveySlot:

@@ -1,0 +1,81 @@
+"""SHA-256 with a file or folder, since HDF5 and Zarr do not check all of what they read.
+
+A byte changed in what HDF5 keeps of its own can make its library crash. A file gets a last line
+behind its content, which readers of HDF5 do not look at; a folder gets one more file, with a line
+for each of the others.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Dict
+
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files, sha256_and_size
+
+WORD = b"\n#gpr20 sha256 "
+LINE_BYTES = len(WORD) + 64 + 1
+SUMS_FILE = ".gpr20-sha256"
+
+
+def add_checksum(path: Path) -> None:
+    """Add the checksum to a file or folder that has none.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    if path.is_dir():
+        lines = [f"{digest} {name}\n" for name, digest in _sums(path).items()]
+        (path / SUMS_FILE).write_text("".join(lines), encoding="utf-8")
+    else:
+        line = WORD + sha256_and_size(path)[0].encode("ascii") + b"\n"
+        with path.open("ab") as stream:
+            stream.write(line)
+
+
+def has_checksum(path: Path) -> bool:
+    """Say whether there is a checksum, which is right then; without one nothing is known.
+
+    Raises:
+        UnreadableFileError: What is there is not what was written.
+        OSError: It cannot be read.
+    """
+    if path.is_dir():
+        return _check_folder(path)
+    size = path.stat().st_size - LINE_BYTES
+    digest = hashlib.sha256()
+    with path.open("rb") as stream:
+        stream.seek(max(size, 0))
+        line = stream.read()
+        if size < 0 or not line.startswith(WORD):
+            return False
+        stream.seek(0)
+        for start in range(0, size, PIECE_BYTES):
+            digest.update(stream.read(min(PIECE_BYTES, size - start)))
+    if line != WORD + digest.hexdigest().encode("ascii") + b"\n":
+        raise UnreadableFileError(
+            f"{path} is damaged: its bytes are not those that were written (SHA-256); make it anew "
+            "from the survey"
+        )
+    return True
+
+
+def _check_folder(path: Path) -> bool:
+    if not (path / SUMS_FILE).exists():
+        return False
+    lines = (path / SUMS_FILE).read_text(encoding="utf-8", errors="replace").splitlines()
+    listed = {name: digest for digest, _, name in (line.partition(" ") for line in lines)}
+    found = _sums(path)
+    wrong = [name for name in {**listed, **found} if listed.get(name) != found.get(name)]
+    if wrong:
+        raise UnreadableFileError(
+            f"{path} is damaged: {len(wrong)} of its files are not those that were written "
+            f"(SHA-256), e.g. {min(wrong)}; make it anew from the survey"
+        )
+    return True
+
+
+def _sums(path: Path) -> Dict[str, str]:
+    names = (name for name in regular_files(path) if name != SUMS_FILE)
+    return {name: sha256_and_size(path / name)[0] for name in names}

@@ -1,0 +1,187 @@
+"""Datasets of surveys, A-scans and images as NetCDF and Zarr.
+
+NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real` and `s21_imag`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Dict, Optional
+
+import dask.array
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.dataset import LIST_ATTRIBUTES, Y
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError, UnreadableFileError
+from gpr20_analysis.formats.checksums import add_checksum, has_checksum
+
+NETCDF, ZARR = ".nc", ".zarr"
+REAL, IMAGINARY = "_real", "_imag"
+PART_OF = "complex_part_of"
+OVERHEAD_BYTES = 1 << 20
+LEAST_LAZY_DIMS = 4
+CHUNK_BYTES = 16 << 20
+"""Of lazy numbers, what each thread has in memory at once; a step may need eight times as much."""
+NO_CHECKSUM = "carries no checksum of gpr20: if it changed on the disk, that cannot be seen"
+
+
+def is_dataset(path: Path) -> bool:
+    """Say whether a path names a Dataset written by `write_dataset`."""
+    return path.suffix in (NETCDF, ZARR)
+
+
+def write_dataset(data: xr.Dataset, path: Path) -> None:
+    """Write any Dataset, complex variables included; the file is whole or not there.
+
+    Args:
+        data: In memory or lazy.
+        path: Ends in .nc or .zarr; what is there is replaced.
+
+    Raises:
+        AnalysisError: The path ends in something else.
+        ExportError: The disk refused.
+    """
+    if not is_dataset(path):
+        raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
+    stored = _as_real(data)
+    # xarray casts the times of missing samples by way of NaN, which numpy warns of.
+    with np.errstate(invalid="ignore"), atomic_output(path, _size(stored)) as place:
+        if path.suffix == ZARR:
+            stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
+        else:
+            stored.to_netcdf(str(place), engine="h5netcdf")
+        add_checksum(place)
+
+
+def _size(stored: xr.Dataset) -> int:
+    return int(stored.nbytes) + OVERHEAD_BYTES
+
+
+def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
+    """Read what `write_dataset` wrote.
+
+    Args:
+        path: Ends in .nc or .zarr.
+        lazy_bytes: Spectra, A-scans or an image larger than this [bytes] become a dask array in
+            chunks of whole rows; everything else is read into memory. None: all of it is.
+
+    Raises:
+        UnreadableFileError: It is damaged, or is something else.
+        MissingLibraryError: zarr is not installed.
+        OSError: It cannot be read.
+    """
+    if not path.exists():
+        raise AnalysisError(f"{path} does not exist")
+    checked = has_checksum(path)
+    try:
+        with np.errstate(invalid="ignore"):
+            data = _read(path, lazy_bytes)
+    except MissingLibraryError:
+        raise
+    # Whatever is changed in such a file, the libraries beneath raise errors of many kinds.
+    except Exception as error:
+        raise UnreadableFileError(f"{path} cannot be read as a Dataset: {error}") from error
+    if not checked:
+        data.attrs["notes"] = [*data.attrs.get("notes", []), f"{path.name} {NO_CHECKSUM}"]
+    return data
+
+
+def _read(path: Path, lazy_bytes: Optional[int]) -> xr.Dataset:
+    if path.suffix == ZARR:
+        _zarr_version()
+        stored = xr.open_zarr(str(path), chunks=None)
+        return _as_complex(_loaded(stored, lazy_bytes))
+    stored = xr.open_dataset(str(path), engine="h5netcdf")
+    try:
+        data = _as_complex(_loaded(stored, lazy_bytes))
+    except BaseException:
+        stored.close()
+        raise
+    # What is lazy reads on from the open file.
+    if not data.chunks:
+        stored.close()
+    return data
+
+
+def _loaded(stored: xr.Dataset, lazy_bytes: Optional[int]) -> xr.Dataset:
+    """Return a Dataset in memory, but for what is larger than so many bytes."""
+    data = stored
+    for name, values in stored.variables.items():
+        # The other half of a complex variable is as large.
+        size = values.nbytes * (2 if PART_OF in values.attrs else 1)
+        if lazy_bytes is None or size <= lazy_bytes or values.ndim < LEAST_LAZY_DIMS:
+            data[name].load()
+        else:
+            row_bytes = values.nbytes // (values.sizes[values.dims[0]] * values.sizes[Y])
+            rows = max(1, CHUNK_BYTES // (2 * row_bytes))
+            whole = dict.fromkeys(values.dims, -1)
+            chunks = {**whole, values.dims[0]: 1, Y: rows}
+            data = data.assign({name: stored[name].chunk(chunks)})
+    return data
+
+
+def _zarr_format() -> Dict[str, Any]:
+    """Return the arguments by which every zarr writes format 2, which every zarr reads."""
+    return {} if _zarr_version() < 3 else {"zarr_format": 2}
+
+
+def _zarr_version() -> int:
+    try:
+        from zarr import __version__
+    except ImportError as error:
+        raise MissingLibraryError("Zarr needs zarr: pip install 'gpr20_analysis[zarr]'") from error
+    return int(__version__.split(".")[0])
+
+
+def _as_real(data: xr.Dataset) -> xr.Dataset:
+    variables: Dict[str, Any] = {}
+    for name, values in data.data_vars.items():
+        if np.issubdtype(values.dtype, np.complexfloating):
+            for ending, part in ((REAL, values.real), (IMAGINARY, values.imag)):
+                variables[f"{name}{ending}"] = part.assign_attrs({**values.attrs, PART_OF: name})
+        else:
+            variables[str(name)] = values
+    stored = xr.Dataset(variables, data.coords, {})
+    for key, value in data.attrs.items():
+        stored.attrs[key] = _plain(key, value)
+    return stored
+
+
+def _plain(key: str, value: Any) -> Any:
+    if key in LIST_ATTRIBUTES or isinstance(value, (dict, list, tuple)):
+        return json.dumps(value)
+    return int(value) if isinstance(value, (bool, np.bool_)) else value
+
+
+def _kind(real: Any) -> Any:
+    return np.result_type(real, np.complex64)
+
+
+def _joined(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    values = np.empty(real.shape, _kind(real.dtype))
+    values.real, values.imag = real, imaginary
+    return values
+
+
+def _as_complex(stored: xr.Dataset) -> xr.Dataset:
+    data = stored.copy()
+    for name in list(stored.data_vars):
+        whole = stored[name].attrs.get(PART_OF)
+        if whole is None or not str(name).endswith(REAL):
+            continue
+        real, imaginary = stored[name], stored[f"{whole}{IMAGINARY}"]
+        if real.chunks is None:
+            values = _joined(real.values, imaginary.values)
+        else:
+            kind = _kind(real.dtype)
+            values = dask.array.map_blocks(_joined, real.data, imaginary.data, dtype=kind)
+        kept = {key: value for key, value in real.attrs.items() if key != PART_OF}
+        data[whole] = (real.dims, values, kept)
+        data = data.drop_vars([f"{whole}{REAL}", f"{whole}{IMAGINARY}"])
+    for key in LIST_ATTRIBUTES:
+        if isinstance(data.attrs.get(key), str):
+            data.attrs[key] = json.loads(data.attrs[key])
+    return data

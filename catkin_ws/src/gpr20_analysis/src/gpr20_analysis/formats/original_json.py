@@ -1,0 +1,112 @@
+"""The JSON samples of the project that this one follows."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any, Dict
+
+import numpy as np
+import orjson
+import pandas as pd
+import xarray as xr
+
+from gpr20_analysis import dataset
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.formats.common import on_grid, usable_samples
+from gpr20_analysis.progress import Progress, silent
+
+VALUES = ("freq_value", "real_value", "imaginary_value")
+TIME = "%Y%m%d%H%M%S"
+NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
+SAME_PARTS = (
+    "real and imaginary parts are the same in every sample: a former version of the storing "
+    "program lost the imaginary part, so there is no phase and no image can be made of it"
+)
+
+
+def write_original(survey: xr.Dataset, folder: Path, progress: Progress = silent) -> int:
+    """Write one file per sample and return how many; samples without numbers have none.
+
+    Raises:
+        OSError: The disk refused, or a file exists.
+    """
+    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    frequencies = survey[dataset.FREQUENCY].values.tolist()
+    facts = {
+        name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
+        for name in (dataset.HEIGHT, dataset.TIMESTAMP, "sample_id")
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    samples = usable_samples(survey)
+    for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
+        moment = facts[dataset.TIMESTAMP][place]
+        height_m = float(facts[dataset.HEIGHT][place])
+        values = np.asarray(s21[place]).tolist()
+        sample: Dict[str, Any] = {
+            "x_coord": x_mm,
+            "y_coord": y_mm,
+            "z_coord": z_deg,
+            "antennae_height": None if math.isnan(height_m) else height_m,
+            "timestamp": "" if np.isnat(moment) else pd.Timestamp(moment).strftime(TIME),
+            "survey_id": str(survey.attrs.get("survey_id", "")),
+            "sample_id": str(facts["sample_id"][place]),
+            "data": [
+                {"freq_value": one, "real_value": value.real, "imaginary_value": value.imag}
+                for one, value in zip(frequencies, values)
+            ],
+        }
+        name = f"X{x_mm:06.2f}_Y{y_mm:06.2f}_Z{z_deg:06.2f}.json"
+        with (folder / name).open("x", encoding="ascii") as stream:
+            json.dump(sample, stream, allow_nan=False)
+    return len(samples)
+
+
+def holds_original(folder: Path) -> bool:
+    """Say whether a folder holds files named as those of the original project."""
+    return any(NAME.fullmatch(path.name) for path in folder.glob("X*.json"))
+
+
+def read_original(folder: Path, progress: Progress = silent) -> xr.Dataset:
+    """Read a folder of such files.
+
+    Raises:
+        AnalysisError: There is none.
+        UnreadableFileError: One is damaged or contradicts another.
+    """
+    paths = sorted(path for path in folder.glob("X*.json") if NAME.fullmatch(path.name))
+    if not paths:
+        raise AnalysisError(f"{folder} holds no files X000.00_Y000.00_Z000.00.json")
+    samples = [_read(path) for path in progress(paths, len(paths))]
+    frequency_hz = samples[0].pop("frequency_hz")
+    for path, sample in zip(paths[1:], samples[1:]):
+        if not np.array_equal(sample.pop("frequency_hz"), frequency_hz):
+            raise UnreadableFileError(f"{path.name} has other frequencies than {paths[0].name}")
+    copied = all(np.array_equal(sample["s21"].real, sample["s21"].imag) for sample in samples)
+    return on_grid(
+        folder.name,
+        np.array([sample["position"] for sample in samples]),
+        (sample["s21"] for sample in samples),
+        [sample["height_m"] for sample in samples],
+        frequency_hz,
+        [SAME_PARTS] if copied else [],
+    )
+
+
+def _read(path: Path) -> Dict[str, Any]:
+    try:
+        sample = orjson.loads(path.read_bytes())
+        rows = np.array([[row[key] for key in VALUES] for row in sample["data"]], np.float64)
+        if rows.ndim != 2 or not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0).all():
+            raise ValueError("its frequencies do not ascend, or values are no numbers")
+        height = sample["antennae_height"]
+        return {
+            "position": [float(sample[key]) for key in ("z_coord", "y_coord", "x_coord")],
+            "height_m": math.nan if height is None else float(height),
+            "frequency_hz": rows[:, 0],
+            "s21": rows[:, 1] + 1j * rows[:, 2],
+        }
+    except (KeyError, TypeError, ValueError) as error:
+        raise UnreadableFileError(f"{path.name} is no whole sample: {error!r}") from error

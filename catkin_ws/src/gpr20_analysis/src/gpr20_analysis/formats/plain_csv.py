@@ -1,0 +1,51 @@
+"""One table for spreadsheets: a line per sample, two columns per frequency."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import dataset
+from gpr20_analysis.progress import Progress, silent
+
+FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality"
+
+
+def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = silent) -> int:
+    """Write the table and return its number of samples; those without numbers are left out.
+
+    Numbers have as many digits as bring the same float64 back.
+
+    Raises:
+        OSError: The disk refused, or the file exists.
+    """
+    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    columns = [
+        f"{part}_{frequency_hz!r}_hz"
+        for frequency_hz in survey[dataset.FREQUENCY].values.tolist()
+        for part in ("real", "imag")
+    ]
+    facts = {
+        name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
+        for name in ("index", dataset.HEIGHT, dataset.TIMESTAMP, dataset.QUALITY)
+    }
+    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
+    places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]
+    with path.open("x", encoding="ascii", newline="") as stream:
+        stream.write(",".join([FACTS, *columns]) + "\n")
+        for turn, row, column in progress(places, len(places)):
+            place = (turn, row, column)
+            words = [
+                str(facts["index"][place]),
+                repr(float(survey[dataset.X].values[column])),
+                repr(float(survey[dataset.Y].values[row])),
+                repr(float(survey[dataset.POLARIZATION].values[turn])),
+                repr(float(facts[dataset.HEIGHT][place])),
+                str(facts[dataset.TIMESTAMP][place]),
+                str(facts[dataset.QUALITY][place]),
+            ]
+            numbers = np.ascontiguousarray(s21[place]).view(np.float64).tolist()
+            stream.write(",".join([*words, *map(repr, numbers)]) + "\n")
+    return len(places)

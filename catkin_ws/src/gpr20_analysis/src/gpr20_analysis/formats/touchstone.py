@@ -1,0 +1,56 @@
+"""Touchstone: one two-port file per sample, of which only S21 was measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import dataset
+from gpr20_analysis.errors import MissingLibraryError
+from gpr20_analysis.formats.common import usable_samples
+from gpr20_analysis.progress import Progress, silent
+
+IMPEDANCE_OHM = 50.0
+
+
+def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = silent) -> int:
+    """Write `000123_X0050.00_Y0050.00_Z+090.00.s2p` and so on, and return how many.
+
+    S11, S12 and S22 were not measured; the format needs numbers there, so they are 0, as a
+    comment in each file says.
+
+    Raises:
+        MissingLibraryError: scikit-rf is not installed.
+        OSError: The disk refused.
+    """
+    skrf = _skrf()
+    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    index = dataset.require(survey, "index", dataset.SAMPLE_DIMS).values
+    frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
+    folder.mkdir(parents=True, exist_ok=True)
+    samples = usable_samples(survey)
+    for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
+        scattering = np.zeros((len(frequency), 2, 2), np.complex128)
+        scattering[:, 1, 0] = s21[place]
+        number = int(index[place])
+        network = skrf.Network(frequency=frequency, s=scattering, z0=IMPEDANCE_OHM)
+        network.comments = (
+            f"GPR-20 survey {survey.attrs.get('survey_id', '')} sample {number}\n"
+            "only S21 was measured; S11, S12 and S22 are 0 in place of numbers"
+        )
+        name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
+        network.write_touchstone(name, dir=str(folder), form="ri")
+    return len(samples)
+
+
+def _skrf() -> Any:
+    try:
+        import skrf
+    except ImportError as error:
+        raise MissingLibraryError(
+            "Touchstone needs scikit-rf: pip install 'gpr20_analysis[touchstone]'"
+        ) from error
+    return skrf

@@ -1,0 +1,89 @@
+"""Finely sampled A-scans, as voxels look them up."""
+
+from __future__ import annotations
+
+import math
+from typing import Tuple
+
+import numpy as np
+import scipy.fft
+
+from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+
+# Linear interpolation between samples of the analytic signal loses (2 pi f dt)^2 / 8 of a
+# component: 0.6 % at 3.3 GHz, 2 % at 6 GHz, and turns no phase.
+SAMPLE_S = 10.6e-12
+
+
+def gated_a_scans(
+    spectra: np.ndarray, sweep: FrequencyGrid, window: Window, longest_delay_s: float
+) -> Tuple[np.ndarray, float]:
+    """Return analytic A-scans (trace, delay) from delay 0 on, complex64, and their step [s].
+
+    Args:
+        spectra: Spectra (trace, frequency).
+        sweep: Their frequencies.
+        window: Weights over the band.
+        longest_delay_s: Longest two-way delay that is kept; the A-scans go a little beyond [s].
+    """
+    coarse, gate = gated_sweep(sweep, longest_delay_s)
+    weights = window.weights(sweep.count)
+    scale = coarse.step_hz / (weights.sum() * sweep.step_hz)
+    matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
+    gated = spectra.astype(np.complex64) @ matrix
+    count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
+    sample_s = coarse.unambiguous_s / count
+    # ifft divides by the count; the true frequency of the first value is put back as a phase.
+    samples = scipy.fft.ifft(gated, count, axis=1, workers=2)
+    delay_s = sample_s * np.arange(count)
+    samples *= (count * np.exp(2j * np.pi * coarse.start_hz * delay_s)).astype(np.complex64)
+    kept = int(np.ceil(longest_delay_s / sample_s)) + 4
+    # Never shorter than was asked for: compiled loops look there without asking.
+    beyond = ((0, 0), (0, max(0, kept - count)))
+    return np.ascontiguousarray(np.pad(samples[:, :kept], beyond)), sample_s
+
+
+# Share of the gate over which it fades in, and again over which it fades out.
+TRANSITION = 0.06
+
+
+def gated_sweep(sweep: FrequencyGrid, longest_delay_s: float) -> Tuple[FrequencyGrid, np.ndarray]:
+    """Return a coarser sweep and the matrix that brings spectra onto it.
+
+    The coarser spectrum is that of the trace times a gate, which passes delays from 0 to the
+    longest in full and is 0 outside of twice its transition before and after. The gate is a
+    raised-cosine in time, so its spectrum is known in closed form and no transform is needed.
+
+    Args:
+        sweep: The frequencies of the spectra.
+        longest_delay_s: Longest two-way delay that must be kept [s].
+
+    Returns:
+        The sweep, and a matrix (count of the sweep given, count of the sweep returned): the
+        product spectra @ matrix is the gated spectra; that of an echo within the gate keeps its
+        values. If gating would save nothing, the sweep itself and the identity.
+    """
+    width_s = longest_delay_s * (1.0 + TRANSITION)
+    support_s = width_s * (1.0 + TRANSITION)
+    band_hz = sweep.step_hz * (sweep.count - 1)
+    count = math.ceil(band_hz * support_s) + 1
+    if count >= sweep.count:
+        return sweep, np.eye(sweep.count)
+    coarse = FrequencyGrid(sweep.start_hz, band_hz / (count - 1), count)
+    off_hz = coarse.frequency_hz[None, :] - sweep.frequency_hz[:, None]
+    matrix = _gate_spectrum(off_hz, width_s) * np.exp(-1j * np.pi * off_hz * longest_delay_s)
+    return coarse, matrix * sweep.step_hz
+
+
+def _gate_spectrum(off_hz: np.ndarray, width_s: float) -> np.ndarray:
+    """Fourier transform of a raised-cosine gate about 0, in seconds."""
+    turns = off_hz * width_s
+    denominator = 1.0 - (2.0 * TRANSITION * turns) ** 2
+    # At its zero the quotient's limit is pi / 4.
+    regular = np.abs(denominator) > 1e-9
+    quotient = np.where(
+        regular,
+        np.cos(np.pi * TRANSITION * turns) / np.where(regular, denominator, 1.0),
+        np.pi / 4.0,
+    )
+    return width_s * np.sinc(turns) * quotient

@@ -1,0 +1,204 @@
+"""Phase-shift migration through two layers: air above soil.
+
+Gazdag's wavefield extrapolation with the exploding-reflector model: the spectrum over (kx, ky)
+of all traces is moved down through the air and on into the soil by multiplying phases, and the
+image is the sum over the frequencies at delay 0. Refraction is exact, because the phase of
+each plane wave keeps its horizontal wavenumber across the surface.
+
+It needs a regular grid of positions. All traces are brought to one height first, by the phase of
+a vertical path, so it is exact where the height does not vary.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from typing import Iterator, Tuple, Union
+
+import numpy as np
+import scipy.fft
+from scipy.constants import speed_of_light
+
+from gpr20_analysis import cluster
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.a_scans import gated_sweep
+from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.imaging.refraction import one_way_delay_s
+from gpr20_analysis.processing.sweep import FrequencyGrid
+
+# Positions are read from axes that count steps of 0.01 mm.
+GRID_TOLERANCE = 0.02
+# Samples of wavenumber and frequency that are moved down together; they fit a processor's cache.
+SAMPLES_AT_ONCE = 60_000
+THREADS = 2
+
+
+def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
+    """Return the complex image (depth, y, x) at the positions of the traces.
+
+    Args:
+        traces: Traces on a regular grid.
+        focus: How to focus.
+
+    Raises:
+        WrongDatasetError: The positions are no regular grid.
+    """
+    step_m = (grid_step_m(traces.y_m, "y"), grid_step_m(traces.x_m, "x"))
+    height_m = float(np.mean(traces.height_m))
+    reach_m = _reach_m(height_m, focus, math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m)))
+    deepest_s = one_way_delay_s(height_m, focus.depth_m[-1], reach_m, focus.permittivity)
+    spectra, sweep = _gated_spectra(traces, focus, height_m, 2.0 * float(deepest_s))
+    # Room for waves that leave the grid on one side, so that they do not come in on the other.
+    padded = tuple(
+        scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
+        for count, step in zip(spectra.shape[1:], step_m)
+    )
+    spectra = scipy.fft.fft2(spectra, s=padded, workers=THREADS, overwrite_x=True)
+    air_rad_m = 4.0 * np.pi / speed_of_light * sweep.frequency_hz
+    waves = PlaneWaves(
+        spectra.reshape(sweep.count, -1), air_rad_m, _wavenumbers(padded, step_m), height_m
+    )
+    # Cut by taking turns: most of the work is in the lower wavenumbers, which lie together.
+    parts = cluster.parts()
+    cut = [slice(first, None, parts) for first in range(parts)]
+    image = np.empty((len(focus.depth_m), waves.count), dtype=np.complex64)
+    focused = cluster.distribute(_focused, focus, [waves.some(part) for part in cut])
+    for part, found in zip(cut, focused):
+        image[:, part] = found
+    image = scipy.fft.ifft2(image.reshape(-1, *padded), workers=THREADS, overwrite_x=True)
+    return image[:, : len(traces.y_m), : len(traces.x_m)]
+
+
+class PlaneWaves:
+    """The spectrum of the traces over frequency and horizontal wavenumber.
+
+    Args:
+        spectra: At the height of the antennas (frequency, wavenumber).
+        air_rad_m: Two-way wavenumber in air of each frequency [rad/m], ascending.
+        across_rad_m: Horizontal wavenumber [rad/m].
+        height_m: Height of the antennas [m].
+    """
+
+    def __init__(
+        self, spectra: np.ndarray, air_rad_m: np.ndarray, across_rad_m: np.ndarray, height_m: float
+    ) -> None:
+        self._spectra = spectra
+        self._air_rad_m = air_rad_m
+        self._across_rad_m = across_rad_m
+        self._height_m = height_m
+
+    @property
+    def count(self) -> int:
+        """How many wavenumbers there are."""
+        return len(self._across_rad_m)
+
+    def some(self, part: slice) -> PlaneWaves:
+        """Return those of some wavenumbers."""
+        spectra = np.ascontiguousarray(self._spectra[:, part])
+        return PlaneWaves(spectra, self._air_rad_m, self._across_rad_m[part], self._height_m)
+
+    def parts(self, focus: Focus) -> Iterator[np.ndarray]:
+        """Yield the indices of wavenumbers to be worked on together."""
+        counts = np.count_nonzero(self._taken(focus, slice(None)), axis=0)
+        taken = np.flatnonzero(counts)
+        if taken.size == 0:
+            return
+        part_of = np.cumsum(counts[taken]) // SAMPLES_AT_ONCE
+        yield from np.split(taken, np.flatnonzero(np.diff(part_of)) + 1)
+
+    def focus_into(self, image: np.ndarray, part: np.ndarray, focus: Focus) -> None:
+        """Set some wavenumbers of the image (depth, wavenumber).
+
+        The frequencies of each wavenumber lie side by side, so a sum over a run of the samples is
+        the sum over its frequencies.
+        """
+        taken = self._taken(focus, part).T
+        runs = np.concatenate(([0], np.cumsum(np.count_nonzero(taken, axis=1))[:-1]))
+        air_rad_m = np.broadcast_to(self._air_rad_m, taken.shape)[taken]
+        across_rad_m = np.broadcast_to(self._across_rad_m[part, None], taken.shape)[taken]
+        down_air = np.sqrt(air_rad_m**2 - across_rad_m**2)
+        down_soil = np.sqrt(focus.permittivity * air_rad_m**2 - across_rad_m**2)
+        start_rad = down_air * self._height_m + down_soil * focus.depth_m[0]
+        field = self._spectra[:, part].T[taken] * unit_phasor(start_rad)
+        step_m, shift = None, None
+        for row, depth_m in enumerate(focus.depth_m):
+            if row > 0:
+                if step_m is None or abs(depth_m - focus.depth_m[row - 1] - step_m) > 1e-9:
+                    step_m = depth_m - focus.depth_m[row - 1]
+                    shift = unit_phasor(down_soil * step_m)
+                field *= shift
+            image[row, part] = np.add.reduceat(field, runs)
+
+    def _taken(self, focus: Focus, part: Union[slice, np.ndarray]) -> np.ndarray:
+        widest = math.sin(math.radians(focus.widest_angle_deg))
+        return self._across_rad_m[part] < self._air_rad_m[:, None] * widest
+
+
+def _focused(focus: Focus, waves: PlaneWaves) -> np.ndarray:
+    """Return the image (depth, wavenumber); no wavenumber depends on another one."""
+    image = np.zeros((len(focus.depth_m), waves.count), dtype=np.complex64)
+    with ThreadPoolExecutor(THREADS) as pool:
+        for _ in pool.map(lambda part: waves.focus_into(image, part, focus), waves.parts(focus)):
+            pass
+    return image
+
+
+def unit_phasor(phase_rad: np.ndarray) -> np.ndarray:
+    """Return exp(1j phase) in single precision, the phase taken modulo a turn in double."""
+    small = np.remainder(phase_rad, 2.0 * np.pi).astype(np.float32)
+    phasor = np.empty(small.shape, dtype=np.complex64)
+    np.cos(small, out=phasor.real)
+    np.sin(small, out=phasor.imag)
+    return phasor
+
+
+def grid_step_m(position_m: np.ndarray, axis: str) -> float:
+    """Return the step of regular positions [m].
+
+    Raises:
+        WrongDatasetError: There are fewer than two, or they are not evenly spaced.
+    """
+    if len(position_m) < 2:
+        raise WrongDatasetError(
+            f"the survey has {len(position_m)} position along {axis}; the phase shift needs two or "
+            "more: use back-projection"
+        )
+    step_m = (position_m[-1] - position_m[0]) / (len(position_m) - 1)
+    off_m = np.max(np.abs(position_m - position_m[0] - step_m * np.arange(len(position_m))))
+    if not step_m > 0.0 or off_m > GRID_TOLERANCE * step_m:
+        raise WrongDatasetError(
+            f"the positions along {axis} are not evenly spaced and ascending: off by up to "
+            f"{off_m * 1000.0:g} mm at a step of {step_m * 1000.0:g} mm; use back-projection"
+        )
+    return float(step_m)
+
+
+def _reach_m(height_m: float, focus: Focus, diagonal_m: float) -> float:
+    """Return how far across the widest ray gets from the antennas to the deepest voxel [m]."""
+    sine = math.sin(math.radians(focus.widest_angle_deg))
+    in_air = sine / math.sqrt(max(1.0 - sine**2, 1e-6))
+    in_soil = sine / math.sqrt(max(focus.permittivity - sine**2, 1e-6))
+    return min(diagonal_m, height_m * in_air + float(focus.depth_m[-1]) * in_soil)
+
+
+def _gated_spectra(
+    traces: Traces, focus: Focus, height_m: float, longest_delay_s: float
+) -> Tuple[np.ndarray, FrequencyGrid]:
+    """Return weighted spectra at one height (frequency, y, x), and their sweep."""
+    sweep, gate = gated_sweep(traces.sweep, longest_delay_s)
+    weights = focus.window.weights(traces.sweep.count)
+    scale = sweep.step_hz / (weights.sum() * traces.sweep.step_hz * traces.height_m.size)
+    matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
+    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64)
+    spectra = (matrix.T @ flat.T).reshape(sweep.count, *traces.height_m.shape)
+    if np.ptp(traces.height_m) > 0.0:
+        higher_m = traces.height_m - height_m
+        turn_rad_m = 4.0 * np.pi / speed_of_light * sweep.frequency_hz
+        spectra *= unit_phasor(turn_rad_m[:, None, None] * higher_m)
+    return spectra, sweep
+
+
+def _wavenumbers(count: Tuple[int, ...], step_m: Tuple[float, float]) -> np.ndarray:
+    """Return the magnitude of the horizontal wavenumber over the flat transform [rad/m]."""
+    along_y, along_x = (2.0 * np.pi * scipy.fft.fftfreq(n, d) for n, d in zip(count, step_m))
+    return np.hypot(along_y[:, None], along_x[None, :]).ravel()

@@ -1,0 +1,63 @@
+"""What the imaging methods take and give."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+
+from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+
+
+class Ground(enum.Enum):
+    """Why the recorded heights differ."""
+
+    LEVEL = "level"
+    """The ground is level, the antennas move up and down."""
+    UNEVEN = "uneven"
+    """The antennas move in a level plane, the ground rises and falls."""
+
+
+@dataclass(frozen=True)
+class Traces:
+    """The traces of one polarization, without missing numbers; a trace left out is zero.
+
+    Attributes:
+        s21: Complex spectra (y, x, frequency).
+        sweep: Their frequencies.
+        x_m: Positions along X [m].
+        y_m: Positions along Y [m].
+        height_m: Height of the antennas at each position (y, x) [m].
+        rotation_deg: Rotation of the antennas [deg].
+    """
+
+    s21: np.ndarray
+    sweep: FrequencyGrid
+    x_m: np.ndarray
+    y_m: np.ndarray
+    height_m: np.ndarray
+    rotation_deg: float
+
+
+@dataclass(frozen=True)
+class Focus:
+    """How an image is focused.
+
+    Attributes:
+        permittivity: Relative permittivity of the soil, 1 or more.
+        depth_m: Depths of the image [m], ascending, 0 or more.
+        window: Weights over the band.
+        widest_angle_deg: Waves that arrive in air at a wider angle to the vertical are left out.
+        separation_m: Distance between the two antennas, along their rotation [m]; the phase
+            shift and the Kirchhoff method take them as one.
+        ground: Why the recorded heights differ; the back-projection alone knows uneven ground,
+            in which a depth is that below the surface there.
+    """
+
+    permittivity: float
+    depth_m: np.ndarray
+    window: Window = Window.HANN
+    widest_angle_deg: float = 70.0
+    separation_m: float = 0.0
+    ground: Ground = Ground.LEVEL

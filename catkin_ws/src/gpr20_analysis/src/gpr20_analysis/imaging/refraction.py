@@ -1,0 +1,138 @@
+"""Delays between an antenna in air and a point in the soil, by Snell's law at a flat surface."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Union
+
+import numpy as np
+from scipy.constants import speed_of_light
+
+MOST_ITERATIONS = 60
+# Of the horizontal distance: 1e-12 m of 1 m, far below any wavelength.
+RELATIVE_TOLERANCE = 1e-12
+
+Floats = Union[float, np.ndarray]
+
+
+def one_way_delay_s(
+    height_m: Floats, depth_m: Floats, distance_m: Floats, permittivity: float
+) -> np.ndarray:
+    """Return the delay of the refracted path, once through it [s].
+
+    By Fermat's principle an error of the angle enters the delay squared only.
+
+    Args:
+        height_m: Height of the antenna above the surface [m], more than 0.
+        depth_m: Depth of the point below the surface [m], 0 or more.
+        distance_m: Horizontal distance of the point [m], 0 or more.
+        permittivity: Relative permittivity of the soil, 1 or more.
+    """
+    height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
+    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    secant = np.sqrt(1.0 + tangent**2)
+    sine_in_soil = tangent / secant / np.sqrt(permittivity)
+    air_m = height_m * secant
+    soil_m = depth_m / np.sqrt(1.0 - sine_in_soil**2)
+    return (air_m + np.sqrt(permittivity) * soil_m) / speed_of_light
+
+
+def surface_delay_s_per_m(
+    height_m: Floats, depth_m: Floats, distance_m: Floats, permittivity: float
+) -> np.ndarray:
+    """Return what is added per metre that the surface is lower below the antenna [s/m].
+
+    Lower than at the point, that is; between the two it is taken as a plane. By Fermat's
+    principle the path moves along with it without a change of the delay to the first order, so
+    what counts is how much lower the surface lies where the path crosses it: so much more of the
+    way is in air, less in soil.
+
+    Args:
+        height_m: Height of the antenna above the surface at the point [m], more than 0.
+        depth_m: Depth of the point below the surface there [m], 0 or more.
+        distance_m: Horizontal distance of the point [m], 0 or more.
+        permittivity: Relative permittivity of the soil, 1 or more.
+    """
+    height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
+    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
+    # Of the horizontal distance, what lies beyond the crossing.
+    beyond = (depth_m / root) / (height_m + depth_m / root)
+    secant = np.sqrt(1.0 + tangent**2)
+    # The wave number along the vertical is cos(angle) in air, sqrt(permittivity - sin^2) in soil.
+    in_soil = np.sqrt(permittivity - (tangent / secant) ** 2)
+    return beyond * (1.0 / secant - in_soil) / speed_of_light
+
+
+def _tangent_in_air(
+    height_m: np.ndarray, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: float
+) -> np.ndarray:
+    # The distance that a ray reaches grows with the tangent t in air and is concave in it, so
+    # Newton's iteration from t = 0 approaches the root from below and cannot overshoot.
+    tangent = np.zeros(np.shape(distance_m))
+    for _ in range(MOST_ITERATIONS):
+        root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
+        missing_m = distance_m - tangent * (height_m + depth_m / root)
+        if np.all(np.abs(missing_m) <= RELATIVE_TOLERANCE * distance_m):
+            break
+        tangent += missing_m / (height_m + depth_m * permittivity / root**3)
+    return tangent
+
+
+# Linear interpolation over the distance is off by less than step^2 / 8 times the second
+# derivative of the delay: 0.5 mrad at 6 GHz and 0.1 m of height.
+DISTANCE_STEP_M = 0.002
+# A trace takes the nearest height and is corrected along the vertical, which is off by half a step
+# times (1 - cos) of the angle at most: 0.13 mm at 60 deg.
+HEIGHT_STEP_M = 0.0005
+MOST_HEIGHTS = 200
+
+
+@dataclass(frozen=True)
+class DelayTable:
+    """One-way delays by height, distance and depth.
+
+    Attributes:
+        delay_s: Delays (height, distance, depth) [s].
+        lowest_m: First height [m].
+        height_step_m: Distance of two heights [m].
+        distance_step_m: Distance of two distances, which start at 0 [m].
+        surface_s_per_m: What is added per metre that the surface is lower below the antenna than
+            at the point (distance, depth), at the mean height [s/m].
+    """
+
+    delay_s: np.ndarray
+    lowest_m: float
+    height_step_m: float
+    distance_step_m: float
+    surface_s_per_m: np.ndarray
+
+
+def tabulate_delays(
+    height_m: np.ndarray, depth_m: np.ndarray, furthest_m: float, permittivity: float
+) -> DelayTable:
+    """Tabulate the delays between all of some heights, and points in the soil.
+
+    Args:
+        height_m: Heights of the antennas [m], any shape.
+        depth_m: Depths of the points [m].
+        furthest_m: Largest horizontal distance [m].
+        permittivity: Relative permittivity of the soil.
+    """
+    lowest_m, range_m = float(np.min(height_m)), float(np.ptp(height_m))
+    step_m = max(HEIGHT_STEP_M, range_m / MOST_HEIGHTS)
+    heights = 1 + math.ceil(range_m / step_m)
+    # Two beyond the furthest, so that its right neighbour is there.
+    distances = 3 + math.ceil(furthest_m / DISTANCE_STEP_M)
+    distance_m = (DISTANCE_STEP_M * np.arange(distances))[:, None]
+    delay_s = one_way_delay_s(
+        (lowest_m + step_m * np.arange(heights))[:, None, None],
+        depth_m[None, None, :],
+        distance_m[None, :, :],
+        permittivity,
+    )
+    surface_s_per_m = surface_delay_s_per_m(
+        float(np.mean(height_m)), depth_m[None, :], distance_m, permittivity
+    )
+    return DelayTable(delay_s, lowest_m, step_m, DISTANCE_STEP_M, surface_s_per_m)

@@ -1,1 +1,0 @@
-"""Readers of one kind of file each."""

@@ -1,0 +1,73 @@
+"""Maps of a survey: what was covered, and how high the antennas were."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from gpr20_analysis.dataset import (
+    HEIGHT,
+    POLARIZATION,
+    QUALITY,
+    SAMPLE_DIMS,
+    UNUSABLE,
+    Quality,
+    X,
+    Y,
+    require,
+)
+from gpr20_analysis.plotting.style import (
+    MAGNITUDE_MAP,
+    draw,
+    in_mm,
+    new_figure,
+    plan_axes,
+    rotation_name,
+)
+
+# From a palette for the colour-blind.
+STATES = (
+    ("good", "#009e73"),
+    ("remark of the robot, or no height", "#f0e442"),
+    ("damaged", "#d55e00"),
+    ("missing", "#000000"),
+)
+
+
+def coverage_figure(survey: xr.Dataset) -> Figure:
+    """Draw for each place and polarization whether it was measured, and how well."""
+    quality = require(survey, QUALITY, SAMPLE_DIMS).values
+    state = np.where(quality & int(Quality.REMARKED | Quality.NO_HEIGHT), 1, 0)
+    state[(quality & int(Quality.DAMAGED)) != 0] = 2
+    state[(quality & int(Quality.MISSING)) != 0] = 3
+    held = np.count_nonzero((quality & int(UNUSABLE)) == 0)
+    turns = survey[POLARIZATION].values
+    figure = new_figure(survey, len(turns), f"Coverage: {held} of {quality.size} samples usable")
+    colours = ListedColormap([colour for _, colour in STATES])
+    norm = BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES))
+    for axes, turn, values in zip(figure.subplots(1, len(turns), squeeze=False)[0], turns, state):
+        draw(axes, values, in_mm(survey[X]), in_mm(survey[Y]), cmap=colours, norm=norm)
+        plan_axes(axes)
+        axes.set_title(rotation_name(float(turn), survey), fontsize=9)
+    patches = [Patch(facecolor=colour, label=name) for name, colour in STATES]
+    figure.legend(handles=patches, loc="outside right upper", fontsize=7)
+    return figure
+
+
+def height_figure(survey: xr.Dataset) -> Figure:
+    """Draw the recorded height of the antennas."""
+    height_mm = in_mm(require(survey, HEIGHT, SAMPLE_DIMS).values)
+    turns = survey[POLARIZATION].values
+    figure = new_figure(survey, len(turns), "Antenna height above the ground")
+    for axes, turn, values in zip(
+        figure.subplots(1, len(turns), squeeze=False)[0], turns, height_mm
+    ):
+        limits = {"vmin": np.nanmin(height_mm), "vmax": np.nanmax(height_mm)}
+        drawn = draw(axes, values, in_mm(survey[X]), in_mm(survey[Y]), cmap=MAGNITUDE_MAP, **limits)
+        figure.colorbar(drawn, ax=axes, label="height [mm]")
+        plan_axes(axes)
+        axes.set_title(rotation_name(float(turn), survey), fontsize=9)
+    return figure

@@ -1,0 +1,192 @@
+"""What does not change from place to place: coupling of the antennas, echo of the surface."""
+
+from __future__ import annotations
+
+import enum
+
+import dask
+import numpy as np
+import xarray as xr
+from scipy.ndimage import uniform_filter
+
+from gpr20_analysis import lazy
+from gpr20_analysis.cluster import slices
+from gpr20_analysis.dataset import (
+    FREQUENCY,
+    POLARIZATION,
+    S21,
+    S21_DIMS,
+    X,
+    Y,
+    require,
+    require_complete,
+)
+from gpr20_analysis.errors import WrongDatasetError
+
+# Of the sweep's step.
+FREQUENCY_TOLERANCE = 1e-3
+ROTATION_TOLERANCE_DEG = 0.5
+# Of a lazy survey, what a median is taken of at once.
+BAND_BYTES = 128 << 20
+
+
+class Background(enum.Enum):
+    """How the background is estimated; always on complex data."""
+
+    MEAN = "mean"
+    """Mean over all positions."""
+    MEDIAN = "median"
+    """Median of real and imaginary part: targets that fill less than half do not bias it."""
+    MOVING = "moving"
+    """Mean over a window of positions about each: follows a surface that rises."""
+    SVD = "svd"
+    """The strongest components of all traces: follows shape and strength."""
+
+
+def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
+    """Subtract what the antennas receive with nothing before them.
+
+    Args:
+        survey: The survey.
+        reference: A survey with the same sweep and rotations, made with the antennas towards the
+            sky or an absorber; its mean over all positions is subtracted.
+
+    Raises:
+        WrongDatasetError: The reference is the survey itself, has another sweep, or lacks a
+            rotation.
+    """
+    if (
+        survey.attrs.get("survey_id")
+        and reference.attrs.get("survey_id") == survey.attrs["survey_id"]
+    ):
+        raise WrongDatasetError(
+            "the reference is the survey itself: what the ground sends back would be taken for "
+            "coupling; name a survey made towards the sky, or take the step background"
+        )
+    measured = require(survey, S21, S21_DIMS)
+    empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
+    ours, theirs = survey[FREQUENCY].values, reference[FREQUENCY].values
+    step_hz = abs(ours[-1] - ours[0]) / max(len(ours) - 1, 1)
+    if ours.shape != theirs.shape or np.max(np.abs(ours - theirs)) > FREQUENCY_TOLERANCE * step_hz:
+        raise WrongDatasetError(
+            f"the reference was measured at {_range(theirs)}, the survey at {_range(ours)}; "
+            "measure the reference with the sweep of the survey"
+        )
+    for turn in survey[POLARIZATION].values:
+        off_deg = np.abs(reference[POLARIZATION].values - turn)
+        if not np.min(off_deg) <= ROTATION_TOLERANCE_DEG:
+            raise WrongDatasetError(
+                f"the reference has no rotation {turn:g} deg, only "
+                f"{', '.join(f'{one:g}' for one in reference[POLARIZATION].values)}"
+            )
+    matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
+    if not bool(np.all(np.isfinite(matched.values))):
+        raise WrongDatasetError("the reference has no usable sample at one of the rotations")
+    return survey.assign({S21: measured - matched.values[:, None, None, :]})
+
+
+def remove_background(
+    survey: xr.Dataset, method: Background = Background.MEAN, width: int = 11, rank: int = 1
+) -> xr.Dataset:
+    """Subtract the background of each polarization.
+
+    Args:
+        survey: The survey; missing samples stay missing and do not count.
+        method: How the background is estimated.
+        width: Positions along X and along Y that a moving window spans, odd.
+        rank: How many components SVD takes away.
+
+    Raises:
+        WrongDatasetError: Width or rank do not suit the survey.
+        DamagedSurveyError: SVD was asked for and a sample is missing.
+    """
+    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    if method is Background.SVD:
+        require_complete(survey, "the background by SVD")
+        return survey.assign({S21: _without_strongest(measured, rank)})
+    if method is Background.MOVING:
+        return survey.assign({S21: _without_moving(measured, width)})
+    background = _mean(measured) if method is Background.MEAN else _median(measured)
+    return survey.assign({S21: measured - background})
+
+
+def _present(measured: xr.DataArray) -> xr.DataArray:
+    """Return which traces hold numbers throughout, bool (polarization, y, x)."""
+    present: xr.DataArray = xr.apply_ufunc(np.isfinite, measured, dask="allowed").all(FREQUENCY)
+    return present
+
+
+def _mean(measured: xr.DataArray) -> xr.DataArray:
+    present = _present(measured)
+    # Row by row, so that the last digit does not depend on how the rows lie in chunks.
+    of_rows = measured.where(present, 0.0).sum(X, skipna=False)
+    of_rows, counts = dask.compute(of_rows, present.sum([Y, X]))
+    return of_rows.sum(Y, skipna=False) / np.maximum(counts, 1)
+
+
+def _median(measured: xr.DataArray) -> xr.DataArray:
+    present = _present(measured).values
+    median = np.zeros((measured.shape[0], measured.shape[-1]), dtype=measured.dtype)
+    # A median needs all traces of a frequency, so lazy ones are gone through band by band.
+    bands = 1 if measured.chunks is None else -(-measured[0].nbytes // BAND_BYTES)
+    for turn in np.flatnonzero(present.any((1, 2))):
+        for band in slices(measured.shape[-1], bands):
+            traces = measured[turn, ..., band].values[present[turn]]
+            median[turn, band] = np.median(traces.real, axis=0)
+            median[turn, band] += 1j * np.median(traces.imag, axis=0)
+    return xr.DataArray(median, dims=(POLARIZATION, FREQUENCY))
+
+
+def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
+    smaller = min(measured.sizes[axis] for axis in (Y, X))
+    if width < 3 or width % 2 == 0 or width > 2 * smaller + 1:
+        raise WrongDatasetError(
+            f"the moving window spans {width} positions; it must be odd, 3 or more, and at most "
+            f"{2 * smaller + 1} here"
+        )
+    return lazy.with_neighbours(lambda rows: rows - _moving_mean(rows, width), measured, width // 2)
+
+
+def _moving_mean(rows: np.ndarray, width: int) -> np.ndarray:
+    """Return the mean over a window about each position; positions without a trace do not count."""
+    present = np.isfinite(rows).all(axis=-1, keepdims=True)
+    share = uniform_filter(present.astype(np.float64), (1, width, width, 1), mode="constant")
+    share = np.maximum(share, 0.5 / width**2)
+    held = np.where(present, rows, 0.0)
+    means: np.ndarray = uniform_filter(held, (1, width, width, 1), mode="constant")
+    means /= share
+    return means
+
+
+def _without_strongest(measured: xr.DataArray, rank: int) -> xr.DataArray:
+    traces, frequencies = measured.sizes[Y] * measured.sizes[X], measured.sizes[FREQUENCY]
+    if not 1 <= rank < min(traces, frequencies):
+        raise WrongDatasetError(
+            f"the rank is {rank}; it must be 1..{min(traces, frequencies) - 1} for {traces} "
+            f"traces of {frequencies} frequencies"
+        )
+    return xr.concat(
+        [_projected(measured.isel({POLARIZATION: [turn]}), rank) for turn in range(len(measured))],
+        POLARIZATION,
+    )
+
+
+def _projected(measured: xr.DataArray, rank: int) -> xr.DataArray:
+    """Return the traces of one polarization without their strongest components."""
+    places = (0, 1, 2)
+    # The components over frequency are eigenvectors of a matrix as small as the sweep.
+    products = np.tensordot(measured.data.conj(), measured.data, axes=(places, places))
+    _, vectors = np.linalg.eigh(np.asarray(products))
+    strongest = vectors[:, -rank:]
+    return xr.apply_ufunc(
+        lambda rows: rows - rows @ strongest @ strongest.conj().T,
+        measured,
+        input_core_dims=[[FREQUENCY]],
+        output_core_dims=[[FREQUENCY]],
+        dask="parallelized",
+        output_dtypes=[measured.dtype],
+    )
+
+
+def _range(frequency_hz: np.ndarray) -> str:
+    return f"{frequency_hz[0]:g}..{frequency_hz[-1]:g} Hz, {len(frequency_hz)} points"

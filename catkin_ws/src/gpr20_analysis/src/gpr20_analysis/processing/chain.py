@@ -1,0 +1,203 @@
+"""Chains of named steps: from text or a recipe, applied, and recorded in the result."""
+
+from __future__ import annotations
+
+import enum
+import inspect
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type, get_type_hints
+
+import xarray as xr
+import yaml
+
+from gpr20_analysis.errors import RecipeError
+from gpr20_analysis.processing.background import remove_background, subtract_coupling
+from gpr20_analysis.processing.delay import set_time_zero, to_time
+from gpr20_analysis.processing.polarization import (
+    apply_gain,
+    combine_polarizations,
+    select_polarization,
+)
+from gpr20_analysis.processing.samples import fill_missing
+from gpr20_analysis.processing.sweep import apply_window, select_band
+from gpr20_analysis.read.load import load_survey
+from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+
+Reader = Callable[[str], xr.Dataset]
+
+FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
+    "coupling": subtract_coupling,
+    "background": remove_background,
+    "band": select_band,
+    "window": apply_window,
+    "time_zero": set_time_zero,
+    "fill": fill_missing,
+    "combine": combine_polarizations,
+    "polarization": select_polarization,
+    "time": to_time,
+    "gain": apply_gain,
+}
+"""Every step by its name; what it takes beside the survey are its parameters."""
+
+PROCESSING = "processing"
+"""Attribute: the steps that made a Dataset, as JSON; a recipe."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a chain.
+
+    Attributes:
+        name: A key of `FUNCTIONS`.
+        parameters: Values by name, plain: numbers and texts. A Dataset is given as its path.
+    """
+
+    name: str
+    parameters: Mapping[str, Any]
+
+
+def step_from_text(text: str) -> Step:
+    """Return the step of a text such as `background:method=svd,rank=2`.
+
+    Raises:
+        RecipeError: It is not written so, or names what is not there.
+    """
+    name, _, rest = text.partition(":")
+    parameters: Dict[str, Any] = {}
+    for item in rest.split(",") if rest else []:
+        key, equals, value = item.partition("=")
+        if not equals or key.strip() in parameters:
+            raise RecipeError(
+                f"'{item}' in step '{text}' is not written as parameter=value, once each"
+            )
+        parameters[key.strip()] = value.strip()
+    return checked(name.strip(), parameters)
+
+
+def steps_from_recipe(recipe: object) -> List[Step]:
+    """Return the steps of a recipe: a list of mappings with `step` and its parameters.
+
+    Raises:
+        RecipeError: It is no such list, or names what is not there.
+    """
+    if not isinstance(recipe, list) or not recipe:
+        raise RecipeError("a recipe is a list of one step or more, such as '- step: background'")
+    steps = []
+    for place, item in enumerate(recipe, start=1):
+        if not isinstance(item, dict) or not isinstance(item.get("step"), str):
+            raise RecipeError(f"item {place} of the recipe has no 'step', but is {item!r}")
+        parameters = {str(key): value for key, value in item.items() if key != "step"}
+        steps.append(checked(item["step"], parameters))
+    return steps
+
+
+def checked(name: str, parameters: Mapping[str, Any]) -> Step:
+    """Return a step whose name and parameters are there and have the right kind.
+
+    Raises:
+        RecipeError: It says which are not, and what there is.
+    """
+    if name not in FUNCTIONS:
+        raise RecipeError(f"there is no step '{name}'; steps are {', '.join(FUNCTIONS)}")
+    known = parameters_of(name)
+    for key in parameters:
+        if key not in known:
+            allowed = ", ".join(known) or "none"
+            raise RecipeError(f"step '{name}' has no parameter '{key}'; it has {allowed}")
+    values = {}
+    for key, (kind, default) in known.items():
+        if key in parameters:
+            values[key] = _plain(name, key, kind, parameters[key])
+        elif default is inspect.Parameter.empty:
+            raise RecipeError(f"step '{name}' needs its parameter '{key}'")
+        else:
+            values[key] = default.value if isinstance(default, enum.Enum) else default
+    return Step(name, values)
+
+
+def parameters_of(name: str) -> Dict[str, Tuple[type, Any]]:
+    """Return (type, default) of each parameter of a step."""
+    function = FUNCTIONS[name]
+    hints = get_type_hints(function)
+    parameters = list(inspect.signature(function).parameters.values())[1:]
+    return {one.name: (hints[one.name], one.default) for one in parameters}
+
+
+def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.Dataset:
+    """Apply steps one after another; the result carries them all as attribute `processing`.
+
+    Args:
+        survey: The survey.
+        steps: The steps.
+        read: Reads a Dataset that a step names, such as a reference survey.
+    """
+    for step in steps:
+        arguments = {
+            key: _argument(kind, step.parameters[key], read)
+            for key, (kind, _) in parameters_of(step.name).items()
+        }
+        recorded = recipe_of(survey) + [{"step": step.name, **step.parameters}]
+        survey = FUNCTIONS[step.name](survey, **arguments)
+        survey = survey.assign_attrs({PROCESSING: json.dumps(recorded)})
+    return survey
+
+
+def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
+    """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
+
+    Raises:
+        RecipeError: One is not written so, or names what is not there.
+        AnalysisError: A step cannot be done with the survey.
+    """
+    return apply_steps(survey, [step_from_text(step) for step in steps], load_survey)
+
+
+def recipe_of(data: xr.Dataset) -> List[Dict[str, Any]]:
+    """Return the recipe by which a Dataset was made; empty if it is as measured."""
+    recorded: List[Dict[str, Any]] = json.loads(data.attrs.get(PROCESSING, "[]"))
+    return recorded
+
+
+def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
+    """Return a value as number or text, after a check that it makes an argument of its type."""
+    try:
+        if kind is xr.Dataset:
+            return str(Path(str(value)).resolve())
+        if issubclass(kind, enum.Enum):
+            return kind(value).value
+        number = float(value)
+        if not math.isfinite(number) or (kind is int and number != int(number)):
+            raise ValueError("not finite, or not whole")
+        return kind(number)
+    except (TypeError, ValueError) as error:
+        choices = [one.value for one in kind] if issubclass(kind, enum.Enum) else kind.__name__
+        raise RecipeError(
+            f"parameter '{key}' of step '{step}' is {value!r}; allowed is {choices}"
+        ) from error
+
+
+def _argument(kind: Callable[[Any], Any], value: Any, read: Reader) -> Any:
+    if kind is xr.Dataset:
+        return read(value)
+    return kind(value)
+
+
+def read_recipe(path: Path) -> object:
+    """Return what a YAML file holds.
+
+    Raises:
+        RecipeError: It is not YAML.
+        OSError: It cannot be read.
+    """
+    try:
+        return read_yaml(path)
+    except YamlFileError as error:
+        raise RecipeError(f"{path} is no recipe: {error}") from error
+
+
+def recipe_text(recipe: object) -> str:
+    """Return a recipe as YAML."""
+    return yaml.safe_dump(recipe, sort_keys=False)

@@ -1,0 +1,121 @@
+"""From frequency to time, and where time begins."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.fft
+import xarray as xr
+from scipy.constants import speed_of_light
+
+from gpr20_analysis import lazy
+from gpr20_analysis.dataset import (
+    A_SCAN,
+    ATTRIBUTES,
+    DELAY,
+    FREQUENCY,
+    HEIGHT,
+    MM_PER_M,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    require,
+    usable,
+)
+from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+
+ADVANCE = "advance"
+"""Variable: by how much time zero lies after the antennas' own, (polarization, y, x) [s]."""
+
+
+def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4.0) -> xr.Dataset:
+    """Return A-scans: complex, analytic; their magnitude is the envelope.
+
+    The values stand at their true frequencies, the start of the sweep included, so the phase of
+    an echo is that of the measurement. An echo of magnitude 1 at a sampled delay has magnitude 1.
+
+    Args:
+        survey: Dataset with `s21`.
+        window: Weights over the band.
+        padding: How many times more samples than frequencies.
+
+    Returns:
+        Dataset with `a_scan` (polarization, y, x, delay) instead of `s21`.
+
+    Raises:
+        WrongDatasetError: The frequencies are not evenly spaced, or the padding is below 1.
+    """
+    if not padding >= 1.0:
+        raise WrongDatasetError(f"the padding is {padding:g}; it must be 1 or more")
+    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    sweep = FrequencyGrid.of(survey)
+    weights = window.weights(sweep.count)
+    count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
+    delay_s = np.arange(count) * (sweep.unambiguous_s / count)
+    turn = count / weights.sum() * np.exp(2j * np.pi * sweep.start_hz * delay_s)
+
+    def transformed(spectra: np.ndarray) -> np.ndarray:
+        a_scans: np.ndarray = scipy.fft.ifft(spectra * weights, count, axis=-1, workers=2)
+        a_scans *= turn
+        return a_scans
+
+    a_scans = xr.apply_ufunc(
+        transformed,
+        measured.drop_vars(FREQUENCY),
+        input_core_dims=[[FREQUENCY]],
+        output_core_dims=[[DELAY]],
+        dask="parallelized",
+        output_dtypes=[measured.dtype],
+        dask_gufunc_kwargs={"output_sizes": {DELAY: count}},
+    )
+    in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
+    in_time = in_time.assign_coords({DELAY: (DELAY, delay_s, ATTRIBUTES[DELAY])})
+    return in_time.assign({A_SCAN: a_scans.assign_attrs(ATTRIBUTES[A_SCAN])})
+
+
+def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
+    """Put delay 0 at the surface below each trace, by its recorded height.
+
+    Done on the spectra, so no delay is rounded; variable `advance` keeps what was taken away, from
+    which imaging works out where the antennas were.
+
+    Raises:
+        WrongDatasetError: It was done before.
+        DamagedSurveyError: A usable sample has no height.
+    """
+    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    if ADVANCE in survey:
+        raise WrongDatasetError("time zero was set before; a second time would shift it again")
+    advance = 2.0 * known_height(survey) / speed_of_light
+    frequency_hz = survey[FREQUENCY].values
+    shifted = xr.apply_ufunc(
+        lambda s21, s: s21 * np.exp(2j * np.pi * frequency_hz * s[..., np.newaxis]),
+        measured,
+        advance,
+        input_core_dims=[[FREQUENCY], []],
+        output_core_dims=[[FREQUENCY]],
+        dask="parallelized",
+        output_dtypes=[measured.dtype],
+    )
+    noted = advance.assign_attrs(units="s", long_name="delay of the surface taken away")
+    return survey.assign({S21: shifted, ADVANCE: noted})
+
+
+def known_height(survey: xr.Dataset) -> xr.DataArray:
+    """Return the heights (polarization, y, x); every usable sample has one.
+
+    Raises:
+        WrongDatasetError: The data hold no heights.
+        DamagedSurveyError: A usable sample has none.
+    """
+    height_m = require(survey, HEIGHT, SAMPLE_DIMS)
+    lacking = (usable(survey) & ~(height_m > 0.0)).transpose(*SAMPLE_DIMS)
+    if bool(lacking.any()):
+        turn, row, column = np.argwhere(lacking.values)[0]
+        raise DamagedSurveyError(
+            f"{int(lacking.sum())} usable samples have no height, the first at "
+            f"x {float(survey['x'][column]) * MM_PER_M:g} mm, "
+            f"y {float(survey['y'][row]) * MM_PER_M:g} mm; give one height for all (--height), or "
+            "fill them in"
+        )
+    return height_m

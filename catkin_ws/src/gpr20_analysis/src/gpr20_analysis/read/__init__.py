@@ -1,0 +1,1 @@
+"""Reading and checking surveys as they were recorded."""

@@ -1,0 +1,245 @@
+"""A Dataset from the traces of a source."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Dict, List, Optional, Tuple
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import dataset
+from gpr20_analysis.dataset import Quality
+from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
+from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.read.sources import Fault, Position, SurveySource
+from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
+from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
+from gpr20_survey.trace.utc_time import NS_PER_US
+
+FAULTS_LISTED = 8
+WORDS = ("started", "ended", "outcome", "reason", "software_revision")
+
+
+def assemble(
+    source: SurveySource,
+    accept_damaged: bool = False,
+    progress: Progress = silent,
+    allocate: Allocate = in_memory,
+) -> xr.Dataset:
+    """Return the Dataset of a source, as `gpr20_analysis.dataset` describes it.
+
+    Args:
+        source: Where the traces come from.
+        accept_damaged: Leave damaged samples out, marked, instead of refusing the survey.
+        progress: Shows how far it has come.
+        allocate: Makes the array of the numbers.
+
+    Raises:
+        DamagedSurveyError: Something is damaged and that was not accepted, or nothing is left.
+        AnalysisError: The source cannot be read at all.
+    """
+    plan = _plan(source)
+    table = TraceTable(source.count, plan, allocate)
+    for trace in progress(source.traces(), source.count or None):
+        misplaced = plan.misplaced(trace) if plan else []
+        if misplaced:
+            table.faults += [Fault(text, trace.index) for text in misplaced]
+        else:
+            table.add(trace)
+    _check_readable(source, table)
+    assembly = _Assembly(source, plan, table)
+    if assembly.faults and not accept_damaged:
+        raise DamagedSurveyError(_refusal(source.name, assembly.faults))
+    return assembly.dataset(allocate)
+
+
+def _plan(source: SurveySource) -> Optional[Plan]:
+    if source.description is None:
+        source.notes.append(
+            "there is no survey.json with it: what was planned, and so whether rows are missing "
+            "at the edges, cannot be told"
+        )
+        return None
+    try:
+        return Plan(source.description)
+    except AnalysisError as error:
+        source.faults.append(Fault(str(error)))
+        return None
+
+
+def _check_readable(source: SurveySource, table: TraceTable) -> None:
+    faults = source.faults + table.faults
+    if not table.samples:
+        reason = f": {faults[0].text}" if faults else ""
+        raise DamagedSurveyError(f"{source.name} holds no readable trace{reason}")
+    if table.other_frequencies >= len(table.samples):
+        raise DamagedSurveyError(
+            f"{source.name} mixes frequencies: {table.other_frequencies} traces differ from the "
+            f"first one, e.g. {table.faults[0].text}; which are right cannot be told"
+        )
+
+
+def _refusal(name: str, faults: List[Fault]) -> str:
+    listed = "; ".join(fault.text for fault in faults[:FAULTS_LISTED])
+    more = len(faults) - FAULTS_LISTED
+    return (
+        f"{name} is damaged in {len(faults)} places: {listed}"
+        f"{f'; and {more} more' if more > 0 else ''}. `gpr20 verify` tells whether another "
+        "recording of the survey is whole; --accept-damaged leaves these samples out, marked"
+    )
+
+
+class _Assembly:
+    """The samples of a table on their grid."""
+
+    def __init__(self, source: SurveySource, plan: Optional[Plan], table: TraceTable) -> None:
+        self._source = source
+        self._plan = plan
+        self._table = table
+        self._notes = source.notes + table.notes()
+        self.faults = source.faults + table.faults
+        samples = list(table.samples.values())
+        positions = np.array([one.position for one in samples], np.float64)
+        self._grid = planned_grid(plan) if plan else grid_of(positions, self._notes)
+        self._used = self._usable(samples, self._grid.places(positions) if plan is None else None)
+        self._cells = np.array([cell for cell, _ in self._used], np.int64)
+        self._quality = np.full(self._grid.cells, int(Quality.MISSING), np.uint8)
+        self._mark()
+
+    def dataset(self, allocate: Allocate) -> xr.Dataset:
+        """Return the Dataset; see `assemble`."""
+        shape, table = self._grid.shape, self._table
+        variables: Dict[str, Any] = {
+            dataset.S21: (dataset.S21_DIMS, self._ordered(allocate).reshape(*shape, -1))
+        }
+        for name, values in self._sample_variables().items():
+            variables[name] = (dataset.SAMPLE_DIMS, values.reshape(shape))
+        coordinates = {
+            dataset.POLARIZATION: np.array(self._grid.polarization_deg),
+            dataset.Y: np.array(self._grid.y_mm) / dataset.MM_PER_M,
+            dataset.X: np.array(self._grid.x_mm) / dataset.MM_PER_M,
+            dataset.FREQUENCY: table.frequency_hz,
+        }
+        found = dataset.described(xr.Dataset(variables, coordinates, self._attributes()))
+        found.attrs["missing"] = dataset.missing_samples(found) + self._missing_by_index()
+        return found
+
+    def _usable(
+        self, samples: List[Sample], cells: Optional[np.ndarray]
+    ) -> List[Tuple[int, Sample]]:
+        """Return the cells and samples that can be used, and name the cells that hold two."""
+        by_cell: Dict[int, List[Sample]] = {}
+        for number, sample in enumerate(samples):
+            cell = sample.row if cells is None else int(cells[number])
+            by_cell.setdefault(cell, []).append(sample)
+        for same in by_cell.values():
+            if len(same) > 1:
+                self.faults.append(
+                    Fault(
+                        f"traces {', '.join(str(one.index) for one in same)} were taken at the "
+                        "same place and rotation; none of them is used",
+                        position=same[0].position,
+                    )
+                )
+        return [
+            (cell, same[0])
+            for cell, same in by_cell.items()
+            if len(same) == 1 and same[0].index not in self._table.void
+        ]
+
+    def _mark(self) -> None:
+        for cell, sample in self._used:
+            flags = Quality.REMARKED if sample.remarks else Quality.GOOD
+            if not np.isfinite(sample.height_m):
+                flags |= Quality.NO_HEIGHT
+            self._quality[cell] = int(flags)
+        for fault in self.faults:
+            position = self._damaged_position(fault)
+            if position is not None:
+                cell = self._grid.places(np.array([position]))[0]
+                if self._quality[cell] & int(Quality.MISSING):
+                    self._quality[cell] = int(Quality.DAMAGED)
+
+    def _damaged_position(self, fault: Fault) -> Optional[Position]:
+        if self._plan and fault.index is not None and fault.index < len(self._plan.points):
+            z_deg, y_mm, x_mm = self._plan.positions[fault.index]
+            return z_deg, y_mm, x_mm
+        if fault.position is None:
+            return None
+        axes = (self._grid.polarization_deg, self._grid.y_mm, self._grid.x_mm)
+        on_grid = all(value in axis for value, axis in zip(fault.position, axes))
+        return fault.position if on_grid else None
+
+    def _ordered(self, allocate: Allocate) -> np.ndarray:
+        """Return the numbers of each cell, NaN where there are none."""
+        rows = self._table.rows
+        if self._plan:
+            taken = np.array([one.row for one in self._table.samples.values()])
+            rows[np.setdiff1d(taken, self._cells)] = EMPTY
+            return rows
+        ordered = allocate((self._grid.cells, rows.shape[1]))
+        for cell, sample in self._used:
+            ordered[cell] = rows[sample.row]
+        return ordered
+
+    def _sample_variables(self) -> Dict[str, np.ndarray]:
+        samples = [sample for _, sample in self._used]
+
+        def placed(values: List[Any], empty: Any, kind: Any) -> np.ndarray:
+            found = np.full(self._grid.cells, empty, kind)
+            found[self._cells] = values
+            return found
+
+        def texts(values: List[str]) -> np.ndarray:
+            return placed(values, "", f"<U{max([1, *map(len, values)])}")
+
+        never = np.datetime64("NaT").astype(np.int64)
+        times_ns = [[NS_PER_US * one for one in sample.times_us] for sample in samples]
+        timestamp, started, ended = (
+            placed([one[place] for one in times_ns], never, np.int64).astype("datetime64[ns]")
+            for place in range(3)
+        )
+        return {
+            dataset.HEIGHT: placed([one.height_m for one in samples], np.nan, np.float64),
+            dataset.TIMESTAMP: timestamp,
+            "sweep_started": started,
+            "sweep_ended": ended,
+            dataset.QUALITY: self._quality,
+            "remarks": texts(["; ".join(one.remarks) for one in samples]),
+            "sample_id": texts([one.sample_id for one in samples]),
+            "index": placed([one.index for one in samples], -1, np.int64),
+        }
+
+    def _missing_by_index(self) -> List[str]:
+        """Return what gaps in the indices tell of samples that the grid has no place for."""
+        if self._plan:
+            return []
+        indices = {sample.index for _, sample in self._used}
+        absent = sorted(set(range(max(indices, default=-1) + 1)) - indices)
+        unplaced = len(absent) - int(np.count_nonzero(self._quality & int(dataset.UNUSABLE)))
+        if unplaced <= 0:
+            return []
+        return [
+            f"missing: {unplaced} samples at places that only survey.json tells, since indices "
+            f"{absent[0]}..{absent[-1]} of the plan have gaps"
+        ]
+
+    def _attributes(self) -> Dict[str, Any]:
+        description = self._source.description or {}
+        attributes: Dict[str, Any] = {
+            "format": dataset.FORMAT,
+            "source": self._source.name,
+            "survey_id": self._table.survey_id,
+            **{word: str(description[word]) for word in WORDS if description.get(word)},
+            "stored": len(self._used),
+            "missing": [],
+            "faults": [fault.text for fault in self.faults],
+            "notes": self._notes,
+        }
+        if description:
+            attributes["simulated"] = int(bool(description.get("simulated")))
+            attributes["survey_json"] = json.dumps(description)
+        if self._plan:
+            attributes["planned"] = len(self._plan.points)
+        return attributes

@@ -1,0 +1,113 @@
+"""Loads a survey, whatever holds it, as one Dataset."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any, Dict, List, Tuple, Union
+
+import dask.array
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import dataset
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.formats.dataset_check import checked
+from gpr20_analysis.formats.dataset_files import CHUNK_BYTES, is_dataset, read_dataset
+from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.read.assembly import assemble
+from gpr20_analysis.read.sources import open_source
+from gpr20_analysis.read.trace_table import EMPTY, in_memory
+
+LAZY_BYTES = 1 << 30
+"""Above this size of the numbers [bytes] a survey is lazy."""
+COMPLEX = np.dtype(np.complex128)
+
+
+def load_survey(
+    path: Union[str, Path],
+    accept_damaged: bool = False,
+    progress: Progress = silent,
+    lazy_bytes: int = LAZY_BYTES,
+) -> xr.Dataset:
+    """Load a survey; `gpr20_analysis.dataset` describes what comes out.
+
+    Args:
+        path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
+            `gpr20` as .nc or .zarr.
+        accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
+            `faults`, instead of refusing the survey. Samples that are merely missing are never
+            refused: they are NaN, marked, and named in attribute `missing`.
+        progress: Shows how far it has come.
+        lazy_bytes: If the numbers are larger than this [bytes], they are checked once and then
+            kept in a temporary file, and `s21` is a dask array in chunks of whole rows. A .nc or
+            .zarr is read where it is.
+
+    Raises:
+        DamagedSurveyError: Something is damaged and that was not accepted.
+        AnalysisError: It is no survey.
+        OSError: It cannot be read.
+    """
+    found = Path(path).expanduser()
+    if found.exists() and not (found.is_file() or found.is_dir()):
+        raise AnalysisError(f"{found} is neither a file nor a folder, so there is no survey in it")
+    if is_dataset(found):
+        return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)
+    made: List[_TemporaryArray] = []
+
+    def allocate(shape: Tuple[int, int]) -> np.ndarray:
+        if shape[0] * shape[1] * COMPLEX.itemsize <= lazy_bytes:
+            return in_memory(shape)
+        made.append(_TemporaryArray(shape))
+        return made[-1].filled_with_nan()
+
+    survey = assemble(open_source(found), accept_damaged, progress, allocate)
+    s21 = survey[dataset.S21]
+    if s21.nbytes <= lazy_bytes:
+        return survey
+    row_bytes = s21.nbytes // (s21.shape[0] * s21.shape[1])
+    chunks = (1, max(1, CHUNK_BYTES // row_bytes), -1, -1)
+    lazy = dask.array.from_array(made[-1].finished(s21.shape), chunks=chunks, name=False)
+    return survey.assign({dataset.S21: (s21.dims, lazy, s21.attrs)})
+
+
+class _TemporaryArray:
+    """Numbers in a file, which goes with the last array that reads it.
+
+    Each trace is written where it belongs in the grid, which a memory map does in place. A cluster
+    reads the same file.
+    """
+
+    dtype = COMPLEX
+
+    def __init__(self, shape: Tuple[int, ...]) -> None:
+        self.shape, self.ndim = shape, len(shape)
+        self._folder: Any = tempfile.TemporaryDirectory(prefix="gpr20_")
+        self._path = Path(self._folder.name) / "numbers"
+        self._written: Any = None
+
+    def filled_with_nan(self) -> np.ndarray:
+        """Return the file's content, to be written.
+
+        Raises:
+            OSError: There is no space for it.
+        """
+        with self._path.open("wb") as stream:
+            # Without it a full disk would be no error here, but a crash later.
+            os.posix_fallocate(stream.fileno(), 0, int(np.prod(self.shape)) * COMPLEX.itemsize)
+        self._written = np.memmap(str(self._path), COMPLEX, "r+", shape=self.shape)
+        self._written[:] = EMPTY
+        return self._written
+
+    def finished(self, shape: Tuple[int, ...]) -> _TemporaryArray:
+        """Return the array in another shape, now only to be read."""
+        self._written.flush()
+        self._written, self.shape, self.ndim = None, shape, len(shape)
+        return self
+
+    def __getitem__(self, place: Any) -> np.ndarray:
+        return np.array(np.memmap(str(self._path), COMPLEX, "r", shape=self.shape)[place])
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return {**self.__dict__, "_folder": None}  # the file belongs to this process

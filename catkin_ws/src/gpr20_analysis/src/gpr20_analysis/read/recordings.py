@@ -1,0 +1,240 @@
+"""The messages of a bag or an MCAP file.
+
+A finished one is read by the stock libraries; of one that was cut off, what is whole is read.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import struct
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, BinaryIO, Dict, Iterator, List, Optional, Union
+
+from mcap.data_stream import ReadDataStream
+from mcap.reader import make_reader
+from mcap.records import Channel, Chunk, Message, Schema
+from mcap.stream_reader import breakup_chunk
+from mcap.summary import Summary
+from rosbags.rosbag1 import Reader
+
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.survey_folder import SURVEY_FILE
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import trace_message
+
+BAG, MCAP = ".bag", ".mcap"
+METADATA_TOPIC = "survey_metadata"
+BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
+INDEX_POSITION = b"index_pos="
+RECORD_HEAD_BYTES = 9  # opcode and length
+CUT_OFF = "the recording was cut off before its index was written; what is whole was read"
+
+
+@dataclass
+class OpenRecording:
+    """A recording, looked into."""
+
+    traces: Iterator[RecordedMessage]
+    """Every trace; raises UnreadableFileError where the file is damaged."""
+    count: int = 0
+    """How many traces it tells of; 0 if it has no index."""
+    metadata: Optional[str] = None
+    """survey.json as it was at the start."""
+    notes: List[str] = field(default_factory=list)
+
+
+def open_recording(path: Path) -> OpenRecording:
+    """Open a bag or an MCAP file, finished or cut off.
+
+    Raises:
+        UnreadableFileError: It is none, or its index is damaged.
+        OSError: It cannot be read.
+    """
+    if not is_finished(path):
+        described = (one for one in _whole_messages(path) if _is_metadata(one.topic))
+        metadata = next((_text(one.data) for one in described), None)
+        return OpenRecording(trace_messages(path, finished=False), 0, metadata, [CUT_OFF])
+    with _failing_as_unreadable(path):
+        return _open_bag(path) if path.suffix == BAG else _open_mcap(path)
+
+
+def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
+    """Yield every recorded trace, in the order of the file.
+
+    Args:
+        path: Bag or MCAP file.
+        finished: Whether it must have its index, by which it is read then.
+
+    Raises:
+        UnreadableFileError: It cannot be read to its end, or is damaged before it.
+    """
+    if not finished:
+        return (one for one in _whole_messages(path) if one.datatype == trace_message.DATATYPE)
+    return _bag_traces(path) if path.suffix == BAG else _mcap_traces(path, None)
+
+
+def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
+    """Yield the messages of an MCAP file in the order of time; of one cut off, what is whole.
+
+    Raises:
+        UnreadableFileError: The file is damaged before its end.
+        OSError: It cannot be read.
+    """
+    if not is_finished(path):
+        yield from _whole_messages(path)
+        return
+    with _failing_as_unreadable(path), path.open("rb") as stream:
+        for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
+            if schema is not None:
+                yield _recorded(schema, channel, message)
+
+
+def is_finished(path: Path) -> bool:
+    """Say whether a bag or an MCAP file has its index.
+
+    Raises:
+        UnreadableFileError: It is neither.
+        OSError: It cannot be read.
+    """
+    magic = BAG_MAGIC if path.suffix == BAG else MCAP_MAGIC
+    with path.open("rb") as stream:
+        if stream.read(len(magic)) != magic:
+            kind = "a bag" if path.suffix == BAG else "an MCAP file"
+            raise UnreadableFileError(f"{path.name} does not begin as {kind} does")
+        if path.suffix == MCAP:
+            stream.seek(max(len(magic), stream.seek(0, os.SEEK_END) - len(magic)))
+            return stream.read() == magic
+        head = stream.read(4096)
+    place = head.find(INDEX_POSITION)
+    if place < 0:
+        raise UnreadableFileError(f"{path.name} has no header of a bag")
+    place += len(INDEX_POSITION)
+    return head[place : place + 8] != bytes(8)
+
+
+def _open_bag(path: Path) -> OpenRecording:
+    with Reader(str(path)) as reader:
+        count = sum(one.msgcount for one in reader.connections if _is_trace(one))
+        described = [one for one in reader.connections if _is_metadata(one.topic)]
+        found = (bytes(data) for _, _, data in reader.messages(described) if described)
+        metadata = next((_text(data) for data in found), None)
+    return OpenRecording(_bag_traces(path), count, metadata)
+
+
+def _open_mcap(path: Path) -> OpenRecording:
+    with path.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        attached = {one.name: one.data for one in reader.iter_attachments()}
+        summary = reader.get_summary()
+    metadata = attached[SURVEY_FILE].decode("utf-8", "replace") if SURVEY_FILE in attached else None
+    count = 0
+    if summary is not None and summary.statistics is not None:
+        counts = summary.statistics.channel_message_counts
+        count = sum(counts.get(number, 0) for number in _trace_channels(summary))
+    return OpenRecording(_mcap_traces(path, summary), count, metadata)
+
+
+def _bag_traces(path: Path) -> Iterator[RecordedMessage]:
+    with _failing_as_unreadable(path), Reader(str(path)) as reader:
+        connections = [one for one in reader.connections if _is_trace(one)]
+        for connection, time_ns, data in reader.messages(connections) if connections else ():
+            yield RecordedMessage(
+                connection.topic,
+                trace_message.DATATYPE,
+                connection.digest,
+                "",
+                bytes(data),
+                time_ns,
+            )
+
+
+def _mcap_traces(path: Path, summary: Optional[Summary]) -> Iterator[RecordedMessage]:
+    with _failing_as_unreadable(path), path.open("rb") as stream:
+        summary = summary or make_reader(stream, validate_crcs=True).get_summary()
+        if summary is None:
+            raise UnreadableFileError(f"{path.name} has no summary")
+        channels = _trace_channels(summary)
+        for message in _chunk_messages(stream, summary, channels):
+            channel = channels[message.channel_id]
+            yield _recorded(summary.schemas[channel.schema_id], channel, message)
+
+
+def _chunk_messages(
+    stream: BinaryIO, summary: Summary, channels: Dict[int, Channel]
+) -> Iterator[Message]:
+    # The library's own iteration sorts by time, or keeps every message: each costs as much
+    # as the reading itself.
+    for index in sorted(summary.chunk_indexes, key=lambda one: one.chunk_start_offset):
+        # A chunk without message index may hold anything.
+        if index.message_index_offsets and not channels.keys() & index.message_index_offsets.keys():
+            continue
+        stream.seek(index.chunk_start_offset + RECORD_HEAD_BYTES)
+        chunk = Chunk.read(ReadDataStream(stream))
+        for record in breakup_chunk(chunk, validate_crc=True):
+            if isinstance(record, Message) and record.channel_id in channels:
+                yield record
+
+
+def _trace_channels(summary: Summary) -> Dict[int, Channel]:
+    return {
+        channel.id: channel
+        for channel in summary.channels.values()
+        if channel.schema_id in summary.schemas
+        and summary.schemas[channel.schema_id].name == trace_message.DATATYPE
+    }
+
+
+def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
+    """Yield every whole message of a recording that has no index yet."""
+    stored: Union[StoredBag, StoredMcap]
+    stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path, _refuse_to_create)
+    yield from stored.messages()
+    if stored.faults:
+        raise UnreadableFileError("; ".join(stored.faults))
+
+
+def _recorded(schema: Schema, channel: Channel, message: Message) -> RecordedMessage:
+    return RecordedMessage(
+        channel.topic,
+        schema.name,
+        channel.metadata.get("md5sum", ""),
+        schema.data.decode(),
+        message.data,
+        message.log_time,
+        channel.metadata.get("latching") == "1",
+    )
+
+
+@contextlib.contextmanager
+def _failing_as_unreadable(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except UnreadableFileError:
+        raise
+    except Exception as error:
+        # The libraries assert and unpack without checks: they fail in any way on damaged bytes.
+        raise UnreadableFileError(f"{path.name} cannot be read: {error!r}") from error
+
+
+def _is_trace(connection: Any) -> bool:
+    return bool(connection.msgtype.replace("/msg/", "/") == trace_message.DATATYPE)
+
+
+def _is_metadata(topic: str) -> bool:
+    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
+
+
+def _text(data: bytes) -> str:
+    (size,) = struct.unpack_from("<I", data)
+    if size + 4 != len(data):
+        raise UnreadableFileError("the survey's metadata are not whole")
+    return data[4:].decode("utf-8", "replace")
+
+
+def _refuse_to_create(path: Path) -> Any:
+    raise SurveyRefusedError(f"{path} is only read here")
