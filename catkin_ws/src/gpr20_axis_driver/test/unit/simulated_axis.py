@@ -8,7 +8,7 @@ from pathlib import Path
 from axis_machine import X_PARAMETERS, Z_PARAMETERS
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.process_engine import ProcessEngine
+from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_simulator.low.world import AxisName, open_world
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS, Z_AXIS
@@ -19,7 +19,7 @@ MECHANICS = {AxisName.X: X_AXIS, AxisName.Z: Z_AXIS}
 
 
 class SimulatedAxis:
-    """The driver, its engine, and the truth beside them."""
+    """The driver, its pulses, and the truth beside them."""
 
     def __init__(self, folder: Path, axis: AxisName, time_scale: float) -> None:
         self.axis = axis
@@ -33,8 +33,8 @@ class SimulatedAxis:
             time_scale,
             self.world.steps(axis),
         )
-        self.engine = ProcessEngine(self.hardware)
-        self.driver = AxisDriver(PARAMETERS[axis], self.engine)
+        self.pulses = PulseClient(self.hardware)
+        self.driver = AxisDriver(PARAMETERS[axis], self.pulses)
 
     @property
     def true_steps(self) -> int:
