@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Collection, Tuple
+from typing import Callable, Tuple
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -14,8 +14,7 @@ from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.high import diagnostics
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
@@ -162,20 +161,12 @@ class AxisNode:
         self._driver.close(SHUTDOWN_LIMIT_S)
 
 
-def build_axis_node(
-    hardware_of: Callable[[AxisParameters], AxisHardware],
-    other_parameters: Collection[str] = (),
-) -> AxisNode:
-    """Read the node's parameters and build an axis from the bottom up.
-
-    Args:
-        hardware_of: Gives what an axis with these parameters is wired to.
-        other_parameters: Parameters of the node that are not the axis's.
+def build_axis_node(hardware: AxisHardware) -> AxisNode:
+    """Build an axis from the bottom up.
 
     Raises:
-        Gpr20Error: A parameter is not allowed, or the pins cannot be used.
+        Gpr20Error: The process of the pulses cannot be started, or the pins cannot be used.
     """
-    hardware = hardware_of(read_parameters(AxisParameters, others=other_parameters))
     pulses = PulseClient(hardware)
     if pulses.unpunctual:
         rospy.logwarn(pulses.scheduling)
@@ -184,4 +175,4 @@ def build_axis_node(
 
 def main() -> None:
     """Run one axis of the real robot."""
-    run_node("axis_driver", lambda: build_axis_node(RobotHardware))
+    run_device("axis_driver", AxisParameters, lambda own: build_axis_node(RobotHardware(own)))
