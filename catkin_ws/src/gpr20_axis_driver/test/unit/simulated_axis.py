@@ -18,21 +18,22 @@ PARAMETERS = {AxisName.X: X_PARAMETERS, AxisName.Z: Z_PARAMETERS}
 MECHANICS = {AxisName.X: X_AXIS, AxisName.Z: Z_AXIS}
 
 
+def simulated_hardware(folder: Path, axis: AxisName, time_scale: float) -> SimulatedHardware:
+    """Return what an axis of a simulated world in this folder is wired to."""
+    path = folder / "world"
+    world = open_world(path, {AxisName.X: 200})
+    return SimulatedHardware(
+        PARAMETERS[axis], path, axis, MECHANICS[axis], time_scale, world.steps(axis)
+    )
+
+
 class SimulatedAxis:
     """The driver, its pulses, and the truth beside them."""
 
     def __init__(self, folder: Path, axis: AxisName, time_scale: float) -> None:
         self.axis = axis
-        self.path = folder / "world"
-        self.world = open_world(self.path, {AxisName.X: 200})
-        self.hardware = SimulatedHardware(
-            PARAMETERS[axis],
-            self.path,
-            axis,
-            MECHANICS[axis],
-            time_scale,
-            self.world.steps(axis),
-        )
+        self.hardware = simulated_hardware(folder, axis, time_scale)
+        self.world = open_world(self.hardware.world_path, {})
         self.pulses = PulseClient(self.hardware)
         self.driver = AxisDriver(PARAMETERS[axis], self.pulses)
 

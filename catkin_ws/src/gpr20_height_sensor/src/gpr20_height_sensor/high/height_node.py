@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import Optional
 
 import rospy
@@ -90,10 +89,6 @@ class HeightNode:
         return diagnostics.OK, f"height {height.height_m:.3f} m", values
 
 
-def _time_of_day_us() -> int:
-    return time.time_ns() // 1000
-
-
 def build_height_node(
     parameters: HeightParameters, spi: SpiBus, clock: Clock, hardware_id: str
 ) -> HeightNode:
@@ -109,7 +104,7 @@ def build_height_node(
         Gpr20Error: A parameter is not allowed.
     """
     adc = AdcInterface(spi, parameters.channel)
-    return HeightNode(HeightDriver(adc, parameters, clock, _time_of_day_us), hardware_id)
+    return HeightNode(HeightDriver(adc, parameters, clock), hardware_id)
 
 
 def build_robot_node(parameters: HeightParameters) -> HeightNode:

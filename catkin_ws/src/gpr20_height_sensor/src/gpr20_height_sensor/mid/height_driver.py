@@ -8,7 +8,7 @@ from typing import Callable, List
 
 import numpy as np
 
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_height_sensor.errors import (
     HeightStoppedError,
     SensorNoiseError,
@@ -52,7 +52,7 @@ class HeightDriver:
         adc: AdcInterface,
         parameters: HeightParameters,
         clock: Clock,
-        time_of_day_us: Callable[[], int],
+        now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
         """Make a driver of the sensor behind a converter.
 
@@ -60,12 +60,12 @@ class HeightDriver:
             adc: The converter.
             parameters: The sensor and the estimate.
             clock: Spaces the readings.
-            time_of_day_us: Gives the time [microseconds since 1970, UTC].
+            now_us: Gives the time [microseconds since 1970, UTC].
         """
         self._adc = adc
         self._parameters = parameters
         self._clock = clock
-        self._time_of_day_us = time_of_day_us
+        self._now_us = now_us
         self._lock = threading.Lock()
         self._last_code = -1
         self._equal_readings = 0
@@ -95,7 +95,7 @@ class HeightDriver:
             HeightError: The sensor is stuck, out of its range, too noisy, or does not answer.
         """
         codes = np.array(self._fresh_samples(), dtype=np.float64)
-        measured_us = self._time_of_day_us()
+        measured_us = self._now_us()
         self._check_not_stuck(codes)
         # The converter's result is code / 1024 of its reference (data sheet, equation 4-2).
         voltages_v = codes * (self._parameters.reference_voltage_v / (LARGEST_CODE + 1))
