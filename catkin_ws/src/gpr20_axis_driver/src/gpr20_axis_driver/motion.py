@@ -12,7 +12,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
-# Asked at every step: whether the motion shall end now.
+# Asked at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]
 
 
@@ -131,7 +131,7 @@ class MotionRunner(Protocol):
     """Makes the pulses of motions, next to the hardware."""
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands."""
+        """Carry out a motion and return when the motor rests."""
 
     def close(self) -> None:
         """Leave the step and direction pins low and release the hardware."""
@@ -162,7 +162,7 @@ class AxisHardware(Protocol):
 
     @property
     def first_steps(self) -> Optional[int]:
-        """Where the motor stands if nothing was ever counted; None if nobody knows."""
+        """Where the motor rests if nothing was ever counted; None if that is unknown."""
 
     def open(self, counter: StepCounter) -> MotionRunner:
         """Open the hardware; both pins are low then."""

@@ -103,7 +103,7 @@ class AxisNode:
         return TriggerResponse(True, "stopping")
 
     def _stop_since_now(self) -> Callable[[], bool]:
-        """Return what tells a motion that begins now whether to stop."""
+        """Return a function that says whether a stop was requested since this call."""
         # A count instead of a flag: nothing has to be cleared, so no request is lost
         # between two motions, and none is left over for the next one.
         stops = self._stops

@@ -43,7 +43,7 @@ class GoalServer(actionlib.SimpleActionServer):
         super().internal_goal_callback(goal)
 
     def watch_sender(self) -> Callable[[], bool]:
-        """Return what tells whether the sender of the current goal has gone.
+        """Return a function that says whether the sender of the current goal has gone.
 
         actionlib begins a goal's id with the name of the client's node. A goal that names no node
         connected now is watched by any connection at all.
@@ -53,7 +53,7 @@ class GoalServer(actionlib.SimpleActionServer):
         return self._watch(lambda name: name in senders or not senders)
 
     def watch_node(self, name: str) -> Callable[[], bool]:
-        """Return what tells whether a node has gone; never, if it is no client of the action."""
+        """Return a function that says whether a node has gone; never, if it is no client."""
         if any(name == connected for connected, _ in self._connections()):
             return self._watch(lambda connected: connected == name)
         return lambda: False

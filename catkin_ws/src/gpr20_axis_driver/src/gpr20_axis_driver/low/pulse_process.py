@@ -109,7 +109,7 @@ class PulseProcess:
         return answer
 
     def kill(self) -> None:
-        """End it at once; whoever was told of its unasked end is told of this one too."""
+        """End it at once; `ended` is called as for an unasked end."""
         self._process.kill()
         self._gone.wait(END_LIMIT_S)
 
@@ -118,7 +118,7 @@ class PulseProcess:
         self._closing = True
         self._connection.close()
         if not self._gone.wait(END_LIMIT_S):
-            # Killed, it cannot leave the pins low: whoever is told of its end must.
+            # Killed, it cannot leave the pins low: `ended` must.
             self._closing = False
             self.kill()
 
@@ -180,7 +180,7 @@ def serve(connection: Connection, counter: StepCounter, parent: int) -> None:
 
 
 class _Parent:
-    """Tells, during one motion, whether it shall end."""
+    """Says, during one motion, whether to end it."""
 
     def __init__(self, counter: StepCounter, number: int) -> None:
         self._counter = counter
@@ -209,7 +209,7 @@ def main() -> NoReturn:
     try:
         serve(connection, counter, int(sys.argv[3]))
     except (EOFError, BrokenPipeError, ConnectionResetError):
-        # The parent has closed the connection or is dead; nobody is left to be told.
+        # The parent has closed the connection or is dead; nobody is left to tell.
         sys.exit(0)
     except Gpr20Error as error:
         connection.send(PulseProcessError(error.message))

@@ -62,7 +62,7 @@ class StepCounter:
 
     @property
     def stop_requested(self) -> bool:
-        """Whether the motion under way shall end."""
+        """Whether to end the motion under way."""
         return self._words[_Word.STOP] != 0
 
     @stop_requested.setter
@@ -79,7 +79,7 @@ class StepCounter:
         self._words[_Word.BEATS] += 1
 
     def begin(self) -> None:
-        """Note that a motion begins; durable before the first pulse."""
+        """Trust the count no more, as a motion begins; durable before the first pulse."""
         self._words[_Word.RESTING] = 0
         self._memory.flush()
 
@@ -88,26 +88,22 @@ class StepCounter:
         self._words[_Word.STEPS] += change
 
     def rest(self) -> None:
-        """Note that the motor stands and that the count is exact; durable on return."""
+        """Note that the motor rests and that the count is exact; durable on return."""
         self._words[_Word.RESTING] = self.steps ^ REST_KEY
         self._memory.flush()
 
     def place(self, steps: int) -> None:
-        """Set the count of a motor that stands [motor steps]."""
+        """Set the count of a motor that rests [motor steps]."""
         # Not trusted in between: no power cut makes a count of two halves.
         self.begin()
         self._words[_Word.STEPS] = steps
         self.rest()
 
-    def forget(self) -> None:
-        """Note that nobody knows where the motor stands."""
-        self.begin()
-
     def check(self, step_size: float) -> None:
         """Forget the count if it was made with steps of another size [mm or deg]."""
         size_nano = round(step_size * NANO)
         if self._words[_Word.STEP_SIZE_NANO] != size_nano:
-            self.forget()
+            self.begin()
             self._words[_Word.STEP_SIZE_NANO] = size_nano
         self.stop_requested = False
 

@@ -53,7 +53,7 @@ class AxisDriver:
 
     @property
     def failure(self) -> str:
-        """Why the axis cannot move now, whatever it is told; empty if it can."""
+        """Why no motion is possible now; empty if one is."""
         return self._pulses.failure
 
     @property
@@ -62,7 +62,7 @@ class AxisDriver:
         return self._last_motion
 
     def move_to_coordinate(self, target: float, stop_requested: StopRequested = never) -> None:
-        """Move to a coordinate and return when the axis stands there.
+        """Move to a coordinate and return when the axis rests there.
 
         Args:
             target: Coordinate [mm or deg]; the nearest motor step is taken.
@@ -106,7 +106,7 @@ class AxisDriver:
             self._homing_done = True
 
     def set_zero(self) -> None:
-        """Take the place where an axis without endstop stands as its zero.
+        """Take the present place of an axis without endstop as its zero.
 
         Raises:
             AxisBusyError: A motion is under way.

@@ -33,7 +33,7 @@ class Homing:
         self._run = run
 
     def run(self, stop: StopRequested) -> None:
-        """Carry out the whole homing; the axis then stands at its zero.
+        """Carry out the whole homing; the axis then rests at its zero.
 
         Raises:
             EndstopError: The switch is stuck or cannot be reached.

@@ -47,7 +47,7 @@ class PulseClient:
 
     @property
     def trusted(self) -> bool:
-        """Whether the count is known to be where the motor stands."""
+        """Whether the count is known to be where the motor rests."""
         return self._counter.trusted
 
     @property
@@ -72,7 +72,7 @@ class PulseClient:
         return self._process.pid
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands.
+        """Carry out a motion and return when the motor rests.
 
         Raises:
             PulseProcessError: The process died or hung; the pins are low.
@@ -96,7 +96,7 @@ class PulseClient:
         return report
 
     def place(self, steps: int) -> None:
-        """Say where the motor stands [motor steps]."""
+        """Set where the motor rests [motor steps]."""
         self._counter.place(steps)
 
     def revive(self) -> None:

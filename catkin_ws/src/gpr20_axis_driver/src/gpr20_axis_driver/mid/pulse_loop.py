@@ -22,7 +22,7 @@ from gpr20_survey.axes.ramp import Ramp
 
 
 class EdgeSchedule:
-    """Absolute moments of a motion's edges, told when each was really made.
+    """Absolute moments of a motion's edges, corrected by when each was really made.
 
     A delay up to the limit is absorbed: the next edges stay where they were, so a pause
     can be shorter than its due length by up to that limit, never by more. Beyond the limit the rest
@@ -105,7 +105,7 @@ class PulseLoop:
         self._counter = counter
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands.
+        """Carry out a motion and return when the motor rests.
 
         A stop ramps down. The steps are counted at the edge on which the motor moves, so
         nothing that ends the motion loses one.

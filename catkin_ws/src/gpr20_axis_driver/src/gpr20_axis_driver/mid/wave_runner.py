@@ -54,7 +54,7 @@ class WaveRunner:
         self._counter = counter
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands."""
+        """Carry out a motion and return when the motor rests."""
         self._counter.begin()
         self._waves.set_direction(motion.forward)
         start_s = self._clock.now_s()
