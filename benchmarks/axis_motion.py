@@ -7,23 +7,18 @@ The results are in docs/motion.md.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import os
 import random
-import shutil
-import signal
-import socket
 import statistics
-import subprocess
 import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Callable, List
 
 import actionlib
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from robot_kit import simulated_robot
 from std_srvs.srv import Trigger
 
 from gpr20_axis_driver.axis_exceptions import MotionStopped
@@ -31,10 +26,11 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus, CurrentCoordinate, SurveyParameters
 from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, World, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import SharedState, open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
@@ -62,33 +58,13 @@ def braking_s(parameters: AxisParameters) -> float:
     return ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
 
 
-@contextlib.contextmanager
-def whole_robot() -> Iterator[None]:
-    """Launch the whole simulated robot, as fast as the real one, under a master of its own."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
-    os.environ["ROS_IP"] = "127.0.0.1"
-    data = tempfile.mkdtemp()
-    command = ["roslaunch", "-p", str(port), "gpr20", "survey.launch", "ui:=false", f"data:={data}"]
-    with open(os.devnull, "wb") as silence:
-        launch = subprocess.Popen(command, stdout=silence, stderr=silence, start_new_session=True)
-        try:
-            yield
-        finally:
-            launch.send_signal(signal.SIGINT)
-            launch.wait()
-            shutil.rmtree(data)
-
-
 class XAxis:
     """The x axis as a client sees it, with the truth beside it."""
 
     def __init__(self) -> None:
         self.client = actionlib.SimpleActionClient("x_axis/axis", AxisAction)
         assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
-        self.world: World = open_world(world_path("/"), {})
+        self.world: SharedState = open_shared_state(shared_state_path("/"))
         self._changed = threading.Condition()
         self._readings = 0
         self._values: dict = {}
@@ -197,8 +173,8 @@ def measure_steps(quick: bool) -> None:
     stopped = wrong = 0
     with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
         path = Path(folder) / "world"
-        world = open_world(path, {AxisName.X: 800})
-        pulses = PulseClient(SimulatedHardware(X, path, AxisName.X, X_AXIS, 200.0, None))
+        world = open_shared_state(path, {AxisId.X: 800})
+        pulses = PulseClient(SimulatedHardware(X, path, AxisId.X, X_AXIS, 200.0, None))
         driver = AxisDriver(X, pulses)
         driver.homing()
         begin_s = time.monotonic()
@@ -213,7 +189,7 @@ def measure_steps(quick: bool) -> None:
                 stopped += 1
             else:
                 wrong += driver.current_coord != target_mm
-            wrong += round(driver.current_coord * 100) != world.steps(AxisName.X)
+            wrong += round(driver.current_coord * 100) != world.steps(AxisId.X)
         took_s = time.monotonic() - begin_s
         pulses.close()
     print(f"{moves} random moves, {stopped} of them stopped: {wrong} wrong, {took_s:.0f} s")
@@ -249,14 +225,14 @@ def last_pulse_after(x: XAxis, request: Callable[[], object], resting: Callable[
         assert time.monotonic() < deadline_s
         time.sleep(0.01)
     last_ns = 0
-    while last_ns != max(x.world.last_pulse_ns(axis) for axis in AxisName):
-        last_ns = max(x.world.last_pulse_ns(axis) for axis in AxisName)
+    while last_ns != max(x.world.last_pulse_ns(axis) for axis in AxisId):
+        last_ns = max(x.world.last_pulse_ns(axis) for axis in AxisId)
         time.sleep(0.3)
     return max(0.0, (last_ns - requested_ns) * 1e-9)
 
 
 def cancelled_move(x: XAxis, chance: random.Random) -> float:
-    target_mm = 0.0 if x.world.steps(AxisName.X) > 20000 else 600.0
+    target_mm = 0.0 if x.world.steps(AxisId.X) > 20000 else 600.0
     x.client.send_goal(AxisGoal(target_coordinate=target_mm))
     time.sleep(chance.uniform(0.5, 1.5))
     return last_pulse_after(x, x.client.cancel_goal, x.ended)
@@ -300,8 +276,8 @@ def stopped_survey(x: XAxis, control: Control, chance: random.Random, place: int
     """Stop a survey on its way to its first point."""
     control.begin(*((600.0, 600.0) if place % 2 == 0 else (5.0, 5.0)))
     control.wait_for(ControlStatus.SURVEYING)
-    steps = [x.world.steps(axis) for axis in (AxisName.X, AxisName.Y)]
-    while any(x.world.steps(a) == s for a, s in zip((AxisName.X, AxisName.Y), steps)):
+    steps = [x.world.steps(axis) for axis in (AxisId.X, AxisId.Y)]
+    while any(x.world.steps(a) == s for a, s in zip((AxisId.X, AxisId.Y), steps)):
         time.sleep(0.01)
     time.sleep(chance.uniform(0.5, 1.5))
     return last_pulse_after(x, control.stop, lambda: control.code == ControlStatus.STOPPED)
@@ -317,7 +293,7 @@ def main() -> None:
         measure_steps(arguments.quick)
     if parts == ["steps"]:
         return
-    with whole_robot():
+    with simulated_robot():
         rospy.init_node("axis_motion_benchmark", disable_signals=True)
         x = XAxis()
         x.home()

@@ -12,37 +12,20 @@ from __future__ import annotations
 
 import argparse
 import collections
-import os
-import signal
-import socket
 import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
 from typing import Counter, Dict, List
 
-import psutil
 import rospy
+from robot_kit import MASTER, NODES, START_LIMIT_S, LaunchedRobot, resident_mib, simulated_robot
 from rosgraph_msgs.msg import Log
 
 from gpr20_msgs.msg import Trace
 
-NODES = [
-    "x_axis-axis_driver",
-    "y_axis-axis_driver",
-    "z_axis-axis_driver",
-    "height_sensor",
-    "vna_acquisition",
-    "vna_processing",
-    "main_control",
-    "simulator",
-    "rosout",
-    "rosmaster",
-]
 POLARIZATIONS = 2
 ROWS = 10
-START_LIMIT_S = 60.0
+PROCESSES = (*NODES, MASTER)
 ALLOWED_GROWTH = 0.05
 # No wait of the survey is longer; a trace that takes as long is a stall.
 LONGEST_GAP_S = 5.0
@@ -73,31 +56,29 @@ class Ear:
             self.warnings[f"{entry.name}: {entry.msg[:120]}"] += 1
 
 
-def memory_mib(launch: subprocess.Popen) -> Dict[str, float]:
+def memory_mib(robot: LaunchedRobot) -> Dict[str, float]:
     """Return the resident memory of each node [MiB], with the processes it started."""
-    found: Dict[str, float] = dict.fromkeys(NODES, 0.0)
-    for child in psutil.Process(launch.pid).children():
-        line = " ".join(child.cmdline())
-        for name in NODES:
-            if f"/{name}-" in line or (name == "rosmaster" and name in line):
-                family = [child, *child.children(recursive=True)]
-                found[name] = sum(one.memory_info().rss for one in family) / 2**20
+    found: Dict[str, float] = dict.fromkeys(PROCESSES, 0.0)
+    for name, process in robot.processes().items():
+        found[name] = resident_mib(process.pid, with_children=True)
     return found
 
 
 def table(rows: List[Dict[str, float]]) -> str:
-    names = ["count", "seconds", *NODES]
+    names = ["count", "seconds", *PROCESSES]
     lines = [
-        "| traces | time [s] | " + " | ".join(NODES) + " |",
+        "| traces | time [s] | " + " | ".join(PROCESSES) + " |",
         "| " + " | ".join(["---:"] * len(names)) + " |",
     ]
     for row in rows:
         cells = [f"{row['count']:,.0f}", f"{row['seconds']:.0f}"]
-        lines.append("| " + " | ".join([*cells, *(f"{row[name]:.1f}" for name in NODES)]) + " |")
+        lines.append(
+            "| " + " | ".join([*cells, *(f"{row[name]:.1f}" for name in PROCESSES)]) + " |"
+        )
     return "\n".join(lines)
 
 
-def watch(launch: subprocess.Popen, client: subprocess.Popen, ear: Ear, total: int) -> list:
+def watch(robot: LaunchedRobot, client: subprocess.Popen, ear: Ear, total: int) -> list:
     """Note the memory ten times during the survey; return the rows."""
     rows: List[Dict[str, float]] = []
     begin_s = time.monotonic()
@@ -106,7 +87,7 @@ def watch(launch: subprocess.Popen, client: subprocess.Popen, ear: Ear, total: i
             time.sleep(0.05)
         if client.poll() is None or ear.count >= mark:
             seconds = time.monotonic() - begin_s
-            rows.append({"count": ear.count, "seconds": seconds, **memory_mib(launch)})
+            rows.append({"count": ear.count, "seconds": seconds, **memory_mib(robot)})
             print(rows[-1], file=sys.stderr, flush=True)
     client.wait()
     return rows
@@ -115,7 +96,7 @@ def watch(launch: subprocess.Popen, client: subprocess.Popen, ear: Ear, total: i
 def verdict(rows: List[Dict[str, float]], ear: Ear, status: int) -> int:
     """Print what was found; return the exit status."""
     print("Memory of the nodes [MiB], with the processes they started:\n\n" + table(rows))
-    growth = {name: rows[-1][name] / rows[0][name] - 1.0 for name in NODES}
+    growth = {name: rows[-1][name] / rows[0][name] - 1.0 for name in PROCESSES}
     worst = max(growth, key=lambda name: growth[name])
     print(f"\nLargest growth from {rows[0]['count']:,} traces on: {worst} {growth[worst]:+.1%}.")
     print(f"{ear.count:,} traces, {ear.count / rows[-1]['seconds']:.1f} per second.")
@@ -128,12 +109,6 @@ def verdict(rows: List[Dict[str, float]], ear: Ear, status: int) -> int:
     return 0 if flat and status == 0 and ear.longest_gap_s < LONGEST_GAP_S else 1
 
 
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 def main() -> int:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--x-points", type=int, default=100)
@@ -141,31 +116,17 @@ def main() -> int:
     options.add_argument("--time-scale", type=float, default=200.0)
     chosen = options.parse_args()
     total = chosen.x_points * chosen.y_points * POLARIZATIONS
-    port = free_port()
-    os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
-    with tempfile.TemporaryDirectory(prefix="gpr20_soak_") as folder:
-        with (Path(folder) / "launch.log").open("wb") as log:
-            launch = subprocess.Popen(
-                ["roslaunch", "-p", str(port), "gpr20", "survey.launch", "ui:=false"]
-                + [f"time_scale:={chosen.time_scale:g}", f"data:={folder}/data"],
-                stdout=log,
-                stderr=subprocess.STDOUT,
-            )
-        try:
-            client = subprocess.Popen(
-                ["rosrun", "gpr20_user_interface", "run_survey", f"--wait={START_LIMIT_S:.0f}"]
-                + ["--x-start=10", f"--x-stop={10 + chosen.x_points}", "--y-start=10"]
-                + [f"--x-points={chosen.x_points}", f"--y-stop={10 + chosen.y_points}"]
-                + [f"--y-points={chosen.y_points}"],
-                stdout=subprocess.DEVNULL,
-            )
-            rospy.init_node("soak", disable_signals=True)
-            ear = Ear()
-            rows = watch(launch, client, ear, total)
-            return verdict(rows, ear, client.returncode)
-        finally:
-            launch.send_signal(signal.SIGINT)
-            launch.wait(START_LIMIT_S)
+    with simulated_robot(f"time_scale:={chosen.time_scale:g}") as robot:
+        rospy.init_node("soak", disable_signals=True)
+        ear = Ear()
+        client = robot.client(
+            *(f"--wait={START_LIMIT_S:.0f}", "--x-start=10", f"--x-stop={10 + chosen.x_points}"),
+            *(f"--x-points={chosen.x_points}", "--y-start=10", f"--y-stop={10 + chosen.y_points}"),
+            f"--y-points={chosen.y_points}",
+            stdout=subprocess.DEVNULL,
+        )
+        rows = watch(robot, client, ear, total)
+        return verdict(rows, ear, client.returncode)
 
 
 if __name__ == "__main__":

@@ -10,11 +10,9 @@ verified. Everything lies in a temporary folder that is removed afterwards.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import os
 import shutil
-import signal
 import socket
 import statistics
 import subprocess
@@ -24,10 +22,11 @@ import time
 import uuid
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Dict, Iterator, List
+from typing import Any, Dict, List
 
 import numpy as np
 import rospy
+from robot_kit import free_port, resident_mib, running
 
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
@@ -44,23 +43,6 @@ ALLOWED_GROWTH = 0.05
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 
 
-@contextlib.contextmanager
-def process(*command: str) -> Iterator[subprocess.Popen]:
-    """Run a process of ROS and end it in the end."""
-    child = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
-    try:
-        yield child
-    finally:
-        child.send_signal(signal.SIGINT)
-        child.wait(TIME_LIMIT_S)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 def wait_until(condition: Any, what: str) -> None:
     deadline_s = time.monotonic() + TIME_LIMIT_S
     while not condition():
@@ -72,14 +54,6 @@ def wait_until(condition: Any, what: str) -> None:
 def listens(port: int) -> bool:
     with socket.socket() as probe:
         return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-def resident_kb(pid: int) -> int:
-    """Return the resident memory of a process [KiB]."""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmRSS:"):
-            return int(line.split()[1])
-    raise RuntimeError(f"process {pid} does not tell its memory")
 
 
 def metadata(parameters: SurveyParameters, planned: int) -> str:
@@ -140,7 +114,7 @@ def store_all(
             rows.append(
                 {
                     "count": count,
-                    "rss_mib": resident_kb(node) / 1024,
+                    "rss_mib": resident_mib(node),
                     "median_ms": statistics.median(ordered),
                     "p95_ms": ordered[int(0.95 * len(ordered))],
                     "per_s": count / (time.monotonic() - begin_s),
@@ -174,7 +148,7 @@ def sizes(folder: Path) -> str:
 
 
 def start_node(data: Path) -> Any:
-    return process(sys.executable, str(NODE), f"_data:={data}", "_disk_reserve_mb:=100")
+    return running(sys.executable, str(NODE), f"_data:={data}", "_disk_reserve_mb:=100")
 
 
 def service(name: str, kind: Any) -> Any:
@@ -244,7 +218,7 @@ def main() -> int:
         return 2
     port = free_port()
     os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
-    with tempfile.TemporaryDirectory(dir=chosen.folder) as data, process(
+    with tempfile.TemporaryDirectory(dir=chosen.folder) as data, running(
         "roscore", "-p", str(port)
     ):
         wait_until(lambda: listens(port), "the master did not start")

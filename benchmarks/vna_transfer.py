@@ -16,15 +16,19 @@ from dataclasses import dataclass, field
 from typing import List
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.scene import Scene
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_simulator.mid.simulated_analyzer import (
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+    medium_by_name,
+)
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
-from gpr20_vna_acquisition.mid.patience import Patience
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 HOST = "127.0.0.1"
@@ -47,12 +51,13 @@ class Case:
 
     def measure(self, link: Vxi11Transport, rounds: int) -> None:
         """Take so many traces and note how long each step takes."""
-        parameters = VnaParameters(transfer_format=self.transfer.value, seconds_per_point=0.0)
-        patience = Patience(Clock())
-        patience.begin(LONGEST_RUN_S)
-        instrument = Ms2026c(link, parameters, patience, TimeOfDay())
+        parameters = VnaParameters(transfer_format=self.transfer, seconds_per_point=0.0)
+        deadline = RequestDeadline(Clock())
+        deadline.begin(LONGEST_RUN_S)
+        instrument = Ms2026c(link, parameters, deadline, utc_time.now_us)
         instrument.identify()
-        sweep = instrument.configure(SweepSettings(600e6, 6e9, self.points))
+        sweep = instrument.set_frequency_sweep(SweepSettings(600e6, 6e9, self.points))
+        instrument.set_trace()
         for _ in range(rounds):
             begun_s = time.perf_counter()
             instrument.sweep(sweep)
@@ -79,12 +84,12 @@ class Case:
 def serve(pipe) -> None:
     """Run the simulated instrument, tell its port, and end when told to."""
     scene = Scene()
-    vna = VnaAssembly(
+    vna = SimulatedAnalyzer(
         medium_by_name("scene", scene),
         lambda: AntennaPosition(100.0, 100.0, 0.0),
         Clock(),
         scene.instrument,
-        VnaOptions(seconds_per_point=0.0),
+        AnalyzerOptions(seconds_per_point=0.0),
     )
     vna.start()
     pipe.send(vna.server.port)

@@ -6,15 +6,14 @@ import contextlib
 import os
 import shutil
 import signal
-import socket
-import subprocess
-import tempfile
 import time
 from pathlib import Path
-from typing import Any, Callable, Iterator, List, Optional
+from subprocess import DEVNULL
+from typing import Any, Callable, Iterator, List
 
 import rospy
 from PyQt5.QtCore import QEventLoop, QTimer
+from robot_kit import running
 from std_srvs.srv import Trigger
 
 from gpr20_common.high.service_client import ServiceClient
@@ -25,20 +24,10 @@ from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.translation import Languages
 
 TIME_LIMIT_S = 60.0
 SCREEN = "800x480x24"
-
-
-@contextlib.contextmanager
-def ended(child: subprocess.Popen, how: signal.Signals) -> Iterator[subprocess.Popen]:
-    """End a process in the end."""
-    try:
-        yield child
-    finally:
-        child.send_signal(how)
-        child.wait(TIME_LIMIT_S)
 
 
 @contextlib.contextmanager
@@ -49,32 +38,12 @@ def virtual_screen() -> Iterator[None]:
         raise SystemExit("Xvfb is missing; run scripts/setup.sh --dev")
     reading, writing = os.pipe()
     command = [program, "-displayfd", str(writing), "-screen", "0", SCREEN, "-nolisten", "tcp"]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    with ended(subprocess.Popen(command, pass_fds=[writing], **quiet), signal.SIGTERM):
+    with running(*command, end_by=signal.SIGTERM, pass_fds=[writing], stderr=DEVNULL):
         os.close(writing)
         with os.fdopen(reading) as answer:
             os.environ["DISPLAY"] = f":{answer.readline().strip()}"
         os.environ["QT_QPA_PLATFORM"] = "xcb"
         yield
-
-
-@contextlib.contextmanager
-def simulated_robot(*arguments: str) -> Iterator[Path]:
-    """Launch the robot on a free port; yield the folder of its surveys, which is removed."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
-    folder = Path(tempfile.mkdtemp(prefix="gpr20_window_"))
-    command = ["roslaunch", "-p", str(port), "gpr20", "survey.launch", "ui:=false"]
-    command += [f"data:={folder / 'data'}", *arguments]
-    with (folder / "roslaunch.log").open("wb") as log:
-        child = subprocess.Popen(command, start_new_session=True, stdout=log, stderr=log)
-    try:
-        with ended(child, signal.SIGINT):
-            yield folder / "data"
-    finally:
-        shutil.rmtree(str(folder))
 
 
 def new_window(languages: Languages, folder: Path) -> UserInterface:
@@ -153,10 +122,3 @@ def run_until(condition: Callable[[], bool], what: str, limit_s: float) -> None:
         if time.monotonic() > deadline_s:
             raise SystemExit(f"not within {limit_s:g} s: {what}")
         run_events(0.05)
-
-
-def resident_mb(pid: Optional[int] = None) -> float:
-    """Return the memory that a process has in use [MB]."""
-    lines: List[str] = Path(f"/proc/{pid or 'self'}/status").read_text().splitlines()
-    line = next(one for one in lines if one.startswith("VmRSS"))
-    return float(line.split()[1]) / 1024.0

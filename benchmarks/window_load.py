@@ -22,21 +22,19 @@ from typing import List
 import rospy
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication
+from robot_kit import resident_mib, simulated_robot
 from window_kit import (
     Operator,
     new_window,
-    resident_mb,
     run_events,
     run_until,
-    simulated_robot,
     virtual_screen,
 )
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.mid.language import Language
-from gpr20_user_interface.mid.views.main_window import TabName
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Language, Languages
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05
@@ -112,11 +110,11 @@ def main() -> None:
     parser.add_argument("--minutes", type=int, default=10)
     parser.add_argument("--time-scale", type=float, default=50.0)
     arguments = parser.parse_args()
-    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as data:
+    with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as robot:
         application = QApplication([])
         rospy.init_node("window_load", disable_signals=True)
         languages = Languages(application, Language.ENGLISH)
-        interface = new_window(languages, data)
+        interface = new_window(languages, robot.data)
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)
@@ -136,12 +134,12 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         core = (processor_s() - used_s) / (time.monotonic() - begin_s)
         late = sum(1 for gap in heartbeat.gaps_s if gap > FRAME_S)
         at.append(float(minute))
-        memory_mb.append(resident_mb())
+        memory_mb.append(resident_mib())
         cores.append(core)
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
             f"{100 * core:7.1f} {late:13d} "
-            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.traces.live.radar.count:13d} "
+            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.window.traces.live.radar.count:13d} "
             f"{surveys:8d}",
             flush=True,
         )

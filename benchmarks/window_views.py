@@ -11,33 +11,28 @@ import argparse
 import os
 import statistics
 import time
-from pathlib import Path
 from typing import Callable, List
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 import numpy as np
 from PyQt5.QtWidgets import QApplication, QWidget
+from robot_kit import resident_mib
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop, SurveyGrid
-from gpr20_user_interface.mid.radar_model import RadarTrace
 from gpr20_user_interface.mid.shown_survey import ShownSurvey
-from gpr20_user_interface.mid.views.map.map_view import MapView
-from gpr20_user_interface.mid.views.radar.radar_view import RadarView
+from gpr20_user_interface.views.map_view import MapView
+from gpr20_user_interface.views.radar_view import RadarView
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
+NOW_US = 1_795_000_000_000_000
 PAGE_PX = (800, 370)  # what the frame leaves to a tab
 REPETITIONS = 20
-
-
-def resident_mb() -> float:
-    status = Path("/proc/self/status").read_text()
-    line = next(one for one in status.splitlines() if one.startswith("VmRSS"))
-    return float(line.split()[1]) / 1024.0
 
 
 def make_grid(columns: int, rows: int) -> SurveyGrid:
@@ -55,18 +50,25 @@ def make_grid(columns: int, rows: int) -> SurveyGrid:
     )
 
 
-def make_trace(grid: SurveyGrid, index: int) -> RadarTrace:
+def make_trace(grid: SurveyGrid, index: int) -> Trace:
     stop = grid.cell(index).stop
     delay_s = 2e-9 + 1e-12 * ((stop.row - 80) ** 2 + (stop.column - 80) ** 2) ** 0.5
-    return RadarTrace(
+    turns = 2.0 * np.pi * FREQUENCY_HZ * delay_s
+    return Trace(
         survey_id=SURVEY,
         index=index,
-        x_mm=grid.xs_mm[stop.column],
-        y_mm=grid.ys_mm[stop.row],
-        z_deg=0.0,
-        height_m=0.2,
+        sample_id=f"sample-{index}",
+        timestamp_us=NOW_US,
+        x_coord_mm=float(grid.xs_mm[stop.column]),
+        y_coord_mm=float(grid.ys_mm[stop.row]),
+        z_coord_deg=0.0,
+        antennae_height_m=0.2,
         frequency_hz=FREQUENCY_HZ,
-        s21=np.exp(-2j * np.pi * FREQUENCY_HZ * delay_s).astype(np.complex64),
+        s21_real=np.cos(turns),
+        s21_imag=-np.sin(turns),
+        sweep_started_us=NOW_US - 200_000,
+        sweep_ended_us=NOW_US,
+        quality=(),
     )
 
 
@@ -98,7 +100,7 @@ def main() -> None:
         view.resize(*PAGE_PX)
         view.show()
     survey.begin(grid)
-    empty_mb = resident_mb()
+    empty_mb = resident_mib()
     took_s = 0.0
     for index in range(grid.planned):
         trace = make_trace(grid, index)
@@ -107,9 +109,9 @@ def main() -> None:
         took_s += time.perf_counter() - begin_s
     coverage = CoverageRuns(SURVEY, grid.planned, (0, grid.planned // 2), (1, 0))
     print(f"stops                    {grid.planned}")
-    print(f"memory of the traces     {resident_mb() - empty_mb:8.1f} MB")
+    print(f"memory of the traces     {resident_mib() - empty_mb:8.1f} MB")
     print(f"take a trace             {took_s / grid.planned * 1e3:8.2f} ms mean")
-    print("take the coverage       ", milliseconds(lambda: survey.take_coverage(coverage)))
+    print("take the coverage       ", milliseconds(lambda: survey.map.set_coverage(coverage)))
     survey.map.set_target(300.0, 300.0)
     touched = iter(range(REPETITIONS))
     again = make_trace(grid, 1234)

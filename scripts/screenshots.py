@@ -7,13 +7,13 @@ from pathlib import Path
 
 import rospy
 from PyQt5.QtWidgets import QApplication
-from window_kit import Operator, new_window, run_events, run_until, simulated_robot, virtual_screen
+from robot_kit import simulated_robot
+from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.views.main_window import TabName
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Language, Languages
 
 # A finished survey for the list, then the one that the pictures show.
 SMALL_SURVEY = {"x_points": 3, "y_points": 3}
@@ -32,24 +32,24 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     operator.start(**SMALL_SURVEY)
     run_until(lambda: operator.code == ControlStatus.FINISHED, "a small survey ends", LIMIT_S)
     operator.start()
-    live = interface.traces.live
+    live = interface.window.traces.live
     wanted = round(PART_SHOWN * 21 * 21 * 2)
     run_until(lambda: live.radar.count >= wanted, "the survey shows both targets", LIMIT_S)
-    views = interface.traces.views
-    views.map.select(TARGET_STOP)
-    views.radar.depth_slider.setValue(SLICE_STEPS)
-    views.radar.controls.background.click()
+    window = interface.window
+    window.map.select(TARGET_STOP)
+    window.radar.depth_slider.setValue(SLICE_STEPS)
+    window.radar.controls.background.click()
     for language in Language:
         languages.use(language)
         for tab in TabName:
-            interface.window.show_tab(tab)
+            window.show_tab(tab)
             run_events(1.0)
             if tab is TabName.SURVEYS:
-                run_until(lambda: views.past.table.rowCount() == 2, "the list is there", LIMIT_S)
-                views.past.table.selectRow(1)
+                run_until(lambda: window.past.table.rowCount() == 2, "the list is there", LIMIT_S)
+                window.past.table.selectRow(1)
                 run_events(0.5)
             path = folder / f"{tab.value}_{language.value}.png"
-            if not interface.window.grab().save(str(path)):
+            if not window.grab().save(str(path)):
                 raise SystemExit(f"{path} cannot be written")
             print(path)
     operator.stop()
@@ -62,10 +62,10 @@ def main() -> None:
     """Take the pictures into the folder that is named."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    with virtual_screen(), simulated_robot("time_scale:=50") as data:
+    with virtual_screen(), simulated_robot("time_scale:=50") as robot:
         application = QApplication([])
         rospy.init_node("screenshots", disable_signals=True)
-        take_pictures(folder, data, application)
+        take_pictures(folder, robot.data, application)
         rospy.signal_shutdown("the pictures are taken")
 
 

@@ -24,8 +24,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Counter, List, Optional
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 from evidence import faults_after_a_kill, faults_in_the_end, outcome_of, survey_id_of
-from robot import POWER, VICTIMS, Robot
+from robot import POWER, VICTIMS, MonitoredRobot
 
 TIME_SCALE = 60.0
 PLACES_MM = (10.0, 15.0, 20.0)
@@ -60,7 +62,7 @@ class Result:
 class Matrix:
     """Runs surveys and kills meanwhile."""
 
-    def __init__(self, robot: Robot, chance: random.Random) -> None:
+    def __init__(self, robot: MonitoredRobot, chance: random.Random) -> None:
         self.result = Result()
         self._robot = robot
         self._chance = chance
@@ -87,7 +89,12 @@ class Matrix:
             self._check(folder)
 
     def _run_client(self, options: List[str], victim: Optional[str]) -> int:
-        client = self._robot.client(["--wait", str(NODES_LIMIT_S), *options])
+        client = self._robot.client(
+            *("--wait", str(NODES_LIMIT_S), *options),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
         if victim is not None:
             try:
                 client.wait(self._chance.uniform(*KILLED_AFTER_S))
@@ -152,7 +159,7 @@ def main() -> int:
     folder = Path(tempfile.mkdtemp(prefix="gpr20_crash_matrix_"))
     # The robot must not outlive the script, whoever ends it.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
-    robot = Robot(folder, TIME_SCALE)
+    robot = MonitoredRobot(folder, TIME_SCALE)
     matrix = Matrix(robot, random.Random(arguments.seed))
     result, begin_s = matrix.result, time.monotonic()
     try:

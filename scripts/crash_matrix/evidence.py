@@ -15,7 +15,7 @@ from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from gpr20_simulator.mid.probe_medium import probed_position_mm
+from gpr20_simulator.mid.medium import probed_position_mm
 
 VERIFY = Path(__file__).resolve().parents[1] / "verify.sh"
 Place = Tuple[float, float, float]

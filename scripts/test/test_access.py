@@ -7,7 +7,8 @@ import json
 
 import pytest
 from reachable_sockets import processes_below, reachable_at
-from user_shell import Terminal, free_port, is_ready, user_environment, wait_until
+from robot_kit import free_port
+from user_shell import Terminal, is_ready, user_environment, wait_until
 
 # A word of the command line of each process of the system.
 ROBOT = ["x_axis-axis_driver", "y_axis-axis_driver", "z_axis-axis_driver", "name:=height_sensor"]

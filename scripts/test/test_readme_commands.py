@@ -10,8 +10,9 @@ import subprocess
 
 import pytest
 from mcap.reader import make_reader
+from robot_kit import free_port
 from rosbags.highlevel import AnyReader
-from user_shell import LIMIT_S, ROOT, free_port, user_environment, wait_until
+from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
 
 def fenced_lines(text):

@@ -10,9 +10,6 @@ import time
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from run_checks import Catalogue, Check, Runner, UnknownPartError
 
 SCRIPT = Path(__file__).resolve().parents[1] / "run_checks.py"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
 import subprocess
 import time
 from pathlib import Path
@@ -31,12 +30,6 @@ def user_environment(data, **more):
     kept = {name: value for name, value in os.environ.items() if not name.startswith(SOURCED)}
     folders = [one for one in os.environ["PATH"].split(":") if not one.startswith(str(ROOT))]
     return {**kept, "PATH": ":".join(folders), "GPR20_DATA": str(data), **more}
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def wait_until(condition, *processes, limit_s=LIMIT_S):

@@ -32,9 +32,10 @@ from gpr20_msgs.srv import (
     StartSurvey,
     StoreData,
 )
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.srv import SetFault
+from gpr20_survey.axes.axis_id import AxisId
 
 TRACES = 18
 RESUMABLE = "resume when it is mended, or stop"
@@ -72,7 +73,7 @@ class FaultsTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("faults_rostest")
         cls.client = SurveyClient()
-        cls.world = open_world(world_path("/"), {})
+        cls.world = open_shared_state(shared_state_path("/"))
         cls.set_fault = rospy.ServiceProxy("simulator/set_fault", SetFault)
 
     @classmethod
@@ -92,7 +93,7 @@ class FaultsTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
 
     def true_steps(self):
-        return [self.world.steps(axis) for axis in AxisName]
+        return [self.world.steps(axis) for axis in AxisId]
 
     def wait_for_pause(self, *words):
         """Wait until the survey pauses; what the operator reads must hold the words."""
@@ -165,7 +166,7 @@ class FaultsTest(unittest.TestCase):
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
         # The axis has its zero back: it stands where it says.
-        self.assertEqual(self.world.steps(AxisName.X), 100 * self.FAR_MM)
+        self.assertEqual(self.world.steps(AxisId.X), 100 * self.FAR_MM)
 
     def test_03_an_endstop_stuck_open_does_no_harm_before_the_next_homing(self):
         self.check_complete(self.begin_and_meet("endstop_y", ("STUCK_OPEN", 0)))

@@ -2,7 +2,6 @@
 """No trace can hold a sweep that began before the antennas stood still."""
 
 import shutil
-import struct
 import threading
 import unittest
 from pathlib import Path
@@ -11,11 +10,11 @@ import numpy as np
 import rospy
 import rostest
 import vxi11
-from survey_client import SurveyClient, json_traces
+from survey_client import SurveyClient, bits, json_traces
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
 
 
 class FrontPanel:
@@ -47,10 +46,6 @@ def sent_values(path):
     length = int(block[2 : 2 + digits])
     numbers = np.frombuffer(block[2 + digits : 2 + digits + length], dtype="<f4")
     return numbers.astype(np.float64)
-
-
-def bits(values):
-    return struct.pack(f"<{len(values)}d", *values)
 
 
 class FreshSweepsTest(unittest.TestCase):
@@ -96,7 +91,7 @@ class FreshSweepsTest(unittest.TestCase):
             self.assertIn((bits(one["s21_real"]), bits(one["s21_imag"])), sent)
 
     def test_3_an_instrument_that_is_switched_back_to_continuous_sweeps_changes_nothing(self):
-        panel = FrontPanel(open_world(world_path("/"), {}).vna_port)
+        panel = FrontPanel(open_shared_state(shared_state_path("/")).vna_port)
         try:
             survey_id, status = self.client.run_to_end()
         finally:

@@ -1,6 +1,7 @@
 """The control of a running robot, and the folders of its surveys, for the tests."""
 
 import json
+import struct
 import threading
 import time
 from pathlib import Path
@@ -154,3 +155,8 @@ def node_pid(name):
 def json_traces(folder):
     """Return the JSON traces of a survey, in the order of their index."""
     return [json.loads(path.read_text()) for path in sorted((folder / "traces").glob("*.json"))]
+
+
+def bits(values):
+    """Return float64 numbers as their bits, so that equal means equal to the last one."""
+    return struct.pack(f"<{len(values)}d", *values)

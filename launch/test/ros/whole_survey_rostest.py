@@ -4,7 +4,6 @@
 import json
 import math
 import shutil
-import struct
 import subprocess
 import unittest
 
@@ -14,11 +13,12 @@ import rospy
 import rostest
 from mcap_ros1.reader import read_ros1_messages
 from rosbags.highlevel import AnyReader
-from survey_client import LIMIT_S, SurveyClient, json_traces, wait_until_connected
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until_connected
 
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
 
 AXIS_TOPICS = ["current_coord", "axis/goal", "axis/cancel", "axis/status", "axis/result"]
 GRAPH_NODES = {
@@ -72,11 +72,6 @@ NUMBERS = ("frequency_hz", "s21_real", "s21_imag")
 SCALARS = ("index", "x_coord_mm", "y_coord_mm", "z_coord_deg", "antennae_height_m")
 
 
-def bits(values):
-    """Return float64 numbers as their bits, so that equal means equal to the last one."""
-    return struct.pack(f"<{len(values)}d", *values)
-
-
 class WholeSurveyTest(unittest.TestCase):
     """The tests run in the order of their names; the robot keeps its state between them."""
 
@@ -84,14 +79,14 @@ class WholeSurveyTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("whole_survey_rostest")
         cls.client = SurveyClient()
-        cls.world = open_world(world_path("/"), {})
+        cls.world = open_shared_state(shared_state_path("/"))
 
     @classmethod
     def tearDownClass(cls):
         shutil.rmtree(cls.client.data)
 
     def true_steps(self):
-        return [self.world.steps(axis) for axis in AxisName]
+        return [self.world.steps(axis) for axis in AxisId]
 
     def assert_same_numbers(self, stored, message):
         for name in SCALARS:

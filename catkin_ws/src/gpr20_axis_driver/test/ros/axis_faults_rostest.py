@@ -14,7 +14,7 @@ from axis_under_test import LIMIT_S, Axis, exists, killed_client, start_client, 
 
 from gpr20_axis_driver.high.goals import SILENCE_LIMIT_S
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S
-from gpr20_simulator.low.world import AxisName
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
 
 X_TIME_SCALE = 10.0
@@ -35,8 +35,8 @@ class AxisFaultsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("axis_faults_rostest")
-        cls.x = Axis(AxisName.X)
-        cls.z = Axis(AxisName.Z)
+        cls.x = Axis(AxisId.X)
+        cls.z = Axis(AxisId.Z)
 
     def assert_stopped_within(self, axis, requested_ns, ramp_s):
         """The axis stands, its last pulse came in time, and its coordinate is exact."""

@@ -11,7 +11,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from axis_under_test import LIMIT_S, Axis, wait_until
 
-from gpr20_simulator.low.world import AxisName
+from gpr20_survey.axes.axis_id import AxisId
 
 # So far that a move there is still under way when a slow computer stops it: 9 s.
 FAR_MM = 600.0
@@ -23,8 +23,8 @@ class AxisTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("axis_rostest")
-        cls.x = Axis(AxisName.X)
-        cls.z = Axis(AxisName.Z)
+        cls.x = Axis(AxisId.X)
+        cls.z = Axis(AxisId.Z)
 
     def test_1_a_goal_before_homing_is_aborted_with_the_reason(self):
         state, result = self.x.move(5.0)
@@ -66,7 +66,7 @@ class AxisTest(unittest.TestCase):
         self.assertEqual((state, self.x.steps), (GoalStatus.SUCCEEDED, 200))
 
     def test_6_a_new_goal_replaces_the_one_under_way(self):
-        first = Axis(AxisName.X)
+        first = Axis(AxisId.X)
         first.begin_move(FAR_MM)
         state, result = self.x.move(1.0)
         self.assertEqual(state, GoalStatus.SUCCEEDED)

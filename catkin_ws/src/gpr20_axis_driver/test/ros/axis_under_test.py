@@ -14,8 +14,8 @@ import rospy
 from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
 
 LIMIT_S = 60.0
 
@@ -42,7 +42,7 @@ class Axis:
         )
         self.connect()
         # Only now: who opens it first says where the carriage begins.
-        self.world = open_world(world_path("/"), {})
+        self.world = open_shared_state(shared_state_path("/"))
 
     def _hear(self, message):
         self.last = message

@@ -9,19 +9,20 @@ from axis_machine import X_PARAMETERS, Z_PARAMETERS
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_client import PulseClient
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS, Z_AXIS
+from gpr20_survey.axes.axis_id import AxisId
 
 LIMIT_S = 10.0
-PARAMETERS = {AxisName.X: X_PARAMETERS, AxisName.Z: Z_PARAMETERS}
-MECHANICS = {AxisName.X: X_AXIS, AxisName.Z: Z_AXIS}
+PARAMETERS = {AxisId.X: X_PARAMETERS, AxisId.Z: Z_PARAMETERS}
+MECHANICS = {AxisId.X: X_AXIS, AxisId.Z: Z_AXIS}
 
 
-def simulated_hardware(folder: Path, axis: AxisName, time_scale: float) -> SimulatedHardware:
-    """Return what an axis of a simulated world in this folder is wired to."""
+def simulated_hardware(folder: Path, axis: AxisId, time_scale: float) -> SimulatedHardware:
+    """Return what an axis of a simulated robot in this folder is wired to."""
     path = folder / "world"
-    world = open_world(path, {AxisName.X: 200})
+    world = open_shared_state(path, {AxisId.X: 200})
     return SimulatedHardware(
         PARAMETERS[axis], path, axis, MECHANICS[axis], time_scale, world.steps(axis)
     )
@@ -30,10 +31,10 @@ def simulated_hardware(folder: Path, axis: AxisName, time_scale: float) -> Simul
 class SimulatedAxis:
     """The driver, its pulses, and the truth beside them."""
 
-    def __init__(self, folder: Path, axis: AxisName, time_scale: float) -> None:
+    def __init__(self, folder: Path, axis: AxisId, time_scale: float) -> None:
         self.axis = axis
         self.hardware = simulated_hardware(folder, axis, time_scale)
-        self.world = open_world(self.hardware.world_path, {})
+        self.world = open_shared_state(self.hardware.state_path)
         self.pulses = PulseClient(self.hardware)
         self.driver = AxisDriver(PARAMETERS[axis], self.pulses)
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 from simulated_axis import simulated_hardware
 
-from gpr20_simulator.low.world import AxisName
+from gpr20_survey.axes.axis_id import AxisId
 
 README = Path(__file__).parents[2] / "README.md"
 
 
 def test_the_examples_of_the_readme_do_what_they_say(tmp_path):
-    hardware = simulated_hardware(tmp_path, AxisName.X, time_scale=100.0)
+    hardware = simulated_hardware(tmp_path, AxisId.X, time_scale=100.0)
     result = doctest.testfile(
         str(README), module_relative=False, globs={"hardware": hardware}, encoding="utf-8"
     )

@@ -28,7 +28,8 @@ from gpr20_axis_driver.mid import pulse_client
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import never
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
 
 # What a stop may take besides the ramp.
@@ -70,7 +71,7 @@ class Move(threading.Thread):
 
 
 def test_moves_and_stops_at_random_never_lose_a_step(make):
-    axis = make(AxisName.X, time_scale=500.0)
+    axis = make(AxisId.X, time_scale=500.0)
     axis.driver.homing(never)
     chance = random.Random(3)
     for _ in range(100):
@@ -84,7 +85,7 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
 
 
 def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
-    axis = make(AxisName.X)
+    axis = make(AxisId.X)
     axis.pulses.place(200)
     axis.driver._homing_done = True
     requested = threading.Event()
@@ -95,14 +96,14 @@ def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
     assert isinstance(move.result(), MotionStopped)
     ramp = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
     ramp_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
-    took_s = (axis.world.last_pulse_ns(AxisName.X) - requested_ns) * 1e-9
+    took_s = (axis.world.last_pulse_ns(AxisId.X) - requested_ns) * 1e-9
     assert took_s < ramp_s + STOP_S
     assert axis.true_steps == axis.pulses.steps
     assert axis.driver.homing_done
 
 
 def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     with pytest.raises(MotionStopped):
         axis.driver.move_to_coordinate(90.0, lambda: True)
@@ -113,7 +114,7 @@ def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
 def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_not_homed(
     make, number
 ):
-    axis = make(AxisName.X, time_scale=10.0)
+    axis = make(AxisId.X, time_scale=10.0)
     axis.driver.homing(never)
     for _ in range(4):
         before = axis.pulses.process_id
@@ -133,7 +134,7 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
 
 
 def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     process_id = axis.pulses.process_id
     os.kill(process_id, signal.SIGKILL)
@@ -151,24 +152,24 @@ def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_pa
         stdout=subprocess.PIPE,
     )
     process_id = int(node.stdout.readline())
-    world = open_world(tmp_path / "world", {})
-    wait_until(lambda: world.steps(AxisName.Z) > 10)
+    world = open_shared_state(tmp_path / "world")
+    wait_until(lambda: world.steps(AxisId.Z) > 10)
     node.kill()
     killed_ns = time.monotonic_ns()
     node.communicate()
     wait_until(lambda: not exists(process_id))
-    assert world.pins_low(AxisName.Z)
-    assert 10 < world.steps(AxisName.Z) < 50
+    assert world.pins_low(AxisId.Z)
+    assert 10 < world.steps(AxisId.Z) < 50
     # The turn ramps down: at most three steps of 50 ms after one of 20 ms.
-    assert world.last_pulse_ns(AxisName.Z) - killed_ns < (STOP_S + 0.2) * 1e9
-    axis = make(AxisName.Z)
+    assert world.last_pulse_ns(AxisId.Z) - killed_ns < (STOP_S + 0.2) * 1e9
+    axis = make(AxisId.Z)
     assert not axis.driver.homing_done
     axis.driver.homing(never)
     assert (axis.true_steps, axis.driver.current_coord) == (0, 0.0)
 
 
 def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 10)
@@ -181,7 +182,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
 
 
 def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trusted(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 15)
@@ -200,7 +201,7 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
 def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
     monkeypatch.setattr(pulse_client, "STALL_LIMIT_S", 0.2)
     monkeypatch.setattr(pulse_client, "STALL_STEPS", 1)
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
@@ -215,13 +216,13 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
 
 def test_a_second_driver_of_the_same_axis_is_refused(make, monkeypatch):
     monkeypatch.setattr(pulse_client, "LOCK_LIMIT_S", 0.05)
-    make(AxisName.X)
+    make(AxisId.X)
     with pytest.raises(StepCounterError, match="another process drives this axis"):
-        make(AxisName.X)
+        make(AxisId.X)
 
 
 def test_closing_leaves_no_process_and_the_pins_low(make):
-    axis = make(AxisName.X, time_scale=10.0)
+    axis = make(AxisId.X, time_scale=10.0)
     axis.driver.homing(never)
     process_id = axis.pulses.process_id
     axis.driver.close(timeout_s=1.0)
@@ -231,7 +232,7 @@ def test_closing_leaves_no_process_and_the_pins_low(make):
 
 def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, monkeypatch):
     monkeypatch.setattr(pulse_process, "END_LIMIT_S", 0.2)
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
@@ -256,7 +257,7 @@ def command_of(process_id):
 
 
 def test_pulses_are_punctual_or_say_why_not(make):
-    axis = make(AxisName.Z)
+    axis = make(AxisId.Z)
     if axis.pulses.unpunctual:
         assert "refused: " in axis.pulses.scheduling
     else:
@@ -264,7 +265,7 @@ def test_pulses_are_punctual_or_say_why_not(make):
 
 
 def test_a_faster_robot_asks_for_no_real_time(make):
-    axis = make(AxisName.X, time_scale=10.0)
+    axis = make(AxisId.X, time_scale=10.0)
     assert not axis.pulses.unpunctual
     assert "ordinary scheduling" in axis.pulses.scheduling
 

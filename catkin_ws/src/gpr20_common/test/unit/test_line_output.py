@@ -2,7 +2,7 @@ import io
 
 import pytest
 
-from gpr20_common.low.line_output import write_lines_at_once
+from gpr20_common.low.line_output import enable_line_buffering
 
 
 @pytest.fixture
@@ -12,19 +12,19 @@ def file(tmp_path):
 
 
 def test_a_line_in_a_file_is_seen_when_it_is_said(file, tmp_path):
-    write_lines_at_once(file)
+    enable_line_buffering(file)
     file.write("the robot is ready\n")
     assert (tmp_path / "log").read_text() == "the robot is ready\n"
 
 
 def test_standard_output_is_meant_if_nothing_else_is(file, tmp_path, monkeypatch):
     monkeypatch.setattr("sys.stdout", file)
-    write_lines_at_once()
+    enable_line_buffering()
     file.write("PAUSED\n")
     assert (tmp_path / "log").read_text() == "PAUSED\n"
 
 
 def test_what_is_no_buffered_file_is_left_as_it_is(monkeypatch):
-    write_lines_at_once(io.StringIO())
+    enable_line_buffering(io.StringIO())
     monkeypatch.setattr("sys.stdout", None)
-    write_lines_at_once()
+    enable_line_buffering()

@@ -22,4 +22,4 @@ class NodeLostError(DeviceError):
 
 
 class StopRequested(SurveyError):
-    """The survey was told to stop."""
+    """A stop of the survey was requested."""

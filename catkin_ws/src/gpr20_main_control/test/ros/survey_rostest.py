@@ -12,8 +12,9 @@ import rospy
 import rostest
 
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AxisName, open_world
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
 
 # The client of the whole graph's tests is the client of these, too.
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
@@ -30,7 +31,7 @@ class SurveyFaultsTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("survey_rostest")
         cls.client = SurveyClient()
-        cls.world = open_world(world_path("/"), {})
+        cls.world = open_shared_state(shared_state_path("/"))
 
     @classmethod
     def tearDownClass(cls):
@@ -44,7 +45,7 @@ class SurveyFaultsTest(unittest.TestCase):
         requested_ns = time.monotonic_ns()
         status = self.client.wait_for_status(ControlStatus.STOPPED)
         self.assertIn("0 of 18 traces", status.message)
-        for axis in (AxisName.X, AxisName.Y):
+        for axis in (AxisId.X, AxisId.Y):
             self.assertNotEqual(self.world.steps(axis), 0)
             self.assertLess(self.world.last_pulse_ns(axis) - requested_ns, STOP_LIMIT_NS)
         reading = rospy.wait_for_message("x_axis/current_coord", CurrentCoordinate, LIMIT_S)

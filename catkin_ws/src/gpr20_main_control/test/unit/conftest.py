@@ -1,6 +1,13 @@
 """A control over a fake robot, which ends whatever the test left behind."""
 
+import sys
+from pathlib import Path
+
 import pytest
+
+# The examples of surveys are those of the package that says what a survey is.
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/unit"))
+
 from fake_robot import LIMIT_S, Bench
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import threading
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,20 +12,20 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_book import NodeBook
+from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.robot import (
-    AnalyzerSweep,
     AxisReading,
     MoveOutcome,
     OpenedSurvey,
     ReopenedSurvey,
     Robot,
 )
-from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_factory import Surroundings
+from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 
 LIMIT_S = 20.0
@@ -98,41 +97,44 @@ class FakeAnalyzer:
 
     def __init__(self):
         self.connections = []
-        self.calibration_status = 1
+        self.calibration_refusal = ""
         self.sweeps = 0
         self.failures = 0
         self.on_sweep = lambda: None
-        self.accept = lambda setting: setting
-        self.other_setting = None
-        self._setting = None
+        self.accept = lambda settings: settings
+        self.other_settings = None
+        self._settings = None
 
     def connect(self, address):
         self.connections.append(address)
         return "Anritsu,MS2026C/2,SIMULATED,1.0"
 
     def calibration(self):
-        return self.calibration_status
+        self._check_calibration()
+        return CalibrationStatus.HIGH
 
-    def configure(self, setting):
-        self._setting = self.accept(setting)
-        return self._setting
+    def _check_calibration(self):
+        if self.calibration_refusal:
+            raise DeviceError(self.calibration_refusal)
+
+    def configure(self, settings):
+        self._settings = self.accept(settings)
+        return self._settings
 
     def frequencies_hz(self):
-        span = self._setting.stop_frequency_hz - self._setting.start_frequency_hz
-        step = span / (self._setting.points - 1)
-        return self._setting.start_frequency_hz + step * np.arange(self._setting.points)
+        return self._settings.frequencies_hz()
 
     def sweep(self):
         self.on_sweep()
         if self.failures:
             self.failures -= 1
             raise DeviceError("the VNA did not answer")
+        self._check_calibration()
         self.sweeps += 1
-        values = np.full(self._setting.points, float(self.sweeps))
+        settings = self.other_settings or self._settings
+        values = np.full(settings.points, float(self.sweeps))
         began_us = FIRST_SWEEP_US + self.sweeps * 10
-        setting = self._setting if self.other_setting is None else self.other_setting
-        sweep = Sweep(self.frequencies_hz(), values, values, began_us, began_us + 5, ())
-        return AnalyzerSweep(sweep, setting, self.calibration_status)
+        return Sweep(settings.frequencies_hz(), values, values, began_us, began_us + 5, ())
 
 
 class FakeHeightSensor:
@@ -199,6 +201,19 @@ class FakeStorage:
         return before + stored - self.lose
 
 
+class HandNotedNodes(NodeLiveness):
+    """Nodes that a test calls alive or silent; nobody asks them."""
+
+    def __init__(self, clock, on_change):
+        super().__init__(dict.fromkeys(NODES), clock, on_change)
+        self.on_refresh = lambda: None
+        for name in NODES:
+            self.note_alive(name, 1)
+
+    def refresh(self):
+        self.on_refresh()
+
+
 class Bench:
     """A control over a fake robot, and what it said."""
 
@@ -206,33 +221,34 @@ class Bench:
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
         self.storage = storage or FakeStorage()
-        robot = Robot(self.x, self.y, self.z, self.analyzer, self.height, self.storage)
         self.history = []
         self.coverages = []
-        self._changed = threading.Condition()
-        self.board = StatusBoard(self._note)
-        clock = clock or FastClock()
-        self.on_refresh = lambda: None
-        self.nodes = NodeBook(NODES, clock, self.board.note_missing, lambda: self.on_refresh())
-        for name in NODES:
-            self.nodes.note_alive(name, 1)
         self.parameters = []
-        surroundings = Surroundings(
-            robot,
+        self._changed = threading.Condition()
+        self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
+        clock = clock or FastClock()
+        self.nodes = HandNotedNodes(clock, self.board.set_missing)
+        self.control = MainControl(
+            Robot(
+                dict(zip(AxisId, self.axes)),
+                self.analyzer,
+                self.height,
+                self.storage,
+                self.nodes,
+            ),
             RobotConfig(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
-            self.nodes,
             self.board,
             clock,
-            lambda: time.time_ns() // 1000,
-            lambda coverage: self.coverages.append((coverage.states, coverage.verdict())),
         )
-        self.control = MainControl(surroundings, self.parameters.append)
 
     def _note(self, _before, after):
         with self._changed:
             self.history.append(after)
             self._changed.notify_all()
+
+    def _note_coverage(self, coverage, _survey_id):
+        self.coverages.append((coverage.states, coverage.verdict()))
 
     def release(self):
         """Let go of everything that a test has blocked."""

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.control_measurement import compare
+from gpr20_main_control.mid.repeat_measurement import compare
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
@@ -103,17 +103,29 @@ def test_a_control_measurement_without_height_tells_none():
 
 
 def test_a_report_goes_on_where_the_former_one_ended():
-    first = SurveyReport(Coverage(9, [7]), "", lambda coverage: None)
-    first.note_control(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
-    told = []
-    second = SurveyReport(Coverage(9, [7]), first.to_json(), told.append)
+    first = SurveyReport(Coverage(9, [7]))
+    first.note_repeat(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
+    second = SurveyReport(Coverage(9, [7]), first.to_json())
     assert second.coverage.states[7] is SampleState.REMEASURED
     assert second.to_json() == first.to_json()
-    second.announce()
-    assert told == [second.coverage]
+
+
+def test_every_change_of_the_coverage_is_announced_once():
+    coverage = Coverage(3, [0])
+    announced = []
+    coverage.on_change = lambda one: announced.append(one.states)
+    coverage.note_stored(1)
+    coverage.note_remeasured(0)
+    coverage.note_failed(2, "no answer")
+    coverage.note_failed(1, "it is stored already")
+    assert announced == [
+        [SampleState.MEASURED, SampleState.MEASURED, SampleState.NOT_VISITED],
+        [SampleState.REMEASURED, SampleState.MEASURED, SampleState.NOT_VISITED],
+        [SampleState.REMEASURED, SampleState.MEASURED, SampleState.FAILED],
+    ]
 
 
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
     with pytest.raises(SurveyError, match="former report cannot be read"):
-        SurveyReport(Coverage(1), former, lambda coverage: None)
+        SurveyReport(Coverage(1), former)

@@ -108,9 +108,9 @@ def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(patient_b
     def fail():
         if bench.analyzer.sweeps == 5:
             bench.analyzer.on_sweep = lambda: None
-            bench.analyzer.failures = 3
+            bench.analyzer.failures = 1
             # Nobody knows yet; the survey has to ask.
-            bench.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
+            bench.nodes.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
 
     bench.analyzer.on_sweep = fail
     bench.start()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gpr20_main_control.mid.status_board import StatusBoard
+from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import (
     AT_REST,
     RUNNING,
@@ -45,7 +45,7 @@ def test_after_every_end_new_parameters_and_a_new_start_are_possible(state):
 
 def test_an_illegal_transition_changes_nothing_and_tells_nobody():
     told = []
-    board = StatusBoard(lambda before, after: told.append(after))
+    board = SurveyStatus(lambda before, after: told.append(after), told.append, told.append)
     with pytest.raises(TransitionError):
         board.enter(SurveyState.SURVEYING, "out of nowhere")
     assert board.status.state is SurveyState.IDLE

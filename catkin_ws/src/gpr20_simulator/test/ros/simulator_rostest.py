@@ -11,10 +11,11 @@ import rostest
 import vxi11
 from diagnostic_msgs.msg import DiagnosticArray
 
-from gpr20_simulator.high.world_path import world_path
-from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, open_world
-from gpr20_simulator.mid.probe_medium import probed_position_mm, probed_sweep
+from gpr20_simulator.high.simulated_robot import shared_state_path
+from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
+from gpr20_simulator.mid.medium import probed_position_mm, probed_sweep
 from gpr20_simulator.srv import SetFault
+from gpr20_survey.axes.axis_id import AxisId
 
 LIMIT_S = 60.0
 STEPS_PER_MM = 100
@@ -25,9 +26,9 @@ class SimulatorTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.wait_for_service("simulator/set_fault", LIMIT_S)
         cls.set_fault = staticmethod(rospy.ServiceProxy("simulator/set_fault", SetFault))
-        cls.world = open_world(world_path("/robot1/"), {})
+        cls.state = open_shared_state(shared_state_path("/robot1/"))
         cls.instrument = vxi11.Instrument("127.0.0.1")
-        cls.instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", cls.world.vna_port)
+        cls.instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", cls.state.vna_port)
 
     @classmethod
     def tearDownClass(cls):
@@ -63,14 +64,14 @@ class SimulatorTest(unittest.TestCase):
         return numbers[0::2] + 1j * numbers[1::2]
 
     def test_the_start_is_that_of_the_scene(self):
-        self.assertEqual(self.world.steps(AxisName.Z), 0)
+        self.assertEqual(self.state.steps(AxisId.Z), 0)
         self.assertIn("SIMULATED", self.instrument.ask("*IDN?"))
 
-    def test_a_sweep_sees_the_carriage_where_the_world_has_it(self):
+    def test_a_sweep_sees_the_carriage_where_the_state_has_it(self):
         numbers = set()
         for x_mm, y_mm in ((8, 6), (120, 40), (121, 40)):
-            self.world.set_steps(AxisName.X, x_mm * STEPS_PER_MM)
-            self.world.set_steps(AxisName.Y, y_mm * STEPS_PER_MM)
+            self.state.set_steps(AxisId.X, x_mm * STEPS_PER_MM)
+            self.state.set_steps(AxisId.Y, y_mm * STEPS_PER_MM)
             values = self.swept_values()
             self.assertEqual({probed_position_mm(one) for one in values}, {(x_mm, y_mm)})
             numbers |= {probed_sweep(one) for one in values}
@@ -84,12 +85,12 @@ class SimulatorTest(unittest.TestCase):
         self.assertNotIn("Anritsu", self.instrument.ask("*IDN?"))
         self.assertIn("Anritsu", self.instrument.ask("*IDN?"))
 
-    def test_faults_of_other_devices_reach_the_world(self):
+    def test_faults_of_other_devices_reach_the_state(self):
         self.assertTrue(self.set_fault("endstop_y", "stuck_closed", 0).success)
         self.assertTrue(self.set_fault("adc", "stuck", 0).success)
-        self.assertEqual(self.world.endstop_fault(AxisName.Y), EndstopFault.STUCK_CLOSED)
-        self.assertEqual(self.world.endstop_fault(AxisName.X), EndstopFault.NONE)
-        self.assertEqual(self.world.adc_fault, AdcFault.STUCK)
+        self.assertEqual(self.state.endstop_fault(AxisId.Y), EndstopFault.STUCK_CLOSED)
+        self.assertEqual(self.state.endstop_fault(AxisId.X), EndstopFault.NONE)
+        self.assertEqual(self.state.adc_fault, AdcFault.STUCK)
 
     def test_what_does_not_exist_is_refused_with_what_does(self):
         for device, fault, count, part in (

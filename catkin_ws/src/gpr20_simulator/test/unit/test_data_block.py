@@ -5,19 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_simulator.mid.data_block import (
-    INTEGER_STEPS_PER_UNIT,
-    BlockStyle,
-    DataFormat,
-    block_header,
-    interleaved,
-    payload,
-)
+from gpr20_simulator.mid.scene import InstrumentScene
 from gpr20_simulator.mid.scpi import short_form
-from gpr20_simulator.mid.trace_formats import display_data
-from gpr20_simulator.mid.vna_settings import GRAPH_TYPES
+from gpr20_simulator.mid.trace_formats import display_data, interleaved
+from gpr20_simulator.mid.trace_reader import INTEGER_STEPS_PER_UNIT, block_header, payload
+from gpr20_simulator.mid.vna_settings import GRAPH_TYPES, DataFormat
 
-STYLE = BlockStyle()
+STYLE = InstrumentScene()
 FLOATS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), min_size=1)
 
 
@@ -47,7 +41,7 @@ def test_integers_are_little_endian_steps():
 
 
 def test_trailing_comma_can_be_left_out():
-    style = BlockStyle(trailing_comma=False)
+    style = InstrumentScene(trailing_comma=False)
     assert payload(np.array([1.0, 2.0]), DataFormat.ASCII, style, 1) == b"1.0E+00,2.0E+00"
 
 
@@ -56,7 +50,7 @@ def test_trailing_comma_can_be_left_out():
     [(2204, 0, b"#42204"), (78, 4, b"#40078"), (5, 0, b"#15"), (123456, 4, b"#6123456")],
 )
 def test_header_tells_the_length(length, digits, header):
-    assert block_header(length, BlockStyle(header_digits=digits)) == header
+    assert block_header(length, InstrumentScene(header_digits=digits)) == header
 
 
 def test_real_and_imaginary_parts_come_in_turns():

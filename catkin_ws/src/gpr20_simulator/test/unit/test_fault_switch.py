@@ -4,14 +4,14 @@ import pytest
 
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.capture import CaptureFolder
-from gpr20_simulator.low.world import AdcFault, AxisName, EndstopFault, open_world
-from gpr20_simulator.mid.fault_switch import FaultSwitch
-from gpr20_simulator.mid.faults import FaultBoard, VnaFault
+from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
+from gpr20_simulator.mid.faults import FaultBoard, FaultSwitch, VnaFault
+from gpr20_survey.axes.axis_id import AxisId
 
 
 @pytest.fixture
-def world(tmp_path):
-    return open_world(tmp_path / "world", {axis: 0 for axis in AxisName})
+def state(tmp_path):
+    return open_shared_state(tmp_path / "state", {axis: 0 for axis in AxisId})
 
 
 @pytest.fixture
@@ -20,8 +20,8 @@ def board():
 
 
 @pytest.fixture
-def switch(world, board):
-    return FaultSwitch(world, board)
+def switch(state, board):
+    return FaultSwitch(state, board)
 
 
 def test_fault_of_the_analyzer_reaches_its_board(switch, board):
@@ -36,19 +36,19 @@ def test_none_switches_all_faults_of_the_analyzer_off(switch, board):
     assert board.names() == ""
 
 
-@pytest.mark.parametrize(("device", "axis"), [("endstop_x", AxisName.X), ("endstop_y", AxisName.Y)])
-def test_fault_of_an_endstop_reaches_the_world(switch, world, device, axis):
+@pytest.mark.parametrize(("device", "axis"), [("endstop_x", AxisId.X), ("endstop_y", AxisId.Y)])
+def test_fault_of_an_endstop_reaches_the_state(switch, state, device, axis):
     switch.set(device, "stuck_closed", 0)
-    assert world.endstop_fault(axis) is EndstopFault.STUCK_CLOSED
+    assert state.endstop_fault(axis) is EndstopFault.STUCK_CLOSED
     assert switch.names() == f"{device} STUCK_CLOSED"
     switch.set(device, "none", 0)
-    assert world.endstop_fault(axis) is EndstopFault.NONE
+    assert state.endstop_fault(axis) is EndstopFault.NONE
     assert switch.names() == ""
 
 
-def test_fault_of_the_converter_reaches_the_world(switch, world):
+def test_fault_of_the_converter_reaches_the_state(switch, state):
     switch.set("adc", "OUT_OF_RANGE", 0)
-    assert world.adc_fault is AdcFault.OUT_OF_RANGE
+    assert state.adc_fault is AdcFault.OUT_OF_RANGE
     assert switch.names() == "adc OUT_OF_RANGE"
 
 

@@ -11,9 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
 
-from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.probe_medium import PositionProbe, probed_position_mm, probed_sweep
+from gpr20_simulator.mid.medium import (
+    AntennaPosition,
+    PositionProbe,
+    probed_position_mm,
+    probed_sweep,
+)
 from gpr20_simulator.mid.refraction import refracted_path
 from gpr20_simulator.mid.scatterers import scatterers_of
 from gpr20_simulator.mid.scene import Antennas, Noise, Scene, Shape, Soil, Surface, Target

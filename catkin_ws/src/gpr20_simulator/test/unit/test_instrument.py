@@ -8,7 +8,7 @@ from vna_bench import (
     new_bench,
 )
 
-from gpr20_simulator.low.message_device import Conduct
+from gpr20_simulator.low.vxi11_core import NetworkFault
 
 
 def test_identity_is_quoted_and_says_simulated(bench):
@@ -125,7 +125,7 @@ def test_centre_and_span_set_both_ends(bench):
 )
 def test_unknown_queries_get_no_answer(bench, query):
     outcome = bench.send(query)
-    assert (outcome.answer, outcome.conduct) == (b"", Conduct.REPLY)
+    assert (outcome.answer, outcome.fault) == (b"", NetworkFault.NONE)
 
 
 @pytest.mark.parametrize(("accuracy", "state", "mask"), [(0, "0", "0"), (3, "4", "15")])

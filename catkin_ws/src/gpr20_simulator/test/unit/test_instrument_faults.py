@@ -15,7 +15,7 @@ from vna_bench import (
 )
 
 from gpr20_simulator.errors import FaultError
-from gpr20_simulator.low.message_device import Conduct
+from gpr20_simulator.low.vxi11_core import NetworkFault
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.scpi import HeaderPattern
 from gpr20_simulator.mid.vna_commands import SETTINGS
@@ -23,20 +23,20 @@ from gpr20_simulator.mid.vna_commands import SETTINGS
 
 def test_hang_gets_no_reply_for_as_many_messages_as_counted(bench):
     bench.faults.set("hang", 2)
-    conducts = [bench.send("*IDN?").conduct for _ in range(3)]
-    assert conducts == [Conduct.NO_REPLY, Conduct.NO_REPLY, Conduct.REPLY]
-    assert bench.instrument.opened() is Conduct.REPLY
+    conducts = [bench.send("*IDN?").fault for _ in range(3)]
+    assert conducts == [NetworkFault.NO_REPLY, NetworkFault.NO_REPLY, NetworkFault.NONE]
+    assert bench.instrument.opened() is NetworkFault.NONE
 
 
 @pytest.mark.parametrize(
-    ("fault", "conduct"), [("HANG", Conduct.NO_REPLY), ("DROP", Conduct.DROP_CONNECTIONS)]
+    ("fault", "conduct"), [("HANG", NetworkFault.NO_REPLY), ("DROP", NetworkFault.DROP_CONNECTIONS)]
 )
 def test_fault_that_stays_hits_new_links_too_until_it_is_cleared(bench, fault, conduct):
     bench.faults.set(fault)
     assert bench.instrument.opened() is conduct
-    assert [bench.send("*IDN?").conduct for _ in range(5)] == [conduct] * 5
+    assert [bench.send("*IDN?").fault for _ in range(5)] == [conduct] * 5
     bench.faults.clear()
-    assert bench.instrument.opened() is Conduct.REPLY
+    assert bench.instrument.opened() is NetworkFault.NONE
     assert bench.ask("*IDN?").startswith('"Anritsu')
 
 
@@ -141,7 +141,7 @@ def test_no_message_breaks_the_instrument(fuzzed, message):
     data = message if isinstance(message, bytes) else message.encode("utf-8")
     if b"*RST" in data.upper():
         return
-    assert fuzzed.instrument.execute(data).conduct is Conduct.REPLY
+    assert fuzzed.instrument.execute(data).fault is NetworkFault.NONE
     assert fuzzed.ask("*IDN?").startswith('"Anritsu')
     start_hz, stop_hz, points = (
         float(one) for one in fuzzed.ask("FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?").split(";")

@@ -15,8 +15,8 @@ from vna_bench import (
     swept,
 )
 
-from gpr20_simulator.low.message_device import Conduct
-from gpr20_simulator.mid.probe_medium import probed_sweep
+from gpr20_simulator.low.vxi11_core import NetworkFault
+from gpr20_simulator.mid.medium import probed_sweep
 
 
 def test_triggered_sweep_gives_points_of_one_new_sweep(bench):
@@ -127,7 +127,7 @@ def test_preamble_describes_the_sweep(bench):
 
 def test_reset_loses_the_network(bench):
     assert not bench.instrument.network_lost
-    assert bench.send("*RST").conduct is Conduct.GO_SILENT
+    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
     assert bench.instrument.network_lost
 
 
@@ -135,4 +135,4 @@ def test_data_replies_are_captured_byte_by_byte(bench):
     data = swept(bench)
     bench.ask("*IDN?")
     frequencies = bench.send("FREQ:DATA?").answer
-    assert bench.capture.saved == [("sdat", data), ("freq", frequencies)]
+    assert bench.captured == [("sdat", data), ("freq", frequencies)]

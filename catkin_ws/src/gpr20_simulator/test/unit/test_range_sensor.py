@@ -10,8 +10,8 @@ from gpr20_height_sensor.errors import SensorRangeError, SensorStuckError
 from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.mid.height_driver import HeightDriver
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.low.spi import SimulatedSpi
-from gpr20_simulator.low.world import AdcFault
 from gpr20_simulator.mid.range_sensor import RangeSensor, sensor_voltage_v
 from gpr20_simulator.mid.scene import Adc
 

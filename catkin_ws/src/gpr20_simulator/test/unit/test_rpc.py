@@ -5,8 +5,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rpc_wire import call, opaque, unpack_words, words
 
-from gpr20_simulator.low.rpc import RpcProgram, answer_call
-from gpr20_simulator.low.xdr import XdrError, XdrReader, pack_int, pack_opaque, pack_uint
+from gpr20_simulator.low.rpc import (
+    RpcProgram,
+    XdrError,
+    XdrReader,
+    answer_call,
+    pack_int,
+    pack_opaque,
+    pack_uint,
+)
 
 PROGRAM, VERSION, ADD, SILENT = 400000, 3, 1, 2
 

@@ -9,9 +9,8 @@ import pytest
 from rpc_wire import LAST, RawClient, call, record, unpack_words, wait_until, words
 
 from gpr20_simulator.low.portmapper import Portmapper, tcp_mapping
-from gpr20_simulator.low.rpc import RpcProgram
+from gpr20_simulator.low.rpc import RpcProgram, pack_opaque
 from gpr20_simulator.low.rpc_server import ListenError, RpcTcpServer
-from gpr20_simulator.low.xdr import pack_opaque
 
 PROGRAM, VERSION, ECHO = 400000, 1, 1
 LONGEST_RECORD = 1000

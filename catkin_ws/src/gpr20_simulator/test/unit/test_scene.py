@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gpr20_simulator.errors import SceneError
-from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.ground import Ground
+from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.scene import Scene, Shape, read_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -11,7 +11,7 @@ from rpc_wire import wait_until
 from vna_bench import Carriage, HandClock
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.probe_medium import PositionProbe, probed_position_mm, probed_sweep
+from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
 from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
 from gpr20_simulator.mid.sweeper import Sweeper
 

@@ -10,16 +10,20 @@ import pytest
 import pyvisa
 import vxi11
 from rpc_wire import RawClient, wait_until
-from vna_bench import Carriage, MemoryCapture, ascii_numbers, complex_numbers, real_numbers
+from vna_bench import Carriage, ascii_numbers, complex_numbers, real_numbers
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.probe_medium import PositionProbe, probed_position_mm, probed_sweep
+from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
 from gpr20_simulator.mid.scene import InstrumentScene, Scene
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
+from gpr20_simulator.mid.simulated_analyzer import (
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+    medium_by_name,
+)
 
 POINT_S = 350e-6
 POINTS = 401
@@ -36,14 +40,14 @@ SETUP = (
 class Rig:
     def __init__(self, clock=None, **options):
         self.carriage = Carriage()
-        self.capture = MemoryCapture()
-        self.vna = VnaAssembly(
+        self.captured = []
+        self.vna = SimulatedAnalyzer(
             PositionProbe(),
             self.carriage.position,
             clock or Clock(),
             InstrumentScene(),
-            VnaOptions(POINT_S, **options),
-            self.capture,
+            AnalyzerOptions(POINT_S, **options),
+            lambda kind, reply: self.captured.append((kind, reply)),
         )
         self.vna.start()
         self.client = self.connected()
@@ -137,7 +141,7 @@ def test_sweep_after_a_move_sees_the_end_of_the_move_alone(rig):
 def test_what_was_sent_is_captured_bit_for_bit(rig):
     rig.client.write(":INIT:CONT OFF")
     received = rig.client.ask_raw(b":CALC1:DATA? SDAT")
-    assert rig.capture.saved == [("sdat", received)]
+    assert rig.captured == [("sdat", received)]
 
 
 def test_faster_clock_makes_faster_sweeps():
@@ -216,7 +220,7 @@ def test_stopped_analyzer_leaves_no_thread():
 )
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(InvalidValueError, match=next(iter(options))):
-        VnaOptions(**options)
+        AnalyzerOptions(**options)
 
 
 def test_media_are_chosen_by_name():

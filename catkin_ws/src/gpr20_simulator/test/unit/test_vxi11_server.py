@@ -20,8 +20,7 @@ from vxi11_wire import (
 )
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_simulator.low.message_device import Conduct
-from gpr20_simulator.low.vxi11_core import Limits
+from gpr20_simulator.low.vxi11_core import Limits, NetworkFault
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
 # A call that takes longer hangs.
@@ -142,19 +141,19 @@ def test_answers_not_read_stay_in_front_of_later_ones(link):
 
 
 def test_late_answer_comes_in_front_of_the_next_one(device, link):
-    device.conduct = Conduct.ANSWER_LATE
+    device.fault = NetworkFault.ANSWER_LATE
     assert link.write(b"first?")[0] == 0
     assert link.read(io_timeout_ms=20)[0] == 15
-    device.conduct = Conduct.REPLY
+    device.fault = NetworkFault.NONE
     link.write(b"second?")
     assert link.read()[2] == b"first?"
     assert link.read()[2] == b"second?"
 
 
 def test_clear_forgets_a_late_answer(device, link):
-    device.conduct = Conduct.ANSWER_LATE
+    device.fault = NetworkFault.ANSWER_LATE
     link.write(b"first?")
-    device.conduct = Conduct.REPLY
+    device.fault = NetworkFault.NONE
     assert link.generic(15) == (0,)
     link.write(b"second?")
     assert link.read()[2] == b"second?"
@@ -306,30 +305,30 @@ def test_abort_ends_the_call_in_progress_only(server, link):
 
 
 def test_device_that_does_not_reply_leaves_the_client_waiting(server, device, link):
-    device.conduct = Conduct.NO_REPLY
+    device.fault = NetworkFault.NO_REPLY
     link.sock.settimeout(0.1)
     with pytest.raises(OSError):
         link.write(b"x")
-    device.conduct = Conduct.REPLY
+    device.fault = NetworkFault.NONE
     with CoreLink(server.port) as other:
         assert other.write(b"x")[0] == 0
 
 
 def test_device_that_does_not_open_leaves_the_client_waiting(server, device):
-    device.open_conduct = Conduct.NO_REPLY
+    device.open_conduct = NetworkFault.NO_REPLY
     with RawClient(server.port, timeout_s=0.1) as client, pytest.raises(OSError):
         client.result(CORE, 1, 10, words(1, 0, 0) + opaque(b"inst0"))
     assert server.link_count == 0
 
 
 def test_device_that_drops_closes_every_connection_but_takes_new_ones(server, device, link):
-    device.conduct = Conduct.DROP_CONNECTIONS
+    device.fault = NetworkFault.DROP_CONNECTIONS
     with CoreLink(server.port) as other:
         with pytest.raises((EOFError, ConnectionError)):
             link.write(b"x")
         assert other.is_closed()
     wait_until(lambda: server.link_count == 0, "end of the links")
-    device.conduct = Conduct.REPLY
+    device.fault = NetworkFault.NONE
     with CoreLink(server.port) as other:
         assert other.write(b"x")[0] == 0
 
@@ -337,7 +336,7 @@ def test_device_that_drops_closes_every_connection_but_takes_new_ones(server, de
 def test_device_that_goes_silent_is_found_nowhere(device):
     server = Vxi11Server(device, portmapper_port=0)
     server.start()
-    device.conduct = Conduct.GO_SILENT
+    device.fault = NetworkFault.GO_SILENT
     with CoreLink(server.port) as link:
         with pytest.raises((EOFError, ConnectionError)):
             link.write(b"*RST")

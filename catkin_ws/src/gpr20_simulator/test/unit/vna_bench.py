@@ -8,10 +8,9 @@ import numpy as np
 from rpc_wire import wait_until
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.instrument import SimulatedVna
-from gpr20_simulator.mid.probe_medium import PositionProbe
+from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.scene import InstrumentScene
 from gpr20_simulator.mid.sweep_plan import SweepPace
 from gpr20_simulator.mid.sweeper import Sweeper
@@ -49,21 +48,13 @@ class Carriage:
         return self.here
 
 
-class MemoryCapture:
-    def __init__(self):
-        self.saved = []
-
-    def save(self, kind, data):
-        self.saved.append((kind, data))
-
-
 class Bench:
     """An instrument without network."""
 
     def __init__(self, clock=None, seconds_per_point=0.0, medium=None, **description):
         self.carriage = Carriage()
         self.faults = FaultBoard()
-        self.capture = MemoryCapture()
+        self.captured = []
         plan = VnaSettings().plan(seconds_per_point)
         clock = clock or Clock()
         self.sweeper = Sweeper(
@@ -75,7 +66,7 @@ class Bench:
             InstrumentScene(**description),
             self.faults,
             seconds_per_point,
-            self.capture,
+            lambda kind, reply: self.captured.append((kind, reply)),
         )
         self.sweeper.start()
 

@@ -7,7 +7,7 @@ import threading
 
 from rpc_wire import RawClient, opaque, words
 
-from gpr20_simulator.low.message_device import Conduct, Outcome
+from gpr20_simulator.low.vxi11_core import NetworkFault, Outcome
 
 CORE, ABORT = 0x0607AF, 0x0607B0
 END, WAIT_LOCK, TERMINATION = 8, 1, 128
@@ -20,15 +20,15 @@ class EchoDevice:
     def __init__(self):
         self.messages = []
         self.clears = 0
-        self.conduct = Conduct.REPLY
-        self.open_conduct = Conduct.REPLY
+        self.fault = NetworkFault.NONE
+        self.open_conduct = NetworkFault.NONE
 
     def opened(self):
         return self.open_conduct
 
     def execute(self, message):
         self.messages.append(message)
-        return Outcome(message if b"?" in message else b"", self.conduct)
+        return Outcome(message if b"?" in message else b"", self.fault)
 
     def clear(self):
         self.clears += 1

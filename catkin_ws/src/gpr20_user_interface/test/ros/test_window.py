@@ -67,7 +67,7 @@ class Window(WindowCase):
 
     def test_axis_limits_of_the_robot_lock_start(self) -> None:
         self.fake.set_axis_parameters()
-        self.interface.link.read_axis_limits()
+        self.interface.control.read_axis_limits()
         self.enter("x_stop_mm", "700")
         wait_until(lambda: self.enabled() == "", "START is locked")
         self.assertIn("from 0 to 650", self.window.control.problems.toPlainText())

@@ -16,7 +16,7 @@ from window_case import WindowCase, run_on_a_screen, wait_until
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.mid.views.main_window import TabName
+from gpr20_user_interface.views.main_window import TabName
 
 
 class WindowOnRobot(WindowCase):
@@ -26,12 +26,12 @@ class WindowOnRobot(WindowCase):
         wait_until(self.knows_the_robot, "the window knows the limits and the health of the robot")
 
     def knows_the_robot(self) -> bool:
-        snapshot = self.interface.presenter.snapshot
+        snapshot = self.window.survey.snapshot
         disk = self.window.status.health.disk
         return snapshot.figures is not None and disk != "—" and "start" in self.enabled()
 
     def visited(self) -> int:
-        progress = self.interface.presenter.snapshot.progress
+        progress = self.window.survey.snapshot.progress
         return 0 if progress is None else progress.visited_points
 
     def arrow(self, name: str, direction: str, times: int) -> None:
@@ -88,7 +88,7 @@ class WindowOnRobot(WindowCase):
             self.window.show_tab(tab)
             self.click("stop")
             wait_until(lambda: self.title() == "STOPPED", "the robot has stopped")
-            health = self.interface.presenter.snapshot.health
+            health = self.window.survey.snapshot.health
             axes = [health.node(f"{axis}_axis/axis_driver") for axis in "xyz"]
             wait_until(lambda: "start" in self.enabled(), "START is unlocked")
             self.assertTrue(all(axis is not None for axis in axes))

@@ -7,7 +7,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
-from typing import Any, Callable, Dict, Type
+from typing import Any, Callable, Dict, Optional, Type
 
 import rospy
 import rostest
@@ -21,11 +21,9 @@ from virtual_screen import VirtualScreen
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_state import Event
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.mid.survey_model import Refusal, SurveyModel
+from gpr20_user_interface.views.translation import Language, Languages
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:
@@ -46,9 +44,9 @@ class WatchedModel(SurveyModel):
         super().__init__(clock)
         self.threads: set = set()
 
-    def handle(self, event: Event) -> None:
+    def handle(self, event: object) -> Optional[Refusal]:
         self.threads.add(threading.current_thread())
-        super().handle(event)
+        return super().handle(event)
 
 
 class WindowCase(unittest.TestCase):

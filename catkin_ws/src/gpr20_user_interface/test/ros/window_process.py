@@ -18,22 +18,24 @@ from window_case import new_interface
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.translation import Language, Languages
 
 
 def shown(interface: UserInterface) -> str:
     """Return what an operator sees."""
-    control, live = interface.window.control, interface.traces.live
-    progress = interface.presenter.snapshot.progress
+    control, live = interface.window.control, interface.window.traces.live
+    progress = interface.window.survey.snapshot.progress
     counts = live.map.counts()
     return json.dumps(
         {
             "title": interface.window.status.message.title,
             "visited": 0 if progress is None else progress.visited_points,
             "on_radar": live.radar.count,
-            "on_map": 0 if counts is None else 2 * counts.done + counts.partly,
+            "on_map": 0
+            if counts is None
+            else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
             "parameters": str(parameters_message(control.parameters)),
             "locked": not control.form.isEnabled(),
             "simulated": interface.window.top_bar.simulated.isVisible(),

@@ -1,10 +1,10 @@
 import pytest
-from window_helpers import application, click, enter, snapshot, window, wishes
+from window_helpers import application, click, enter, show, snapshot, window, wishes
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import Request
 from gpr20_user_interface.mid.parameter_form import FIELDS, default_parameters
 from gpr20_user_interface.mid.survey_preview import preview
-from gpr20_user_interface.mid.survey_state import Request
 
 __all__ = ["application", "window"]
 
@@ -19,7 +19,7 @@ def text(window, name):
 
 def test_start_carries_what_the_operator_entered(window):
     heard = wishes(window)
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     enter(window, "x_points", "7")
     enter(window, "start_frequency_hz", "700.5")
     for number, part in enumerate(("10", "0", "7", "23")):
@@ -32,7 +32,7 @@ def test_start_carries_what_the_operator_entered(window):
 @pytest.mark.parametrize("name", ARROW_FIELDS)
 @pytest.mark.parametrize("step", [1, 10])
 def test_arrows_change_a_field_by_the_chosen_step(window, name, step):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     window.control.form.show_text(name, "40")
     click(window.control.step_button(step))
     field = window.control.form.field(name)
@@ -44,7 +44,7 @@ def test_arrows_change_a_field_by_the_chosen_step(window, name, step):
 
 
 def test_arrows_end_where_the_axis_ends(window):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     click(window.control.step_button(100))
     for _ in range(8):
         click(window.control.form.field("x_stop_mm").up)
@@ -76,7 +76,7 @@ def test_arrows_end_where_the_axis_ends(window):
 )
 def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wrong, words):
     heard = wishes(window)
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     edit = window.control.form.edit(name)
     right, before = edit.text(), edit.grab().toImage().pixelColor(10, 10)
     enter(window, name, wrong)
@@ -93,7 +93,7 @@ def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wr
 
 
 def test_too_many_points_in_all_turn_the_fields_of_both_axes(window):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     for name in ("x_points", "y_points"):
         enter(window, name, "1000")
     for name in ("x_points", "y_points"):
@@ -105,7 +105,7 @@ def test_too_many_points_in_all_turn_the_fields_of_both_axes(window):
 @pytest.mark.parametrize("octet", range(4))
 @pytest.mark.parametrize("wrong", ["256", "", "x", "01"])
 def test_each_number_of_the_address_is_checked(window, octet, wrong):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     window.control.form.octet(octet).setText(wrong)
     assert "four whole numbers" in window.control.problems.toPlainText()
     assert not window.control.start.isEnabled()
@@ -113,15 +113,15 @@ def test_each_number_of_the_address_is_checked(window, octet, wrong):
 
 def test_limits_that_become_known_are_applied_to_what_stands_there(window):
     enter(window, "x_stop_mm", "700")
-    window.refresh(snapshot(SurveyState.IDLE, travel=None))
+    show(window, snapshot(SurveyState.IDLE, travel=None))
     assert window.control.start.isEnabled()
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     assert not window.control.start.isEnabled()
 
 
 @pytest.mark.parametrize("code", list(SurveyState))
 def test_fields_are_locked_while_a_survey_runs_and_only_then(window, code):
-    window.refresh(snapshot(code))
+    show(window, snapshot(code))
     assert window.control.form.isEnabled() is not code.running
     assert window.control.start.isEnabled() is not code.running
     assert window.control.pause.isEnabled() is (code in (SurveyState.SURVEYING, SurveyState.PAUSED))
@@ -130,40 +130,40 @@ def test_fields_are_locked_while_a_survey_runs_and_only_then(window, code):
 def test_parameters_of_a_survey_that_was_started_elsewhere_are_shown(window):
     theirs = default_parameters()
     theirs = type(theirs)(**{**theirs.__dict__, "x_points": 17, "vna_address": "10.1.2.3"})
-    window.refresh(snapshot(SurveyState.SURVEYING, survey_parameters=theirs))
+    show(window, snapshot(SurveyState.SURVEYING, survey_parameters=theirs))
     assert text(window, "x_points") == "17"
     assert window.control.parameters == theirs
 
 
 def test_keys_that_are_open_when_a_survey_begins_elsewhere_change_nothing(window):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     click(window.control.form.edit("x_start_mm"))
-    window.refresh(snapshot(SurveyState.SURVEYING, survey_parameters=default_parameters()))
+    show(window, snapshot(SurveyState.SURVEYING, survey_parameters=default_parameters()))
     assert not window.number_pad.isVisible()
     assert window.control.parameters == default_parameters()
 
 
 def test_pause_becomes_resume(window):
     heard = wishes(window)
-    window.refresh(snapshot(SurveyState.SURVEYING))
+    show(window, snapshot(SurveyState.SURVEYING))
     assert window.control.pause.text() == "PAUSE"
     click(window.control.pause)
-    window.refresh(snapshot(SurveyState.SURVEYING, pending=frozenset([Request.PAUSE])))
+    show(window, snapshot(SurveyState.SURVEYING, pending=frozenset([Request.PAUSE])))
     assert not window.control.pause.isEnabled()
-    window.refresh(snapshot(SurveyState.PAUSED))
+    show(window, snapshot(SurveyState.PAUSED))
     assert window.control.pause.text() == "RESUME"
     click(window.control.pause)
     assert heard == ["pause", "resume"]
 
 
 def test_what_the_survey_will_be_is_shown(window):
-    window.control.show_preview(preview(default_parameters()))
+    window.control.preview.show_preview(preview(default_parameters()))
     assert window.control.preview.figures[:3] == ("50", "25, 25 mm", "10.8 MHz")
     assert window.control.preview.figures[5:] == ("27.76 mm", "13.88 m", "25")
 
 
 def test_number_pad_writes_a_field_and_judges_while_it_does(window):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     click(window.control.form.edit("x_stop_mm"))
     pad = window.number_pad
     assert pad.isVisible() and pad.edit.text() == "150"
@@ -187,7 +187,7 @@ def test_number_pad_writes_a_field_and_judges_while_it_does(window):
 
 
 def test_number_pad_that_is_cancelled_changes_nothing(window):
-    window.refresh(snapshot(SurveyState.IDLE))
+    show(window, snapshot(SurveyState.IDLE))
     click(window.control.form.octet(2))
     window.number_pad.press("9")
     click(window.number_pad.cancel)

@@ -1,25 +1,16 @@
-import os
+import threading
 from dataclasses import replace
 
 import pytest
-
-pytest.importorskip("PyQt5")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
-from window_helpers import application
 
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_user_interface.mid.cost_estimator import CostEstimator
+from gpr20_user_interface.mid.events import RobotFigures
 from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.survey_state import RobotFigures
-
-__all__ = ["application"]
+from gpr20_user_interface.mid.survey_preview import CostEstimated, CostEstimator
 
 LINEAR = dict(
     dir_pin=13, step_pin=15, sensor_pin=16, step_size=0.01, min_step=0.0015, max_step=0.005,
@@ -29,37 +20,47 @@ AXIS = AxisParameters(**LINEAR)
 FIGURES = RobotFigures(RobotConfig(dict.fromkeys(AxisId, AXIS), simulated=True), SurveySettings())
 
 
+class Listener:
+    """Remembers the answers; a test can wait for one."""
+
+    def __init__(self):
+        self.heard = []
+        self._changed = threading.Condition()
+
+    def tell(self, event):
+        with self._changed:
+            self.heard.append(event)
+            self._changed.notify_all()
+
+    def wait_for(self, event):
+        with self._changed:
+            return self._changed.wait_for(lambda: event in self.heard, timeout=20.0)
+
+
 @pytest.fixture
-def estimator(application):
-    estimator = CostEstimator()
-    estimator.heard = []
-    estimator.estimated.connect(
-        lambda parameters, cost: estimator.heard.append((parameters, cost)),
-        Qt.ConnectionType.QueuedConnection,
-    )
+def listener():
+    return Listener()
+
+
+@pytest.fixture
+def estimator(listener):
+    estimator = CostEstimator(listener.tell)
     yield estimator
     estimator.close()
 
 
-def wait_for(condition):
-    for _ in range(500):
-        if condition():
-            return
-        QTest.qWait(10)
-    raise AssertionError("not within 5 s")
-
-
-def test_the_newest_question_is_answered_as_the_control_would(estimator):
+def test_the_newest_question_is_answered_as_the_control_would(estimator, listener):
     asked = [replace(default_parameters(), x_points=points) for points in range(3, 30)]
     for parameters in asked:
         estimator.ask(parameters, FIGURES)
-    wait_for(lambda: estimator.heard and estimator.heard[-1][0] == asked[-1])
-    assert estimator.heard[-1][1] == survey_cost(asked[-1], FIGURES.facts, FIGURES.settings)
+    cost = survey_cost(asked[-1], FIGURES.facts, FIGURES.settings)
+    assert listener.wait_for(CostEstimated(asked[-1], cost))
 
 
-def test_nothing_is_answered_after_the_end(estimator):
+def test_nothing_is_answered_after_the_end(estimator, listener):
     estimator.close()
     estimator.ask(default_parameters(), FIGURES)
-    wait_for(lambda: not estimator._working)
-    QTest.qWait(1)
-    assert estimator.heard == []
+    for thread in threading.enumerate():
+        if thread.name == "cost_estimator":
+            thread.join(20.0)
+    assert listener.heard == []

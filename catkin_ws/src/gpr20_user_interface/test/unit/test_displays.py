@@ -4,9 +4,8 @@ import pytest
 
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.low.terminal_bar import TerminalBar
-from gpr20_user_interface.mid.bar_display import BarDisplay
-from gpr20_user_interface.mid.plain_display import PlainDisplay
-from gpr20_user_interface.mid.survey_state import ControlState, Progress
+from gpr20_user_interface.mid.displays import BarDisplay, PlainDisplay
+from gpr20_user_interface.mid.events import ControlState, Progress
 
 SURVEYING = ControlState(SurveyState.SURVEYING, "visiting", "id", True)
 TOTAL = 200

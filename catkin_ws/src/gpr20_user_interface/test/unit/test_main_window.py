@@ -4,13 +4,14 @@ pytest.importorskip("PyQt5")
 
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QPushButton
-from window_helpers import application, click, snapshot, window, wishes
+from window_helpers import application, click, show, snapshot, window, wishes
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
-from gpr20_user_interface.mid.survey_state import Progress, Request
-from gpr20_user_interface.mid.views.main_window import TabName
-from gpr20_user_interface.mid.views.style import TOUCH_PX
+from gpr20_user_interface.mid.events import Progress, Request
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.notice import NoticeKind
+from gpr20_user_interface.views.style import TOUCH_PX
 
 __all__ = ["application", "window"]
 
@@ -18,7 +19,7 @@ __all__ = ["application", "window"]
 @pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])
 def test_stop_is_one_touch_from_every_tab(window, tab):
     heard = wishes(window)
-    window.refresh(snapshot(SurveyState.SURVEYING))
+    show(window, snapshot(SurveyState.SURVEYING))
     window.show_tab(tab)
     click(window.top_bar.stop)
     assert heard == ["stop"]
@@ -26,7 +27,7 @@ def test_stop_is_one_touch_from_every_tab(window, tab):
 
 def test_stop_is_told_at_the_touch_and_not_when_the_finger_leaves(window):
     heard = wishes(window)
-    window.refresh(snapshot(SurveyState.SURVEYING))
+    show(window, snapshot(SurveyState.SURVEYING))
     QTest.mousePress(window.top_bar.stop, 1)
     assert heard == ["stop"]
     QTest.mouseRelease(window.top_bar.stop, 1)
@@ -35,14 +36,14 @@ def test_stop_is_told_at_the_touch_and_not_when_the_finger_leaves(window):
 
 @pytest.mark.parametrize("code", list(SurveyState))
 def test_stop_can_be_pressed_while_there_may_be_something_to_stop(window, code):
-    window.refresh(snapshot(code))
+    show(window, snapshot(code))
     assert window.top_bar.stop.isEnabled() is code.running
-    window.refresh(snapshot(code, alive=False))
+    show(window, snapshot(code, alive=False))
     assert window.top_bar.stop.isEnabled()
 
 
 def test_state_and_progress_are_seen_from_every_tab(window):
-    window.refresh(snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 1.0)))
+    show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 1.0)))
     assert window.top_bar.title.text() == "SURVEYING  99.9 %"
     assert window.top_bar.message.whole == "as it is"
     assert window.top_bar.simulated.isVisible()
@@ -59,20 +60,20 @@ def test_state_and_progress_are_seen_from_every_tab(window):
     ],
 )
 def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, words):
-    window.refresh(snapshot(SurveyState.SURVEYING, alarm=alarm))
+    show(window, snapshot(SurveyState.SURVEYING, alarm=alarm))
     assert window.top_bar.alarm.isVisible()
     assert words in window.top_bar.alarm.text()
     # What the robot did last is still seen.
     assert window.top_bar.title.text() == "SURVEYING"
-    window.refresh(snapshot(SurveyState.SURVEYING))
+    show(window, snapshot(SurveyState.SURVEYING))
     assert not window.top_bar.alarm.isVisible()
 
 
 @pytest.mark.parametrize("request_", list(Request))
 def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window, request_):
     heard = wishes(window)
-    window.refresh(snapshot(SurveyState.SURVEYING))
-    window.show_refusal(request_, "<b>the reason</b>")
+    show(window, snapshot(SurveyState.SURVEYING))
+    window.notice.show_notice(NoticeKind[request_.name], "<b>the reason</b>")
     assert window.notice.isVisible()
     assert window.notice.reason.toPlainText() == "<b>the reason</b>"
     assert window.notice.next_step.text().startswith("Next: ")
@@ -86,7 +87,7 @@ def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(win
 def test_everything_to_touch_is_large_enough_for_a_glove(window):
     for tab in (TabName.CONTROL, TabName.STATUS):
         window.show_tab(tab)
-        window.refresh(snapshot(SurveyState.IDLE))
+        show(window, snapshot(SurveyState.IDLE))
         touched = [one for one in window.findChildren(QPushButton) if one.isVisible()]
         touched += [one for one in window.control.form.edits() if one.isVisible()]
         for widget in touched:

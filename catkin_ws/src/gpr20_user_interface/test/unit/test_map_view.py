@@ -16,8 +16,8 @@ from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.views.map.map_view import MapView
-from gpr20_user_interface.mid.views.survey_colours import CURRENT, STOP_COLOURS
+from gpr20_user_interface.views.map_view import MapView
+from gpr20_user_interface.views.style import CURRENT, STOP_COLOURS
 
 
 @pytest.fixture(scope="module")

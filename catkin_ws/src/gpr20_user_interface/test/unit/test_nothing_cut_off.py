@@ -7,15 +7,11 @@ pytest.importorskip("PyQt5")
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
-from window_helpers import application, snapshot, window
+from window_helpers import application, show, snapshot, window
 
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
-from gpr20_user_interface.mid.language import Language
-from gpr20_user_interface.mid.robot_health import CALIBRATION, EXPECTED_NODES, HealthReport
-from gpr20_user_interface.mid.survey_preview import SurveyPreview
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     ControlState,
     CurrentPosition,
     HealthLevel,
@@ -23,12 +19,21 @@ from gpr20_user_interface.mid.survey_state import (
     Progress,
     TargetPosition,
 )
-from gpr20_user_interface.mid.views.control.problem_text import allowed_text, field_title
-from gpr20_user_interface.mid.views.main_window import TabName
-from gpr20_user_interface.mid.views.notice import NoticeKind
-from gpr20_user_interface.mid.views.style import BORDER_PX, TOUCH_PX
-from gpr20_user_interface.mid.views.top_bar import ElidedLabel
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.robot_health import (
+    CALIBRATION,
+    EXPECTED_NODES,
+    Alarm,
+    AlarmKind,
+    HealthReport,
+)
+from gpr20_user_interface.mid.survey_preview import SurveyPreview
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.notice import NoticeKind
+from gpr20_user_interface.views.problem_text import allowed_text, field_title
+from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
+from gpr20_user_interface.views.top_bar import ElidedLabel
+from gpr20_user_interface.views.translation import Language, Languages
 
 __all__ = ["application", "window"]
 
@@ -48,8 +53,8 @@ LARGEST = SurveyPreview(
 @pytest.fixture(params=list(Language))
 def spoken(request, application, window):
     languages = Languages(application, request.param)
-    window.refresh(busiest())
-    window.control.show_preview(LARGEST)
+    window.survey.preview = LARGEST
+    show(window, busiest())
     # The change of language is an event.
     QTest.qWait(1)
     yield window
@@ -102,16 +107,16 @@ def assert_text_fits(widget):
 @pytest.mark.parametrize("code", list(SurveyState))
 def test_nothing_of_a_tab_is_cut_off(spoken, tab, code):
     spoken.show_tab(tab)
-    spoken.refresh(busiest(state=ControlState(code, LONG, "id", True)))
+    show(spoken, busiest(state=ControlState(code, LONG, "id", True)))
     assert_fits(spoken)
 
 
 @pytest.mark.parametrize("kind", list(AlarmKind))
 def test_no_alarm_is_cut_off(spoken, kind):
-    spoken.refresh(busiest(alarm=Alarm(kind, 86399.0, LONG)))
+    show(spoken, busiest(alarm=Alarm(kind, 86399.0, LONG)))
     # What is shown for the first time has its size with the next refresh.
     QTest.qWait(1)
-    spoken.refresh(busiest(alarm=Alarm(kind, 86399.0, LONG)))
+    show(spoken, busiest(alarm=Alarm(kind, 86399.0, LONG)))
     assert spoken.top_bar.alarm.isVisible()
     assert spoken.top_bar.alarm.fontMetrics().lineSpacing() * 2 <= spoken.top_bar.alarm.height()
     assert_fits(spoken)
@@ -156,13 +161,15 @@ def test_no_number_pad_is_cut_off(spoken):
         assert_fits(spoken)
 
 
-def test_neither_profiles_nor_their_keys_are_cut_off(spoken):
-    spoken.profiles.show_names(["a" * 32] * 20, can_save=True)
+def test_neither_profiles_nor_their_keys_are_cut_off(spoken, tmp_path):
+    for number in range(20):
+        (tmp_path / f"{'a' * 30}{number:02d}.yaml").touch()
+    spoken.profiles.show_profiles(default_parameters())
     spoken.profiles.names.setCurrentRow(0)
     assert_fits(spoken)
     spoken.profiles.delete.click()
     assert_fits(spoken)
-    spoken.ask_profile_name(lambda _name: None, lambda _name: True)
+    spoken.profiles.save.click()
     assert_fits(spoken)
 
 

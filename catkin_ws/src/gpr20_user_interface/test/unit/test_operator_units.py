@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.units import hertz_from_megahertz, rotations_from_text
+from gpr20_user_interface.mid.parameter_form import hertz_from_megahertz, rotations_from_text
 
 
 @given(st.integers(min_value=1, max_value=6_000_000_000))

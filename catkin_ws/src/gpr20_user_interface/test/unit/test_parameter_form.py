@@ -9,6 +9,7 @@ from gpr20_survey.plan.survey_parameters import (
     Travel,
     problems,
 )
+from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
 from gpr20_user_interface.mid.parameter_form import (
     FIELDS,
     MAX_GRID_POINTS,
@@ -17,7 +18,6 @@ from gpr20_user_interface.mid.parameter_form import (
     stepped,
     texts_of,
 )
-from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL
 
 DEFAULTS = {field.name: field.default for field in FIELDS}
 ROBOT = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.progress_text import progress_line, remaining_text, time_text
-from gpr20_user_interface.mid.survey_state import Progress
+from gpr20_user_interface.mid.displays import progress_line, remaining_text, time_text
+from gpr20_user_interface.mid.events import Progress
 
 DAY_S = 86400
 

@@ -7,9 +7,8 @@ from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, tr
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan
+from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan, b_scan, c_scan
 from gpr20_user_interface.mid.radar_processing import FrequencyToDelay, delay_of_depth
-from gpr20_user_interface.mid.radar_settings import Axis, RadarSettings
 
 LINEAR = RadarSettings(in_db=False)
 
@@ -163,12 +162,10 @@ def test_a_trace_may_come_twice():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"x_mm": 101.0},
-        {"z_deg": 90.0},
-        {"s21": np.full(501, np.nan)},
+        {"x_coord_mm": 101.0},
+        {"z_coord_deg": 90.0},
         {"frequency_hz": FREQUENCY_HZ + 1e6},
         {"frequency_hz": FREQUENCY_HZ[:300], "s21": np.zeros(300)},
-        {"s21": np.zeros(300)},
     ],
 )
 def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again(changes):

@@ -12,8 +12,8 @@ from PyQt5.QtWidgets import QApplication
 from view_kit import depth_echo, make_grid, trace_at
 
 from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.views.radar.radar_view import RadarView
-from gpr20_user_interface.mid.views.survey_colours import LEVELS
+from gpr20_user_interface.views.plots import LEVELS
+from gpr20_user_interface.views.radar_view import RadarView
 
 
 @pytest.fixture(scope="module")

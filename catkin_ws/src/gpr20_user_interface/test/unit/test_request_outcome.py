@@ -1,8 +1,8 @@
 import pytest
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
-from gpr20_user_interface.mid.survey_state import Answer, ControlState, Request
 
 
 @pytest.fixture

@@ -3,20 +3,19 @@ import string
 
 import pytest
 from said_sentences import said_by_the_robot
-from window_helpers import application, snapshot, window
+from window_helpers import application, show, snapshot, window
 
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.translation_file import FOLDER, read_translations
-from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_state import ControlState
-from gpr20_user_interface.mid.views.robot_sentences import SENTENCES
-from gpr20_user_interface.mid.views.robot_text import robot_text
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.robot_sentences import SENTENCES
+from gpr20_user_interface.views.robot_text import robot_text
+from gpr20_user_interface.views.translation import Language, Languages
 
 __all__ = ["application", "window"]
 
@@ -168,7 +167,7 @@ def test_whatever_the_robot_can_say_to_the_operator_is_known(languages, path, se
 
 def test_status_and_top_bar_change_their_sentence_with_the_language(window, languages):
     state = ControlState(SurveyState.SURVEYING, "measuring", "id", True)
-    window.refresh(snapshot(SurveyState.SURVEYING, state=state))
+    show(window, snapshot(SurveyState.SURVEYING, state=state))
     assert window.status.message.message == "midiendo"
     assert window.top_bar.message.whole == "midiendo"
     languages.use(Language.ENGLISH)

@@ -3,27 +3,27 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from queue import SimpleQueue
 
 import pytest
 
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
-from gpr20_user_interface.mid.event_queue import EventQueue
-from gpr20_user_interface.mid.survey_state import StopWish
+from gpr20_user_interface.mid.events import StopRequested
 
 
 @pytest.mark.parametrize(
     ("number", "name"), [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM")]
 )
 def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
-    events = EventQueue()
-    with StopSignals(lambda reason: events.put(StopWish(reason))) as signals:
+    events = SimpleQueue()
+    with StopSignals(lambda reason: events.put(StopRequested(reason))) as signals:
         assert not signals.received
         os.kill(os.getpid(), number)
-        assert events.next(5.0) == StopWish(name)
+        assert events.get(timeout=5.0) == StopRequested(name)
         assert signals.received
         with pytest.raises(SecondStopSignal):
             os.kill(os.getpid(), signal.SIGINT)
-            events.next(5.0)
+            events.get(timeout=5.0)
 
 
 def test_second_signal_is_no_failure_that_could_be_handled():
@@ -43,10 +43,6 @@ def test_former_handlers_come_back():
     with StopSignals(lambda _name: None):
         assert signal.getsignal(signal.SIGINT) is not before[0]
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
-
-
-def test_queue_without_an_event_answers_none_in_time():
-    assert EventQueue().next(0.01) is None
 
 
 def test_leaving_at_once_waits_for_nobody_but_loses_no_words():

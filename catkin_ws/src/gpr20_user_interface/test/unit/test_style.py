@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
-from gpr20_user_interface.mid.views.style import BORDER, PAPER, STYLE_SHEET, TextColours
+from gpr20_user_interface.views.style import BORDER, PAPER, STYLE_SHEET, TextColours
 
 # WCAG 2.1, level AA: 1.4.3 for text, 1.4.11 for what tells a control from what is around it.
 TEXT_CONTRAST = 4.5

@@ -1,9 +1,9 @@
 import pytest
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
+from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
 from gpr20_user_interface.mid.survey_arguments import Bar, parse_arguments
-from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL
-from gpr20_user_interface.mid.survey_watch import Mode, OnPause
+from gpr20_user_interface.mid.survey_follower import Mode, OnPause
 
 
 def test_defaults_are_a_survey_that_can_be_run():

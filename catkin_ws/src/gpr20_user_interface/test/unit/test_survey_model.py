@@ -3,10 +3,7 @@ import math
 import pytest
 
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, AlarmKind
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
     ControlParameters,
@@ -19,6 +16,9 @@ from gpr20_user_interface.mid.survey_state import (
     Request,
     TargetPosition,
 )
+from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
+from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
 
 
 def state(code, survey_id="id", simulated=False):

@@ -1,23 +1,25 @@
+import queue
+
 import pytest
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
     ControlState,
     Progress,
     Request,
-    StopWish,
+    StopRequested,
 )
-from gpr20_user_interface.mid.survey_watch import (
+from gpr20_user_interface.mid.survey_follower import (
     ExitStatus,
     Limits,
     Mode,
     OnPause,
     Outcome,
-    SurveyWatch,
+    SurveyFollower,
 )
+from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
 
 
 class ScriptedEvents:
@@ -27,10 +29,11 @@ class ScriptedEvents:
         self._clock = clock
         self._events = list(events)
 
-    def next(self, timeout_s):
+    def get(self, timeout):
         event = self._events.pop(0) if self._events else None
         if event is None:
-            self._clock.advance(timeout_s)
+            self._clock.advance(timeout)
+            raise queue.Empty
         return event
 
 
@@ -64,8 +67,8 @@ def state(code, survey_id="ours"):
 
 def run(clock, *events):
     recorder = Recorder()
-    watch = SurveyWatch(Mode.START, OnPause.EXIT, Limits(), clock)
-    session = SurveySession(watch, ScriptedEvents(clock, events), recorder, recorder)
+    follower = SurveyFollower(Mode.START, OnPause.EXIT, Limits(), clock)
+    session = SurveySession(follower, ScriptedEvents(clock, events), recorder.send, recorder)
     return session.run(), recorder, session
 
 
@@ -117,7 +120,7 @@ def test_stop_and_its_refusal_are_told(clock):
         state("IDLE", ""),
         Answer(Request.START, True, "", "ours"),
         state("SURVEYING"),
-        StopWish("Ctrl-C"),
+        StopRequested("Ctrl-C"),
         Answer(Request.STOP, False, "busy"),
         state("STOPPED"),
     )
@@ -136,12 +139,12 @@ def test_display_is_closed_when_the_session_is_broken_off(clock):
     recorder = Recorder()
 
     class Broken:
-        def next(self, timeout_s):
+        def get(self, timeout):
             raise KeyboardInterrupt
 
-    watch = SurveyWatch(Mode.START, OnPause.EXIT, Limits(), clock)
+    follower = SurveyFollower(Mode.START, OnPause.EXIT, Limits(), clock)
     with pytest.raises(KeyboardInterrupt):
-        SurveySession(watch, Broken(), recorder, recorder).run()
+        SurveySession(follower, Broken(), recorder.send, recorder).run()
     assert recorder.closed
 
 

@@ -6,19 +6,15 @@ pytest.importorskip("PyQt5")
 
 from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
 from view_kit import SURVEY, make_grid, trace_at
-from window_helpers import application, click
+from window_helpers import application, click, close, new_window
 
-from gpr20_user_interface.mid.language import Language
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
-from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, TabName, Tabs
-from gpr20_user_interface.mid.views.status.status_view import StatusView
-from gpr20_user_interface.mid.views.style import BORDER_PX, TOUCH_PX
-from gpr20_user_interface.mid.views.translation import Languages
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
+from gpr20_user_interface.views.translation import Language, Languages
 
 __all__ = ["application"]
 
@@ -26,47 +22,31 @@ SURVEY_TABS = (TabName.MAP, TabName.RADAR, TabName.SURVEYS)
 PADDING_PX = 6
 
 
-class NoStorage:
-    """Answers nothing."""
-
-    def list_surveys(self, before):
-        pass
-
-    def read_survey(self, folder):
-        pass
-
-    def read_traces(self, survey, first_index):
-        pass
-
-
 class Shown:
     def __init__(self, language, application):
         self.languages = Languages(application, language)
-        self.presenter = TracePresenter(NoStorage())
-        views = self.presenter.views
-        tabs = Tabs(ControlView(), StatusView(), views.map, views.radar, views.past)
-        self.window = MainWindow(tabs, language)
+        self.window = new_window(self.languages)
         self.window.show()
+        live = self.window.traces.live
         grid = make_grid()
-        self.presenter.live.begin(grid)
+        live.begin(grid)
         failures = ("10: the VNA did not answer within 90 s; check its cable and its address",)
         verdict = "INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 not visited"
         coverage = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
-        self.presenter.live.take_coverage(coverage)
-        self.presenter.live.take_trace(trace_at(grid, 0, height_m=float("nan")))
+        live.map.set_coverage(coverage)
+        live.take_trace(trace_at(grid, 0, height_m=float("nan")))
         past = PastSurvey(
             *("20261121T051000_7c9e6679", "7c9e6679", "2026-11-21T05:10:00", "stopped"),
             *(7, 40, verdict, False, True, ""),
         )
-        self.presenter.on_event(SurveysListed("", (past,), True))
-        views.past.table.selectRow(0)
-        views.map.select(Stop(1, 4))
-        views.radar.show_model(self.presenter.live.radar, past.folder)
-        views.radar.controls.background.click()
+        self.window.on_event(SurveysListed("", (past,), True))
+        self.window.past.table.selectRow(0)
+        self.window.map.select(Stop(1, 4))
+        self.window.radar.show_model(live.radar, past.folder)
+        self.window.radar.controls.background.click()
 
     def close(self):
-        self.window.close()
-        self.languages.close()
+        close(self.window)
 
 
 @pytest.fixture(params=list(Language))
@@ -123,7 +103,7 @@ def test_the_language_changes_at_once(application):
     shown = Shown(Language.ENGLISH, application)
     shown.languages.use(Language.SPANISH)
     show(shown, TabName.RADAR)
-    views = shown.presenter.views
+    views = shown.window
     assert "Gris: no medido" in views.radar.note.text()
     assert views.map.next_problem.text() == "Siguiente sin hacer"
     assert "INCOMPLETA" in views.past.table.item(0, 1).text()

@@ -6,7 +6,7 @@ from source_texts import source_texts
 
 from gpr20_user_interface.errors import LanguageError
 from gpr20_user_interface.low.translation_file import FOLDER, read_translations
-from gpr20_user_interface.mid.language import Language, language_from_code
+from gpr20_user_interface.views.translation import Language, language_from_code
 
 SPANISH = FOLDER / "es.ts"
 

@@ -1,23 +1,27 @@
-import os
 import threading
+from dataclasses import replace
 
 import pytest
-
-pytest.importorskip("PyQt5")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-
 from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
+from window_helpers import application, click, close, enter, new_window
 
+from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.mid.events import (
+    Answer,
+    AxisLimits,
+    ControlState,
+    Progress,
+    Request,
+    RobotFigures,
+)
 from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_state import Answer, ControlState, Progress, Request
-from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, Tabs
-from gpr20_user_interface.mid.views.status.status_view import StatusView
+from gpr20_user_interface.mid.survey_preview import CostEstimated
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.translation import Language, Languages
+
+__all__ = ["application"]
 
 
 class ControlThatRecords:
@@ -33,15 +37,26 @@ class ControlThatRecords:
     def pause_survey(self):
         self.asked.append("pause")
 
-    def resume_survey(self):
-        self.asked.append("resume")
+    def resume_survey(self, survey_id=""):
+        self.asked.append(f"resume {survey_id}".strip())
 
     def read_axis_limits(self):
         self.asked.append("limits")
 
 
+class EstimatorThatRecords:
+    def __init__(self):
+        self.asked = []
+
+    def ask(self, parameters, figures):
+        self.asked.append((parameters, figures))
+
+    def close(self):
+        pass
+
+
 class Link(QObject):
-    event = pyqtSignal(object)
+    told = pyqtSignal(object)
 
 
 class WatchedModel(SurveyModel):
@@ -51,43 +66,40 @@ class WatchedModel(SurveyModel):
 
     def handle(self, event):
         self.threads.append(threading.current_thread())
-        super().handle(event)
-
-
-@pytest.fixture(scope="module")
-def application():
-    yield QApplication.instance() or QApplication([])
+        return super().handle(event)
 
 
 @pytest.fixture
-def parts(application, clock):
-    window = MainWindow(Tabs(ControlView(), StatusView()), Language.ENGLISH)
+def estimator():
+    return EstimatorThatRecords()
+
+
+@pytest.fixture
+def parts(application, clock, estimator):
     control, model = ControlThatRecords(), WatchedModel(clock)
-    presenter = WindowPresenter(model, window, control)
+    survey = WindowPresenter(model, control, estimator)
+    languages = Languages(application, Language.ENGLISH)
+    window = new_window(languages, survey)
     window.show()
-    presenter.begin()
-    yield presenter, window, control, model
-    presenter.end()
-    window.close()
+    window.begin()
+    yield window, control, model
+    window.end()
+    close(window)
 
 
 def state(code):
     return ControlState(code, "as it is", "id", False)
 
 
-def click(button):
-    QTest.mouseClick(button, Qt.LeftButton)
-
-
 def test_limits_of_the_axes_are_asked_for_at_once(parts):
-    _, _, control, _ = parts
+    _, control, _ = parts
     assert control.asked == ["limits"]
 
 
 def test_one_press_of_start_is_one_request(parts):
-    presenter, window, control, _ = parts
-    presenter.on_event(state(SurveyState.IDLE))
-    presenter.refresh()
+    window, control, _ = parts
+    window.on_event(state(SurveyState.IDLE))
+    window.refresh()
     click(window.control.start)
     click(window.control.start)
     assert len(control.asked) == 2
@@ -96,55 +108,55 @@ def test_one_press_of_start_is_one_request(parts):
 
 
 def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
-    presenter, window, control, _ = parts
-    presenter.on_event(state(SurveyState.SURVEYING))
-    presenter.refresh()
+    window, control, _ = parts
+    window.on_event(state(SurveyState.SURVEYING))
+    window.refresh()
     click(window.top_bar.stop)
     click(window.top_bar.stop)
     assert control.asked[1:] == ["stop", "stop"]
 
 
 def test_resume_is_asked_for(parts):
-    presenter, window, control, _ = parts
-    presenter.on_event(state(SurveyState.PAUSED))
-    presenter.refresh()
+    window, control, _ = parts
+    window.on_event(state(SurveyState.PAUSED))
+    window.refresh()
     click(window.control.pause)
     assert control.asked[1:] == ["resume"]
 
 
 def test_pause_is_asked_for(parts):
-    presenter, window, control, _ = parts
-    presenter.on_event(state(SurveyState.SURVEYING))
-    presenter.refresh()
+    window, control, _ = parts
+    window.on_event(state(SurveyState.SURVEYING))
+    window.refresh()
     click(window.control.pause)
     assert control.asked[1:] == ["pause"]
 
 
 def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
-    presenter, window, _, _ = parts
-    presenter.on_event(state(SurveyState.CONFIGURED))
-    presenter.refresh()
+    window, _, _ = parts
+    window.on_event(state(SurveyState.CONFIGURED))
+    window.refresh()
     click(window.control.start)
     assert not window.control.start.isEnabled()
-    presenter.on_event(Answer(Request.START, False, "the disk is full"))
+    window.on_event(Answer(Request.START, False, "the disk is full"))
     assert window.notice.reason.toPlainText() == "the disk is full"
     assert window.notice.isVisible()
     assert window.control.start.isEnabled()
 
 
 def test_granted_request_opens_no_dialog(parts):
-    presenter, window, _, _ = parts
-    presenter.on_event(Answer(Request.START, True, "", "id"))
+    window, _, _ = parts
+    window.on_event(Answer(Request.START, True, "", "id"))
     assert not window.notice.isVisible()
 
 
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
-    presenter, window, _, model = parts
+    window, _, model = parts
     link = Link()
-    link.event.connect(presenter.on_event, Qt.ConnectionType.QueuedConnection)
+    link.told.connect(window.on_event, Qt.ConnectionType.QueuedConnection)
     events = [state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
     for event in events:
-        thread = threading.Thread(target=link.event.emit, args=(event,))
+        thread = threading.Thread(target=link.told.emit, args=(event,))
         thread.start()
         thread.join()
     assert model.threads == []
@@ -162,21 +174,37 @@ def assert_within_5_s(condition):
 
 
 def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
-    presenter, window, control, _ = parts
-    presenter.on_event(state(SurveyState.CONFIGURED))
-    presenter.refresh()
+    window, control, _ = parts
+    window.on_event(state(SurveyState.CONFIGURED))
+    window.refresh()
     click(window.control.start)
-    presenter.on_event(Answer(Request.START, True, "started", "id"))
-    presenter.on_event(state(SurveyState.CHECKING))
+    window.on_event(Answer(Request.START, True, "started", "id"))
+    window.on_event(state(SurveyState.CHECKING))
     assert not window.notice.isVisible()
-    presenter.on_event(
-        ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False)
-    )
+    window.on_event(ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False))
     assert window.notice.isVisible()
     assert window.notice.title.text() == "The survey was not started."
     assert "the disk is full" in window.notice.reason.toPlainText()
     click(window.notice.close_button)
-    presenter.on_event(
-        ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False)
-    )
+    window.on_event(ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False))
     assert not window.notice.isVisible()
+
+
+def test_figures_of_the_robot_complete_the_preview(parts, estimator):
+    window, _, _ = parts
+    figures = RobotFigures("the robot", "its settings")
+    assert estimator.asked == []
+    window.on_event(AxisLimits(None, figures=figures))
+    window.refresh()
+    asked = window.control.parameters
+    assert estimator.asked == [(asked, figures)]
+    # What was overtaken by another question is not shown.
+    window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
+    window.refresh()
+    assert "1000 MB" not in window.control.preview.figures
+    window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
+    window.refresh()
+    assert "1000 MB" in window.control.preview.figures
+    enter(window, "x_points", "7")
+    assert estimator.asked[-1] == (replace(asked, x_points=7), figures)
+    assert "1000 MB" not in window.control.preview.figures

@@ -5,13 +5,14 @@ import json
 import numpy as np
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
-from gpr20_user_interface.mid.radar_model import RadarTrace
 from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
+NOW_US = 1_795_000_000_000_000
 
 
 def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVEY, **changes):
@@ -61,17 +62,24 @@ def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
 def trace_at(grid, index, s21=None, height_m=0.2, **changes):
     """Return the trace of a place in the plan."""
     cell = grid.cell(index)
+    s21 = depth_echo(0.1) if s21 is None else s21
     values = {
         "survey_id": grid.survey_id,
         "index": index,
-        "x_mm": grid.xs_mm[cell.stop.column],
-        "y_mm": grid.ys_mm[cell.stop.row],
-        "z_deg": grid.rotations_deg[cell.polarization],
-        "height_m": height_m,
+        "sample_id": f"sample-{index}",
+        "timestamp_us": NOW_US,
+        "x_coord_mm": float(grid.xs_mm[cell.stop.column]),
+        "y_coord_mm": float(grid.ys_mm[cell.stop.row]),
+        "z_coord_deg": grid.rotations_deg[cell.polarization],
+        "antennae_height_m": height_m,
         "frequency_hz": FREQUENCY_HZ,
-        "s21": depth_echo(0.1) if s21 is None else s21,
+        "s21_real": np.ascontiguousarray(s21.real, np.float64),
+        "s21_imag": np.ascontiguousarray(s21.imag, np.float64),
+        "sweep_started_us": NOW_US - 200_000,
+        "sweep_ended_us": NOW_US,
+        "quality": (),
     }
-    return RadarTrace(**{**values, **changes})
+    return Trace(**{**values, **changes})
 
 
 def cell(row, column, polarization=0):

@@ -7,19 +7,70 @@ import pytest
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
+from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
-from gpr20_user_interface.mid.language import Language
+from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.survey_state import ControlState
-from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, Tabs
-from gpr20_user_interface.mid.views.status.status_view import StatusView
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+from gpr20_user_interface.views.main_window import MainWindow
+from gpr20_user_interface.views.translation import Language, Languages
 
 ROBOT = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+
+
+class Survey:
+    """In place of the presenter of the survey: shows what the test says, remembers the wishes."""
+
+    def __init__(self):
+        self.snapshot = snapshot()
+        self.preview = None
+        self.asked = []
+
+    def refresh(self):
+        return self.snapshot
+
+    def on_event(self, event):
+        return None
+
+    def set_parameters(self, parameters):
+        pass
+
+    def read_axis_limits(self):
+        pass
+
+    def start(self, parameters):
+        self.asked.append(parameters)
+
+    def stop(self):
+        self.asked.append("stop")
+
+    def pause(self):
+        self.asked.append("pause")
+
+    def resume(self, folder=""):
+        self.asked.append(f"resume {folder}".strip())
+
+
+class Storage:
+    """Answers nothing, remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def list_surveys(self, before):
+        self.asked.append(("list", before))
+
+    def read_survey(self, folder):
+        self.asked.append(("survey", folder))
+
+    def read_traces(self, survey, first_index):
+        self.asked.append(("traces", survey, first_index))
 
 
 @pytest.fixture(scope="session")
@@ -28,11 +79,32 @@ def application():
 
 
 @pytest.fixture
-def window(application):
-    window = MainWindow(Tabs(ControlView(), StatusView()), Language.ENGLISH)
+def window(application, tmp_path):
+    languages = Languages(application, Language.ENGLISH)
+    window = new_window(languages, profiles=tmp_path)
     window.show()
     yield window
+    close(window)
+
+
+def new_window(languages, survey=None, storage=None, profiles=None):
+    """Return a window; what its traces are reported for is in `window.problems`."""
+    problems = []
+    window = MainWindow(
+        survey or Survey(),
+        TracePresenter(storage or Storage(), problems.append),
+        Profiles(ProfileFolder(profiles)),
+        languages,
+    )
+    window.problems, window.languages = problems, languages
+    return window
+
+
+def close(window):
+    """Let nothing of a window stay: every window that is left makes the next one slower."""
+    window.languages.close()
     window.close()
+    sip.delete(window)
 
 
 def snapshot(code=None, alive=True, **other):
@@ -51,13 +123,15 @@ def snapshot(code=None, alive=True, **other):
     return Snapshot(**values)
 
 
+def show(window, shown):
+    """Let the window show a snapshot."""
+    window.survey.snapshot = shown
+    window.refresh()
+
+
 def wishes(window):
-    heard = []
-    window.start_requested.connect(heard.append)
-    window.stop_requested.connect(lambda: heard.append("stop"))
-    window.pause_requested.connect(lambda: heard.append("pause"))
-    window.resume_requested.connect(lambda: heard.append("resume"))
-    return heard
+    """Return what the operator asks for, from now on too."""
+    return window.survey.asked
 
 
 def enter(window, name, text):

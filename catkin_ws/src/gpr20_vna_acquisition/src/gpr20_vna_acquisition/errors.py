@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.errors import Gpr20Error
 
 
 class VnaError(Gpr20Error):
     """The network analyzer refused or failed to do what it was told."""
-
-
-class VnaParameterError(VnaError, InvalidValueError):
-    """A value that was asked for is not allowed."""
 
 
 class VnaConnectionError(VnaError, OSError):
@@ -31,6 +27,10 @@ class VnaNotReadyError(VnaError, RuntimeError):
 
 class VnaSettingError(VnaError):
     """The instrument did not take a setting, or no longer has it."""
+
+
+class VnaCalibrationError(VnaError):
+    """The instrument's calibration is none with which a survey may be made."""
 
 
 class VnaSweepError(VnaError, OSError):

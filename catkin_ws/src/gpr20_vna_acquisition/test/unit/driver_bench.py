@@ -6,14 +6,13 @@ from typing import List
 
 from fake_vna import FakeClock, FakeVna
 
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 ADDRESS = "192.168.1.10"
 SWEEP = SweepSettings(600e6, 6e9, 11)
-WALL_NS = 1_700_000_000_123_456_789
+STARTED_US = 1_800_000_000_123_456
 
 
 class Bench:
@@ -27,11 +26,12 @@ class Bench:
             self.vna.connect,
             VnaParameters(**parameters),
             self.clock,
-            TimeOfDay(lambda: WALL_NS, self.clock.now_ns),
             self.warnings.append,
+            lambda: STARTED_US,
         )
 
     def configured(self) -> Bench:
-        self.driver.connect(ADDRESS)
-        self.driver.configure(SWEEP)
+        self.driver.connect_to_vna(ADDRESS)
+        self.driver.set_frequency_sweep(SWEEP)
+        self.driver.set_trace()
         return self

@@ -25,9 +25,6 @@ class FakeClock(Clock):
     def now_s(self) -> float:
         return self.time_s
 
-    def now_ns(self) -> int:
-        return int(self.time_s * 1e9)
-
     def sleep_until_s(self, deadline_s: float) -> None:
         self.time_s = max(self.time_s, deadline_s)
 

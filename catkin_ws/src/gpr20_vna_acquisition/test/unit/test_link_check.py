@@ -7,8 +7,8 @@ import threading
 import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
 
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNotReadyError, VnaSweepError
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
 
 CHECK_S = 5.0
 
@@ -30,7 +30,7 @@ def check_after(bench: Bench, idle_s: float) -> None:
 
 
 def test_an_instrument_in_use_is_not_disturbed(bench):
-    bench.driver.sweep()
+    bench.driver.get_trace()
     bench.vna.sent.clear()
     check_after(bench, CHECK_S - 1.0)
     assert bench.vna.sent == []
@@ -56,13 +56,13 @@ def test_a_pulled_cable_is_told_until_it_is_back_and_the_sweep_is_set_up_again(b
     check_after(bench, CHECK_S)
     assert bench.driver.state.link_error == "" and bench.driver.state.linked
     assert bench.vna.settings[":SENS:SWE:POIN"] == str(SWEEP.points)
-    assert bench.driver.sweep().settings == SWEEP
+    assert (bench.driver.get_trace().frequency_hz == SWEEP.frequencies_hz()).all()
 
 
 def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(bench):
     bench.vna.before = cable_is_pulled
     with pytest.raises(VnaConnectionError):
-        bench.driver.connect(ADDRESS)
+        bench.driver.connect_to_vna(ADDRESS)
     check_after(bench, CHECK_S)
     assert bench.driver.state.trouble == "no answer" and bench.vna.open_links == 0
     bench.vna.before = lambda message: None
@@ -72,7 +72,7 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
     assert bench.driver.state.calibration is CalibrationStatus.HIGH
     # Only the survey knows what to sweep.
     with pytest.raises(VnaNotReadyError):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_what_was_wrong_is_told_until_connecting_anew_has_ended(bench):
@@ -80,7 +80,7 @@ def test_what_was_wrong_is_told_until_connecting_anew_has_ended(bench):
     check_after(bench, CHECK_S)
     told = []
     bench.vna.before = lambda message: told.append(bench.driver.state.trouble)
-    bench.driver.connect(ADDRESS)
+    bench.driver.connect_to_vna(ADDRESS)
     assert set(told) == {"no answer"} and bench.driver.state.trouble == ""
 
 
@@ -88,24 +88,24 @@ def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
     bench.vna.before = lambda message: None
-    bench.driver.sweep()
+    bench.driver.get_trace()
     assert bench.driver.state.link_error == ""
 
 
 def test_the_check_leaves_the_error_of_the_last_request(bench):
     bench.vna.spoil = lambda answer: b"#9"
     with pytest.raises(VnaSweepError):
-        bench.driver.sweep()
+        bench.driver.get_trace()
     told = bench.driver.state.last_error
     check_after(bench, CHECK_S)
     assert told and bench.driver.state.last_error == told
 
 
-@pytest.mark.parametrize("end", ["disconnect", "shut_down"])
+@pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])
 def test_an_address_where_connecting_failed_is_left_alone_after_the_end(bench, end):
     bench.vna.before = cable_is_pulled
     with pytest.raises(VnaConnectionError):
-        bench.driver.connect(ADDRESS)
+        bench.driver.connect_to_vna(ADDRESS)
     getattr(bench.driver, end)()
     bench.vna.before = lambda message: None
     links = bench.vna.links
@@ -113,7 +113,7 @@ def test_an_address_where_connecting_failed_is_left_alone_after_the_end(bench, e
     assert bench.vna.links == links and bench.driver.state.trouble == ""
 
 
-@pytest.mark.parametrize("end", ["disconnect", "shut_down"])
+@pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])
 def test_nothing_is_connected_again_after_the_end(bench, end):
     getattr(bench.driver, end)()
     check_after(bench, CHECK_S)
@@ -134,5 +134,5 @@ def test_the_check_does_not_wait_for_a_request_that_runs(bench):
                 checked.set()
 
     bench.vna.before = check_meanwhile
-    bench.driver.connect(ADDRESS)
+    bench.driver.connect_to_vna(ADDRESS)
     assert checked.is_set()

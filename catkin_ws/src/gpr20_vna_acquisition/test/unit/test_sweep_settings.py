@@ -9,14 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_vna_acquisition.errors import VnaDataError, VnaParameterError
-from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange, SweepSettings
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.errors import VnaDataError
+from gpr20_vna_acquisition.mid.settings import check_frequencies
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 
 @pytest.mark.parametrize("points", [2, 4000])
 def test_accepts_the_whole_range(points):
-    SweepSettings(5e3, 6e9, points).check(InstrumentRange())
+    VnaParameters().check_sweep(SweepSettings(5e3, 6e9, points))
 
 
 @pytest.mark.parametrize(
@@ -37,8 +40,8 @@ def test_accepts_the_whole_range(points):
     ],
 )
 def test_refuses_naming_value_and_limit(start, stop, points, words):
-    with pytest.raises(VnaParameterError, match=words):
-        SweepSettings(start, stop, points).check(InstrumentRange())
+    with pytest.raises(InvalidValueError, match=words):
+        VnaParameters().check_sweep(SweepSettings(start, stop, points))
 
 
 @given(st.integers(2, 4000), st.integers(5000, 5_999_000_000))
@@ -54,7 +57,7 @@ def test_grid_is_exact_where_single_precision_is_not(points, start_hz):
 
 def test_accepts_the_grid_in_single_precision():
     sweep = SweepSettings(600e6, 6e9, 501)
-    sweep.check_reported(sweep.frequencies_hz().astype(np.float32).astype(np.float64))
+    check_frequencies(sweep.frequencies_hz().astype(np.float32).astype(np.float64), sweep)
 
 
 @pytest.mark.parametrize(
@@ -67,12 +70,12 @@ def test_accepts_the_grid_in_single_precision():
 )
 def test_refuses_another_grid(other):
     with pytest.raises(VnaDataError, match="at point"):
-        SweepSettings(600e6, 6e9, 501).check_reported(other.frequencies_hz())
+        check_frequencies(other.frequencies_hz(), SweepSettings(600e6, 6e9, 501))
 
 
 def test_refuses_a_logarithmic_grid():
     with pytest.raises(VnaDataError, match="linearly"):
-        SweepSettings(600e6, 6e9, 501).check_reported(np.geomspace(600e6, 6e9, 501))
+        check_frequencies(np.geomspace(600e6, 6e9, 501), SweepSettings(600e6, 6e9, 501))
 
 
 @pytest.mark.parametrize(
@@ -95,8 +98,9 @@ def test_refuses_a_logarithmic_grid():
         ("link_check_s", 3601.0),
         ("maker", ""),
         ("model", " "),
+        ("accepted_calibrations", (1, 5)),
     ],
 )
 def test_parameters_that_make_no_sense_are_named(name, value):
     with pytest.raises(ValueError, match=name):
-        VnaParameters(**{name: value})
+        record_from(VnaParameters, {name: value}, "vna_acquisition")

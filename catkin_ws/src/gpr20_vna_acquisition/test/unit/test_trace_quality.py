@@ -11,23 +11,35 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError, VnaSweepError
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS, Sweep
+from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
+    VnaConnectionError,
+    VnaDataError,
+    VnaSweepError,
+)
 from gpr20_vna_acquisition.mid.trace_quality import (
-    LONGEST_REMARK,
-    QualityLimits,
+    MOST_REASONS,
     TraceQuality,
     duration_remarks,
     flat_remarks,
     level_remarks,
     refuse_impossible,
     repetition_remarks,
-    storable,
 )
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-LIMITS = QualityLimits()
+LIMITS = VnaParameters()
+STARTED_US = 1_800_000_000_000_000
 POINTS = 101
 FINITE = st.floats(allow_nan=False, allow_infinity=False, width=32)
+
+
+def sweep_of(real, imag, duration_s=0.1):
+    frequency_hz = np.linspace(1e9, 2e9, len(real))
+    ended_us = STARTED_US + round(duration_s * 1e6)
+    return Sweep(frequency_hz, real, imag, STARTED_US, ended_us, ())
 
 
 def trace(level_db, points=POINTS, duration_s=0.1):
@@ -35,7 +47,7 @@ def trace(level_db, points=POINTS, duration_s=0.1):
     random = np.random.default_rng(3)
     level = 10.0 ** (level_db / 20.0) * (1.0 + random.normal(0.0, 0.01, points))
     angle = random.uniform(-math.pi, math.pi, points)
-    return Sweep(level * np.cos(angle), level * np.sin(angle), 0, round(duration_s * 1e6))
+    return sweep_of(level * np.cos(angle), level * np.sin(angle), duration_s)
 
 
 def judged(sweep, calibration=CalibrationStatus.HIGH, failures=()):
@@ -114,19 +126,24 @@ def test_a_calibration_that_is_not_of_high_accuracy_is_told(status, word):
     assert word in remark
 
 
-def test_repetitions_are_told_with_their_number_and_last_reason():
+def test_repetitions_are_told_with_their_number_and_each_reason_once():
     assert repetition_remarks([]) == ()
-    (remark,) = repetition_remarks(
-        [VnaDataError("cut"), VnaDataError("not\x00finite " + "x" * 300)]
+    failures = [VnaDataError(text) for text in ("cut", "not finite", "cut")]
+    assert repetition_remarks(failures) == (
+        "the sweep was repeated 3 times: cut",
+        "the sweep also failed with: not finite",
     )
-    assert remark.startswith("the sweep was repeated 2 times: not?finite x")
-    assert len(remark) == LONGEST_REMARK
+
+
+def test_a_hundred_reasons_leave_room_for_the_other_remarks():
+    remarks = repetition_remarks([VnaDataError(str(number)) for number in range(100)])
+    assert len(remarks) == MOST_REASONS and "repeated 100 times" in remarks[0]
 
 
 @given(st.text(max_size=400))
 def test_every_remark_can_be_stored(text):
-    remark = storable(text)
-    assert len(remark) <= LONGEST_REMARK and remark.isprintable()
+    for remark in judged(trace(-40.0), failures=[VnaDataError(text)]):
+        assert len(remark) <= MAX_REMARK_CHARACTERS and remark.isprintable()
 
 
 @given(
@@ -137,20 +154,20 @@ def test_every_remark_can_be_stored(text):
 def test_any_finite_data_can_be_judged(data, calibration, duration_s):
     quality = TraceQuality(LIMITS)
     for _ in range(6):
-        sweep = Sweep(data[0], data[1], 0, round(duration_s * 1e6))
+        sweep = sweep_of(data[0], data[1], duration_s)
         for remark in quality.remarks(sweep, calibration, [VnaDataError("x")]):
-            assert len(remark) <= LONGEST_REMARK
+            assert len(remark) <= MAX_REMARK_CHARACTERS
 
 
 def test_a_trace_of_zeros_is_refused():
     with pytest.raises(VnaDataError, match="zero"):
-        refuse_impossible(Sweep(np.zeros(POINTS), np.zeros(POINTS), 0, 1))
+        refuse_impossible(sweep_of(np.zeros(POINTS), np.zeros(POINTS)))
 
 
 def test_an_imaginary_part_that_copies_the_real_one_is_refused():
     real = trace(-40.0).s21_real
     with pytest.raises(VnaDataError, match="copy"):
-        refuse_impossible(Sweep(real, real.copy(), 0, 1))
+        refuse_impossible(sweep_of(real, real.copy()))
 
 
 @pytest.mark.parametrize("part", ["s21_real", "s21_imag"])
@@ -168,24 +185,48 @@ def test_a_trace_of_zeros_is_repeated_and_never_given_to_the_survey():
     zeros = bench.vna.block([0.0] * 22)
     bench.vna.spoil = lambda answer: zeros
     with pytest.raises(VnaSweepError, match="2 times: every number of the trace is zero"):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_a_repeated_sweep_says_so_and_the_next_one_no_longer():
     bench = Bench(max_level_db=60.0).configured()
     cut = [lambda answer: answer[:-9]]
     bench.vna.spoil = lambda answer: cut.pop()(answer) if cut else answer
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert remark.startswith("the sweep was repeated once: the data block is cut")
-    assert bench.driver.sweep().quality == () == bench.driver.state.last_quality
+    assert bench.driver.get_trace().quality == () == bench.driver.state.last_quality
 
 
 def test_the_calibration_is_that_of_the_moment_of_each_sweep():
     bench = Bench(max_level_db=60.0).configured()
-    assert bench.driver.sweep().quality == ()
+    assert bench.driver.get_trace().quality == ()
     bench.vna.calibration = "3"
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert "more than 5 degrees" in remark
+
+
+@pytest.mark.parametrize("status", [CalibrationStatus.NONE, CalibrationStatus.LOW])
+def test_a_sweep_without_an_accepted_calibration_is_refused_and_not_repeated(status):
+    bench = Bench().configured()
+    bench.vna.calibration = str(int(status))
+    with pytest.raises(VnaCalibrationError, match=f"calibration status is {int(status)} "):
+        bench.driver.get_trace()
+    assert bench.vna.sent.count(":INIT:IMM") == 1
+    assert "calibrate it" in bench.driver.state.last_error
+    # A new link would set up the sweep while somebody calibrates.
+    assert bench.driver.state.linked
+    bench.vna.calibration = "1"
+    assert (bench.driver.get_trace().s21_real == 2.0).all()
+
+
+def test_which_calibrations_are_accepted_is_a_parameter():
+    bench = Bench(accepted_calibrations=(0,), max_level_db=60.0).configured()
+    bench.vna.calibration = "0"
+    (remark,) = bench.driver.get_trace().quality
+    assert "not calibrated" in remark
+    bench.vna.calibration = "1"
+    with pytest.raises(VnaCalibrationError, match=r"now 0\)"):
+        bench.driver.get_trace()
 
 
 def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
@@ -197,22 +238,73 @@ def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
             raise broken.pop()
 
     bench.vna.before = before
-    assert (bench.driver.sweep().s21_real == 2.0).all()
+    assert (bench.driver.get_trace().s21_real == 2.0).all()
 
 
 def test_a_sweep_that_takes_longer_than_its_like_says_so():
     bench = Bench(max_level_db=60.0).configured()
     for _ in range(5):
-        assert bench.driver.sweep().quality == ()
+        assert bench.driver.get_trace().quality == ()
     bench.vna.sweep_s = 0.5
-    (remark,) = bench.driver.sweep().quality
+    (remark,) = bench.driver.get_trace().quality
     assert "the sweep took" in remark
 
 
 def test_a_newly_configured_sweep_has_a_usual_duration_of_its_own():
     bench = Bench(max_level_db=60.0).configured()
     for _ in range(5):
-        bench.driver.sweep()
+        bench.driver.get_trace()
     bench.vna.sweep_s = 0.5
     bench.configured()
-    assert bench.driver.sweep().quality == ()
+    assert bench.driver.get_trace().quality == ()
+
+
+# However often and for whatever reason a sweep was repeated, its remarks say so.
+
+
+def cut(answer):
+    return answer[:-9]
+
+
+def not_finite(answer):
+    return answer[:8] + b"\x00\x00\xc0\x7f" + answer[12:]
+
+
+def babble(_answer):
+    return b"\x8f\x01garbage"
+
+
+def break_link(_answer):
+    raise VnaConnectionError("broken on purpose")
+
+
+FAULTS = (cut, not_finite, babble, break_link)
+MOST_FAILURES = VnaParameters.attempts - 1
+
+
+def remarks_after(failures):
+    """Return the remarks of a sweep whose first attempts fail so."""
+    bench = Bench(max_level_db=60.0).configured()
+    left = list(failures)
+    bench.vna.spoil = lambda answer: left.pop(0)(answer) if left else answer
+    sweep = bench.driver.get_trace()
+    assert not left and (sweep.s21_real == len(failures) + 1.0).all()
+    return sweep.quality
+
+
+def times(count):
+    return "once" if count == 1 else f"{count} times"
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("count", range(1, MOST_FAILURES + 1))
+def test_a_sweep_that_failed_so_often_says_how_often_and_why(fault, count):
+    (remark,) = remarks_after([fault] * count)
+    assert remark.startswith(f"the sweep was repeated {times(count)}: ")
+
+
+@given(st.lists(st.sampled_from(FAULTS), min_size=1, max_size=MOST_FAILURES))
+def test_a_sweep_that_failed_in_several_ways_names_each_of_them_once(faults):
+    remarks = remarks_after(faults)
+    assert remarks[0].startswith(f"the sweep was repeated {times(len(faults))}: ")
+    assert len(remarks) == len(set(faults))

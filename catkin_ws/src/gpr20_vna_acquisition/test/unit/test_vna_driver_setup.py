@@ -7,16 +7,16 @@ import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
 from fake_vna import IDENTITY
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaError,
     VnaIdentityError,
     VnaNotReadyError,
-    VnaParameterError,
     VnaSettingError,
 )
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def bench() -> Bench:
 
 
 def test_identity_is_returned_without_its_quotes():
-    assert Bench().driver.connect(ADDRESS) == IDENTITY
+    assert Bench().driver.connect_to_vna(ADDRESS) == IDENTITY
 
 
 @pytest.mark.parametrize(
@@ -36,57 +36,59 @@ def test_another_instrument_is_refused_and_its_link_closed(identity):
     bench = Bench()
     bench.vna.identity = identity
     with pytest.raises(VnaIdentityError, match="expected is Anritsu MS2026C"):
-        bench.driver.connect(ADDRESS)
-    assert bench.vna.open_links == 0 and not bench.driver.state.address
+        bench.driver.connect_to_vna(ADDRESS)
+    assert bench.vna.open_links == 0 and not bench.driver.vna_connected
 
 
 def test_the_reports_say_why_no_connection_was_made_until_there_is_one():
     bench = Bench()
     expected, bench.vna.identity = bench.vna.identity, "garbage"
     with pytest.raises(VnaIdentityError):
-        bench.driver.connect(ADDRESS)
+        bench.driver.connect_to_vna(ADDRESS)
     assert "expected is Anritsu MS2026C" in bench.driver.state.last_error
     bench.vna.identity = expected
-    bench.driver.connect(ADDRESS)
+    bench.driver.connect_to_vna(ADDRESS)
     assert bench.driver.state.last_error == ""
 
 
 def test_the_calibration_is_kept_for_the_reports(bench):
     assert bench.driver.state.calibration is None
-    status = bench.driver.calibration_status()
+    status = bench.driver.check_calibration_status()
     assert bench.driver.state.calibration is status
 
 
 def test_expected_model_is_a_parameter():
     bench = Bench(model="MS2038C")
     bench.vna.identity = "Anritsu,MS2038C/11,2032023,3.90"
-    assert bench.driver.connect(ADDRESS).startswith("Anritsu,MS2038C")
+    assert bench.driver.connect_to_vna(ADDRESS).startswith("Anritsu,MS2038C")
 
 
 @pytest.mark.parametrize("address", ["", "192.168.1", "192.168.1.256", "localhost", "1.2.3.4.5"])
 def test_an_address_that_is_not_four_numbers_is_refused(address):
     bench = Bench()
     with pytest.raises(ValueError, match="four numbers"):
-        bench.driver.connect(address)
+        bench.driver.connect_to_vna(address)
     assert bench.vna.links == 0
 
 
 def test_nothing_is_asked_before_the_buffers_are_emptied():
     bench = Bench()
-    bench.driver.connect(ADDRESS)
+    bench.driver.connect_to_vna(ADDRESS)
     assert bench.vna.sent[:2] == ["<clear>", "*IDN?"]
 
 
-@pytest.mark.parametrize("call", ["sweep", "frequencies_hz", "calibration_status"])
+@pytest.mark.parametrize(
+    "call", ["get_trace", "get_freq", "check_calibration_status", "test_connection"]
+)
 def test_without_connection_the_caller_is_told_to_connect(call):
     with pytest.raises(VnaNotReadyError, match="service connection"):
         getattr(Bench().driver, call)()
 
 
-@pytest.mark.parametrize("call", ["sweep", "frequencies_hz"])
+@pytest.mark.parametrize("call", ["get_trace", "get_freq"])
 def test_without_configuration_the_caller_is_told_to_configure(call):
     bench = Bench()
-    bench.driver.connect(ADDRESS)
+    bench.driver.connect_to_vna(ADDRESS)
     with pytest.raises(VnaNotReadyError, match="freq_sweep_setup"):
         getattr(bench.driver, call)()
 
@@ -105,7 +107,7 @@ def test_configuring_holds_the_instrument_and_confirms_everything(bench):
     }
     assert all(f"{header}?" in bench.vna.sent for header in bench.vna.settings)
     assert bench.driver.state.sweep == SWEEP
-    assert bench.driver.frequencies_hz().tolist() == np.linspace(600e6, 6e9, 11).tolist()
+    assert bench.driver.get_freq().tolist() == np.linspace(600e6, 6e9, 11).tolist()
 
 
 def test_an_instrument_without_time_domain_is_not_asked_for_it():
@@ -132,21 +134,21 @@ def test_a_refused_setting_is_named_and_nothing_is_measured_with_the_former_one(
     with pytest.raises(VnaSettingError, match="did not take a setting"):
         bench.configured()
     with pytest.raises(VnaNotReadyError):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_a_failed_setup_forgets_the_former_one(bench):
     bench.vna.refused = [":SENS:SWE:POIN"]
     with pytest.raises(VnaSettingError, match="number of points shall be 21 and is '11'"):
-        bench.driver.configure(SweepSettings(600e6, 6e9, 21))
+        bench.driver.set_frequency_sweep(SweepSettings(600e6, 6e9, 21))
     with pytest.raises(VnaNotReadyError):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_bad_values_do_not_reach_the_instrument(bench):
     before = len(bench.vna.sent)
-    with pytest.raises(VnaParameterError):
-        bench.driver.configure(SweepSettings(6e9, 600e6, 11))
+    with pytest.raises(InvalidValueError):
+        bench.driver.set_frequency_sweep(SweepSettings(6e9, 600e6, 11))
     assert len(bench.vna.sent) == before
 
 
@@ -160,7 +162,7 @@ def test_an_instrument_that_measures_other_frequencies_is_refused():
 @pytest.mark.parametrize("status", list(CalibrationStatus))
 def test_calibration_is_read_by_its_meaning(bench, status):
     bench.vna.calibration = str(int(status))
-    assert bench.driver.calibration_status() is status
+    assert bench.driver.check_calibration_status() is status
 
 
 def test_no_calibration_is_not_the_best_one():
@@ -170,19 +172,19 @@ def test_no_calibration_is_not_the_best_one():
 @pytest.mark.parametrize("answer", ["5", "-1", "1.5", "", "nan", "high", "0_1"])
 def test_a_calibration_off_the_scale_is_an_error(bench, answer):
     bench.vna.calibration = answer
-    with pytest.raises(VnaError, match="reading the VNA's calibration failed 3 times"):
-        bench.driver.calibration_status()
+    with pytest.raises(VnaError, match="reading the VNA's calibration failed 9 times"):
+        bench.driver.check_calibration_status()
 
 
 def test_disconnecting_closes_the_link_and_forgets_the_sweep(bench):
-    bench.driver.disconnect()
+    bench.driver.disconnect_from_vna()
     assert bench.vna.open_links == 0 and not bench.driver.state.linked
     with pytest.raises(VnaNotReadyError):
-        bench.driver.sweep()
+        bench.driver.get_trace()
 
 
 def test_connecting_again_closes_the_former_link(bench):
-    bench.driver.connect("192.168.1.11")
+    bench.driver.connect_to_vna("192.168.1.11")
     assert bench.vna.open_links == 1
     assert bench.driver.state.sweep is None
 
@@ -196,14 +198,14 @@ def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):
 
     bench.vna.before = shut_down_while_waiting
     with pytest.raises(VnaClosedError):
-        bench.driver.sweep()
+        bench.driver.get_trace()
     assert bench.vna.open_links == 0
     with pytest.raises(VnaClosedError):
-        bench.driver.connect(ADDRESS)
+        bench.driver.connect_to_vna(ADDRESS)
 
 
 def test_a_start_above_the_former_stop_is_set_once_the_new_stop_is_there(bench):
     bench.vna.keeps_order = True
-    bench.driver.configure(SweepSettings(600e6, 1e9, 11))
+    bench.driver.set_frequency_sweep(SweepSettings(600e6, 1e9, 11))
     higher = SweepSettings(3e9, 6e9, 11)
-    assert bench.driver.configure(higher) == higher
+    assert bench.driver.set_frequency_sweep(higher) == higher

@@ -13,14 +13,13 @@ from typing import Iterator, List, Tuple
 import pytest
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
-from gpr20_simulator.mid.probe_medium import PositionProbe
+from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.scene import InstrumentScene
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_simulator.mid.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -47,13 +46,13 @@ class Robot:
         self.stopped_at_mm = self.position().x_mm
 
 
-def instrument(robot: Robot, description: InstrumentScene) -> VnaAssembly:
-    options = VnaOptions(seconds_per_point=SECONDS_PER_POINT)
-    return VnaAssembly(PositionProbe(), robot.position, Clock(), description, options)
+def instrument(robot: Robot, description: InstrumentScene) -> SimulatedAnalyzer:
+    options = AnalyzerOptions(seconds_per_point=SECONDS_PER_POINT)
+    return SimulatedAnalyzer(PositionProbe(), robot.position, Clock(), description, options)
 
 
 @pytest.fixture
-def bench() -> Iterator[Tuple[Robot, VnaAssembly]]:
+def bench() -> Iterator[Tuple[Robot, SimulatedAnalyzer]]:
     robot = Robot()
     vna = instrument(robot, InstrumentScene())
     vna.start()
@@ -61,7 +60,7 @@ def bench() -> Iterator[Tuple[Robot, VnaAssembly]]:
     vna.stop()
 
 
-def driver_of(vna: VnaAssembly, **parameters) -> VNADriver:
+def driver_of(vna: SimulatedAnalyzer, **parameters) -> VNADriver:
     def open_link(address: str) -> Vxi11Transport:
         return connect(address, LIMITS, vna.server.port)
 
@@ -69,24 +68,24 @@ def driver_of(vna: VnaAssembly, **parameters) -> VNADriver:
         open_link,
         VnaParameters(retry_pause_s=0.01, seconds_per_point=SECONDS_PER_POINT, **parameters),
         Clock(),
-        TimeOfDay(),
         lambda text: None,
     )
-    driver.connect(HOST)
-    driver.configure(SWEEP)
+    driver.connect_to_vna(HOST)
+    driver.set_frequency_sweep(SWEEP)
+    driver.set_trace()
     return driver
 
 
-@pytest.mark.parametrize("transfer", ["REAL,32", "ASC"])
+@pytest.mark.parametrize("transfer", list(TransferFormat))
 def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(bench, transfer):
     robot, vna = bench
     driver = driver_of(vna, transfer_format=transfer)
     for _ in range(3):
         robot.stopped_at_mm = None
-        moving = driver.sweep()
+        moving = driver.get_trace()
         assert len(set(moving.s21_imag)) > 3, "the test is void: nothing moved during the sweep"
         robot.stop()
-        resting = driver.sweep()
+        resting = driver.get_trace()
         assert set(resting.s21_imag) == {robot.stopped_at_mm}
         assert len(set(resting.s21_real)) == 1 and resting.s21_real[0] > moving.s21_real[0]
 
@@ -105,7 +104,7 @@ def test_an_instrument_switched_back_to_continuous_gives_no_sweep_that_ran_befor
             time.sleep(0.001)
         robot.stop()
         running = vna.sweeper.sweep_number
-        sweep = driver.sweep()
+        sweep = driver.get_trace()
         assert set(sweep.s21_imag) == {robot.stopped_at_mm}
         assert len(set(sweep.s21_real)) == 1 and sweep.s21_real[0] > running
     other_hand.close()
@@ -114,7 +113,7 @@ def test_an_instrument_switched_back_to_continuous_gives_no_sweep_that_ran_befor
 @pytest.mark.parametrize("comma", [True, False])
 @pytest.mark.parametrize("newline", [True, False])
 @pytest.mark.parametrize("digits", [0, 9])
-@pytest.mark.parametrize("transfer", ["REAL,32", "ASC"])
+@pytest.mark.parametrize("transfer", list(TransferFormat))
 def test_reads_the_block_however_the_instrument_dresses_it(comma, newline, digits, transfer):
     robot = Robot()
     robot.stop()
@@ -124,7 +123,7 @@ def test_reads_the_block_however_the_instrument_dresses_it(comma, newline, digit
     vna = instrument(robot, description)
     vna.start()
     try:
-        sweep = driver_of(vna, transfer_format=transfer).sweep()
+        sweep = driver_of(vna, transfer_format=transfer).get_trace()
         assert len(sweep.s21_imag) == SWEEP.points
         assert set(sweep.s21_imag) == {robot.stopped_at_mm}
     finally:
@@ -136,7 +135,7 @@ def test_calibration_status_is_the_instruments(accuracy):
     vna = instrument(Robot(), InstrumentScene(calibration_accuracy=int(accuracy)))
     vna.start()
     try:
-        assert driver_of(vna).calibration_status() is accuracy
+        assert driver_of(vna).check_calibration_status() is accuracy
     finally:
         vna.stop()
 
@@ -149,14 +148,14 @@ def test_after_any_fault_the_next_sweep_is_new_and_no_link_is_left_over(bench, f
     robot, vna = bench
     robot.stop()
     driver = driver_of(vna)
-    first = driver.sweep()
+    first = driver.get_trace()
     vna.faults.set(fault, 1)
     if fault == "WRONG_IDENTITY":
         # Only a new link asks for the identity.
         vna.faults.set("DROP", 1)
-    second = driver.sweep()
+    second = driver.get_trace()
     assert second.s21_real[0] > first.s21_real[0] and len(set(second.s21_real)) == 1
-    driver.disconnect()
+    driver.disconnect_from_vna()
     deadline = time.monotonic() + 2.0
     while vna.server.link_count:
         assert time.monotonic() < deadline, "links are left on the instrument"
@@ -166,18 +165,18 @@ def test_after_any_fault_the_next_sweep_is_new_and_no_link_is_left_over(bench, f
 def test_an_instrument_that_was_switched_off_and_on_is_set_up_again():
     robot = Robot()
     robot.stop()
-    vnas: List[VnaAssembly] = [instrument(robot, InstrumentScene())]
+    vnas: List[SimulatedAnalyzer] = [instrument(robot, InstrumentScene())]
     vnas[0].start()
     driver = VNADriver(
         lambda address: connect(address, LIMITS, vnas[-1].server.port),
         VnaParameters(attempts=20, retry_pause_s=0.1, seconds_per_point=SECONDS_PER_POINT),
         Clock(),
-        TimeOfDay(),
         lambda text: None,
     )
-    driver.connect(HOST)
-    driver.configure(SWEEP)
-    driver.sweep()
+    driver.connect_to_vna(HOST)
+    driver.set_frequency_sweep(SWEEP)
+    driver.set_trace()
+    driver.get_trace()
     vnas[0].stop()
 
     def switch_on() -> None:
@@ -188,10 +187,10 @@ def test_an_instrument_that_was_switched_off_and_on_is_set_up_again():
     timer.start()
     try:
         # The fresh instrument counts from the start again; the settings are its defaults.
-        sweep = driver.sweep()
+        sweep = driver.get_trace()
         assert len(sweep.s21_real) == SWEEP.points
         assert driver.state.repeats >= 1
     finally:
         timer.join()
-        driver.disconnect()
+        driver.disconnect_from_vna()
         vnas[-1].stop()

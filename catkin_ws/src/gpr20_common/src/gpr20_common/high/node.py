@@ -10,7 +10,7 @@ import rospy
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.high.parameters import read_parameters
-from gpr20_common.low.line_output import write_lines_at_once
+from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
 
 # A node of the same name that lives answers within this time [s].
@@ -30,7 +30,7 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
         build: Reads the parameters, builds the objects and connects them. What it
             returns is kept for the life of the node.
     """
-    write_lines_at_once()
+    enable_line_buffering()
     _refuse_second(_full_name(name))
     rospy.init_node(name)
     try:

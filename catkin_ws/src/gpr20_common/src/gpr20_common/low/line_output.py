@@ -7,7 +7,7 @@ import sys
 from typing import Optional, TextIO
 
 
-def write_lines_at_once(stream: Optional[TextIO] = None) -> None:
+def enable_line_buffering(stream: Optional[TextIO] = None) -> None:
     """Let a stream pass each line on when it ends.
 
     Python keeps back several kilobytes of what goes into a file, a pipe or the journal, and rospy

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Tuple
+from typing import Any
 
 import rosgraph
 import rospy
@@ -18,20 +18,13 @@ from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_main_control.high.axis_link import AxisLink
-from gpr20_main_control.high.device_links import (
-    AnalyzerLink,
-    HeightLink,
-    StorageLink,
-    utc_now_us,
-)
+from gpr20_main_control.high.ros_axis import RosAxis
+from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_book import NodeBook
-from gpr20_main_control.mid.node_watcher import ANSWER_LIMIT_S, NodeWatcher
+from gpr20_main_control.mid.node_liveness import ANSWER_LIMIT_S, NodeLiveness
 from gpr20_main_control.mid.robot import Robot
-from gpr20_main_control.mid.status_board import StatusBoard
-from gpr20_main_control.mid.survey_factory import Surroundings
+from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
     ResumeSurvey,
     ResumeSurveyResponse,
@@ -79,27 +72,11 @@ class MainControlNode:
     """Services and topics of the survey."""
 
     def __init__(
-        self,
-        robot: Robot,
-        facts: RobotConfig,
-        settings: SurveySettings,
-        clock: Clock,
+        self, control: MainControl, robot: Robot, status: SurveyStatus, topics: SurveyTopics
     ) -> None:
-        self._topics = SurveyTopics(facts.simulated)
-        self._board = StatusBoard(self._topics.publish_change)
-        watcher = watcher_of(NODES + ((SIMULATOR,) if facts.simulated else ()))
-        nodes = NodeBook(watcher.names, clock, self._board.note_missing, watcher.refresh)
-        surroundings = Surroundings(
-            robot,
-            facts,
-            settings,
-            nodes,
-            self._board,
-            clock,
-            utc_now_us,
-            lambda coverage: self._topics.publish_coverage(coverage, self._board.status.survey_id),
-        )
-        self._control = MainControl(surroundings, self._topics.publish_parameters)
+        self._control = control
+        self._status = status
+        self._topics = topics
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
@@ -108,30 +85,28 @@ class MainControlNode:
             advertise("resume_survey", ResumeSurvey, self._resume),
         ]
         # Now: who hears of a control asks it something.
-        self._topics.publish_status(self._board.status)
+        topics.publish_status(status.status)
         self._periodics = [
-            Periodic(1.0 / COORDINATE_RATE_HZ, lambda: self._topics.publish_current(robot)),
-            Periodic(
-                1.0 / PROGRESS_RATE_HZ, lambda: self._topics.publish_progress(self._board.status)
-            ),
+            Periodic(1.0 / COORDINATE_RATE_HZ, lambda: topics.publish_current(robot)),
+            Periodic(1.0 / PROGRESS_RATE_HZ, lambda: topics.publish_progress(status.status)),
         ]
         self._diagnostics = diagnostics.Diagnostics(
-            "simulated robot" if facts.simulated else "GPR-20", self._health
+            "simulated robot" if topics.simulated else "GPR-20", self._health
         )
-        rospy.on_shutdown(lambda: self._control.shut_down(SHUTDOWN_LIMIT_S))
-        rospy.on_shutdown(watcher.stop)
-        watcher.start(nodes.note_alive, nodes.note_silent)
+        rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
+        rospy.on_shutdown(robot.nodes.stop)
+        robot.nodes.start()
 
     def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:
         message = request.parameters
         values = {name: getattr(message, name) for name in message.__slots__}
         values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
-        estimate = self._control.set_parameters(SurveyParameters(**values))
+        plan = self._control.set_parameters(SurveyParameters(**values))
         return SetSurveyParametersResponse(
             success=True,
             message="accepted",
-            total_points=estimate.total_points,
-            estimated_time=rospy.Duration.from_sec(estimate.duration_s),
+            total_points=plan.total_points,
+            estimated_time=rospy.Duration.from_sec(plan.duration_s),
         )
 
     def _start(self, _request: Any) -> StartSurveyResponse:
@@ -148,7 +123,7 @@ class MainControlNode:
         return ResumeSurveyResponse(True, self._control.resume(request.survey))
 
     def _health(self) -> diagnostics.Health:
-        status = self._board.status
+        status = self._status.status
         values = {
             "state": status.state.name,
             "survey": status.survey_id,
@@ -162,17 +137,6 @@ class MainControlNode:
         return level, status.text, values
 
 
-def watcher_of(nodes: Tuple[str, ...]) -> NodeWatcher:
-    """Return what watches nodes of the robot's namespace."""
-    master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
-    return NodeWatcher(
-        {
-            name: NodeProbe(master_uri, own_name, rospy.resolve_name(name), ANSWER_LIMIT_S)
-            for name in nodes
-        }
-    )
-
-
 def build_main_control_node() -> MainControlNode:
     """Read the parameters and build the control from the bottom up.
 
@@ -181,21 +145,32 @@ def build_main_control_node() -> MainControlNode:
     """
     settings = read_parameters(SurveySettings, others=_names(TimeLimits))
     limits = read_parameters(TimeLimits, others=_names(SurveySettings))
-    facts = RobotConfig(
+    config = RobotConfig(
         axes={axis_id: _axis_parameters(axis_id) for axis_id in AxisId},
         simulated=_simulated(),
         time_scale=positive_number("time_scale", float(rospy.get_param("time_scale", 1.0))),
     )
     clock = Clock()
+    topics = SurveyTopics(config.simulated)
+    status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
     robot = Robot(
-        x=AxisLink("x_axis", clock),
-        y=AxisLink("y_axis", clock),
-        z=AxisLink("z_axis", clock),
-        analyzer=AnalyzerLink(limits.analyzer_limit_s),
-        height_sensor=HeightLink(limits.height_limit_s),
-        storage=StorageLink(limits.storage_limit_s),
+        axes={axis_id: RosAxis(f"{axis_id.value}_axis", clock) for axis_id in AxisId},
+        analyzer=RosAnalyzer(limits.analyzer_limit_s),
+        height_sensor=RosHeightSensor(limits.height_limit_s),
+        storage=RosStorage(limits.storage_limit_s),
+        nodes=_nodes(config.simulated, clock, status),
     )
-    return MainControlNode(robot, facts, settings, clock)
+    control = MainControl(robot, config, settings, status, clock)
+    return MainControlNode(control, robot, status, topics)
+
+
+def _nodes(simulated: bool, clock: Clock, status: SurveyStatus) -> NodeLiveness:
+    master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
+    probes = {
+        name: NodeProbe(master_uri, own_name, rospy.resolve_name(name), ANSWER_LIMIT_S).process
+        for name in NODES + ((SIMULATOR,) if simulated else ())
+    }
+    return NodeLiveness(probes, clock, status.set_missing)
 
 
 def _simulated() -> bool:

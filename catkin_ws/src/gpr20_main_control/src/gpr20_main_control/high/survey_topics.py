@@ -7,7 +7,7 @@ from dataclasses import asdict
 import rospy
 
 from gpr20_main_control.mid.robot import Robot
-from gpr20_main_control.mid.status_board import Status
+from gpr20_main_control.mid.survey_status import Status
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.plan.coverage import Coverage
@@ -17,7 +17,11 @@ NO_TARGET = -1.0
 
 
 class SurveyTopics:
-    """The publishers of the survey."""
+    """The publishers of the survey.
+
+    Attributes:
+        simulated: Whether the robot is simulated.
+    """
 
     def __init__(self, simulated: bool) -> None:
         """Advertise them.
@@ -25,7 +29,7 @@ class SurveyTopics:
         Args:
             simulated: Whether the robot is; every status says so.
         """
-        self._simulated = simulated
+        self.simulated = simulated
         self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
         self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
         self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
@@ -38,7 +42,7 @@ class SurveyTopics:
         )
 
     def publish_change(self, before: Status, after: Status) -> None:
-        """Tell of a change of the status."""
+        """Publish a change of the status."""
         if (before.state, before.text) != (after.state, after.text):
             rospy.loginfo("%s: %s", after.state.name, after.text)
             self.publish_status(after)
@@ -51,7 +55,7 @@ class SurveyTopics:
         message.code = int(status.state)
         message.message = status.text
         message.survey_id = status.survey_id
-        message.simulated = self._simulated
+        message.simulated = self.simulated
         self._status.publish(message)
 
     def _publish_target(self, status: Status) -> None:
@@ -99,7 +103,7 @@ class SurveyTopics:
 
     def publish_current(self, robot: Robot) -> None:
         """Publish where the axes are; nothing before all of them have said so."""
-        readings = [axis.reading() for _axis_id, axis in robot.axes()]
+        readings = [axis.reading() for axis in robot.axes.values()]
         if any(reading is None for reading in readings):
             return
         message = Coordinates()

@@ -3,39 +3,51 @@
 from __future__ import annotations
 
 import threading
-from typing import Callable
 
+from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import StopRequested
+from gpr20_main_control.mid.node_liveness import NodeLiveness
 
 
 class Interruption:
-    """A stop, or a node that is lost; every wait of a survey looks at it."""
+    """A stop, or a node that is lost; every wait of a survey looks at it.
 
-    def __init__(self, stop: threading.Event, check_nodes: Callable[[], None]) -> None:
-        """Look at a stop and at the nodes.
+    Attributes:
+        stop: Set when the survey must end.
+        nodes: The nodes without which a survey cannot continue.
+        clock: By which a survey waits.
+    """
 
-        Args:
-            stop: Set when the survey shall end.
-            check_nodes: Raises NodeLostError if the survey cannot go on with the nodes.
-        """
-        self.stop = stop
-        self._check_nodes = check_nodes
+    def __init__(self, nodes: NodeLiveness, clock: Clock) -> None:
+        self.stop = threading.Event()
+        self.nodes = nodes
+        self.clock = clock
 
     def check(self) -> None:
         """Return if there is no reason to interrupt.
 
         Raises:
-            StopRequested: The survey was told to stop.
+            StopRequested: A stop of the survey was requested.
             NodeLostError: A node is gone, or is another than before.
         """
         self.check_stop()
-        self._check_nodes()
+        self.nodes.check()
 
     def check_stop(self) -> None:
-        """Return unless the survey was told to stop.
+        """Return unless a stop of the survey was requested.
 
         Raises:
             StopRequested: It was.
         """
         if self.stop.is_set():
             raise StopRequested("the survey was told to stop")
+
+    def wait_s(self, duration_s: float) -> None:
+        """Wait for so long [s], unless there is a reason to interrupt.
+
+        Raises:
+            StopRequested: A stop of the survey was requested.
+            NodeLostError: A node is gone, or is another than before.
+        """
+        self.clock.wait_s(self.stop, duration_s)
+        self.check()

@@ -5,21 +5,22 @@ from __future__ import annotations
 import contextlib
 import threading
 import uuid
-from dataclasses import dataclass, replace
-from typing import Callable, Iterator, Optional
+from dataclasses import replace
+from typing import Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.background import DeviceTurns
+from gpr20_main_control.mid.engine import SurveyEngine
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.preparation import interruption_remark
-from gpr20_main_control.mid.resumption import resumable_parameters
-from gpr20_main_control.mid.robot import ReopenedSurvey
-from gpr20_main_control.mid.survey_factory import Surroundings, SurveyFactory
-from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey_run import SurveyRun
-from gpr20_survey.plan.survey_parameters import SurveyParameters, check
+from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.survey_archive import interruption_remark
+from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
+from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
 # A request waits so long for another one that is still being carried out [s].
@@ -28,45 +29,30 @@ REQUEST_LIMIT_S = 5.0
 ENDING_LIMIT_S = 10.0
 
 
-@dataclass(frozen=True)
-class SurveyEstimate:
-    """What a survey will be before it starts."""
-
-    total_points: int
-    duration_s: float
-
-
 class MainControl:
     """Checks requests against the state and runs one survey at a time."""
 
     def __init__(
-        self, surroundings: Surroundings, on_parameters: Callable[[SurveyParameters], None]
+        self,
+        robot: Robot,
+        config: RobotConfig,
+        settings: SurveySettings,
+        status: SurveyStatus,
+        clock: Clock,
     ) -> None:
-        """Begin idle.
-
-        Args:
-            surroundings: What every survey works with.
-            on_parameters: Told the parameters of the next or present survey when they change.
-        """
-        self._robot = surroundings.robot
-        self._facts = surroundings.facts
-        self._board = surroundings.board
-        self._on_parameters = on_parameters
+        self._robot = robot
+        self._config = config
+        self._settings = settings
+        self._status = status
+        self._interruption = Interruption(robot.nodes, clock)
+        self._positioner = Positioner(robot.axes, config.axes, self._interruption)
         self._requests = threading.Lock()
-        self._parameters: Optional[SurveyParameters] = None
-        self._stop = threading.Event()
-        self._run: Optional[SurveyRun] = None
+        self._plan: Optional[SurveyPlan] = None
+        self._engine: Optional[SurveyEngine] = None
         self._thread: Optional[threading.Thread] = None
-        interruption = Interruption(self._stop, surroundings.nodes.check)
-        self._positioner = Positioner(
-            self._robot.axes(), self._facts.axes, interruption, surroundings.clock
-        )
-        # Of all surveys: a call that one has given up must not disturb the next.
-        self._turns = DeviceTurns()
-        self._factory = SurveyFactory(surroundings, self._positioner, interruption, self._turns)
 
-    def set_parameters(self, parameters: SurveyParameters) -> SurveyEstimate:
-        """Check the parameters and keep them for the next survey; nothing moves.
+    def set_parameters(self, parameters: SurveyParameters) -> SurveyPlan:
+        """Check the parameters and plan the next survey; nothing moves.
 
         Raises:
             RequestRefusedError: A survey is running.
@@ -74,11 +60,11 @@ class MainControl:
         """
         with self._one_at_a_time():
             self._refuse_while_running("the parameters cannot be changed")
-            check(parameters, self._facts.travel)
-            plan = self._factory.plan(parameters, "")
-            self._keep(parameters)
-            self._board.enter(SurveyState.CONFIGURED, f"ready for {len(plan.points)} traces")
-            return SurveyEstimate(len(plan.points), sum(plan.durations_s))
+            self._plan = plan_survey(parameters, self._config, self._settings)
+            self._status.show_parameters(parameters)
+            message = f"ready for {self._plan.total_points} traces"
+            self._status.enter(SurveyState.CONFIGURED, message)
+            return self._plan
 
     def start(self) -> str:
         """Start a survey with the parameters set before and return its id.
@@ -88,10 +74,10 @@ class MainControl:
         """
         with self._one_at_a_time():
             self._refuse_while_running("another survey cannot start")
-            if self._parameters is None:
+            if self._plan is None:
                 raise RequestRefusedError("no parameters have been set; set them, then start")
-            plan = self._factory.plan(self._parameters, str(uuid.uuid4()))
-            self._begin(plan, self._parameters, None)
+            plan = replace(self._plan, survey_id=str(uuid.uuid4()), reopened=None)
+            self._begin(plan)
             return plan.survey_id
 
     def pause(self) -> str:
@@ -101,14 +87,14 @@ class MainControl:
             RequestRefusedError: No survey is measuring now.
         """
         with self._one_at_a_time():
-            status = self._board.status
-            if status.state is not SurveyState.SURVEYING or self._run is None:
+            status = self._status.status
+            if status.state is not SurveyState.SURVEYING or self._engine is None:
                 raise RequestRefusedError(
                     f"no survey is measuring (the control is {status.state.name}); there is "
                     "nothing to pause"
                 )
-            self._board.enter(SurveyState.PAUSING, "pausing after this sample")
-            self._run.pause()
+            self._status.enter(SurveyState.PAUSING, "pausing after this sample")
+            self._engine.pause()
             return "pausing; control_status says PAUSED when the present sample is taken"
 
     def stop(self) -> str:
@@ -118,9 +104,9 @@ class MainControl:
             RequestRefusedError: No survey is running.
         """
         # No lock: a stop waits for nobody.
-        if not self._board.status.state.running:
+        if not self._status.status.state.running:
             raise RequestRefusedError("no survey is running; there is nothing to stop")
-        self._stop.set()
+        self._interruption.stop.set()
         self._positioner.stop()
         return "stopping; control_status says STOPPED when everything stands still and is stored"
 
@@ -135,17 +121,17 @@ class MainControl:
             DeviceError: The survey could not be opened again.
         """
         with self._one_at_a_time():
-            status = self._board.status
-            if status.state is SurveyState.PAUSED and self._run is not None:
+            status = self._status.status
+            if status.state is SurveyState.PAUSED and self._engine is not None:
                 folder_end = f"_{status.survey_id[:8]}"
                 if survey not in ("", status.survey_id) and not survey.endswith(folder_end):
                     raise RequestRefusedError(
                         f"the paused survey is {status.survey_id}, not {survey[:64]!r}; stop it "
                         "first"
                     )
-                # Here, so that nobody sees it paused who was told that it goes on.
-                self._board.enter(SurveyState.CHECKING, "checking the robot before going on")
-                self._run.resume()
+                # Here, so that nobody sees it paused after the answer that it continues.
+                self._status.enter(SurveyState.CHECKING, "checking the robot before going on")
+                self._engine.resume()
                 return "resuming"
             self._refuse_while_running("another survey cannot be resumed")
             if not survey:
@@ -157,7 +143,7 @@ class MainControl:
 
     def shut_down(self, time_limit_s: float) -> None:
         """Stop a running survey and wait for its end."""
-        self._stop.set()
+        self._interruption.stop.set()
         if self._thread is not None:
             self._thread.join(time_limit_s)
 
@@ -173,12 +159,8 @@ class MainControl:
         finally:
             self._requests.release()
 
-    def _keep(self, parameters: SurveyParameters) -> None:
-        self._parameters = parameters
-        self._on_parameters(parameters)
-
     def _refuse_while_running(self, consequence: str) -> None:
-        state = self._board.status.state
+        state = self._status.status.state
         if state.running:
             raise RequestRefusedError(
                 f"a survey is {state.name}: {consequence}; stop it or wait for its end"
@@ -194,35 +176,31 @@ class MainControl:
 
     def _resume_from_disk(self, survey: str) -> str:
         storage = self._robot.storage
-        reopened = self._turns.storage.take(lambda: storage.reopen(survey), lambda: None)
+        reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
-            parameters = resumable_parameters(reopened, self._facts)
-            check(parameters, self._facts.travel)
-            plan = replace(
-                self._factory.plan(parameters, reopened.survey_id),
-                stored=frozenset(reopened.stored_indices),
-                last=reopened.last,
-            )
-            self._begin(plan, parameters, reopened)
+            plan = plan_resumption(reopened, self._config, self._settings)
+            self._begin(plan)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             storage.close(reopened.survey_id, "failed", f"not resumed: {error}")
             raise
         return (
-            f"resuming with {len(plan.pending)} of {len(plan.points)} traces to go"
+            f"resuming with {len(plan.pending)} of {plan.total_points} traces to go"
             f"{interruption_remark(reopened.interrupted)}"
         )
 
-    def _begin(
-        self, plan: SurveyPlan, parameters: SurveyParameters, reopened: Optional[ReopenedSurvey]
-    ) -> None:
+    def _begin(self, plan: SurveyPlan) -> None:
         # Before anything changes: a survey that cannot be put together is refused.
-        self._run = self._factory.run(plan, parameters, reopened)
-        self._keep(parameters)
-        self._stop.clear()
-        self._board.begin_survey(
-            plan.survey_id, len(plan.points), len(plan.stored), sum(plan.pending_durations_s)
+        engine = SurveyEngine(plan, self._robot, self._status, self._positioner, self._interruption)
+        self._plan, self._engine = plan, engine
+        self._status.show_parameters(plan.parameters)
+        self._interruption.stop.clear()
+        self._status.begin_survey(
+            plan.survey_id,
+            plan.total_points,
+            len(plan.stored_indices),
+            sum(plan.pending_durations_s),
         )
-        self._board.enter(SurveyState.CHECKING, "checking the robot")
-        self._thread = threading.Thread(target=self._run.run, name="survey")
+        self._status.enter(SurveyState.CHECKING, "checking the robot")
+        self._thread = threading.Thread(target=engine.run, name="survey")
         self._thread.start()

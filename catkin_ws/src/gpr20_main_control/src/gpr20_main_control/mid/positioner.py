@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 from functools import partial
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Mapping, Optional
 
-from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.background import in_background, result_of
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
+from gpr20_main_control.mid.serial_calls import in_background, result_of
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
 from gpr20_survey.plan.survey_plan import SurveyPoint
@@ -25,7 +24,7 @@ TIME_LIMIT_FACTOR = 1.5
 TIME_LIMIT_EXTRA_S = 5.0
 # Homing goes the length of the axis at the lowest speed and touches twice.
 HOMING_TIME_FACTOR = 1.3
-# How often a waiting survey looks whether it has been told to stop.
+# How often a waiting survey looks whether a stop was requested.
 POLL_S = 0.05
 # A stop request has reached an axis after so long.
 STOP_NEWS_S = 0.2
@@ -47,16 +46,15 @@ class Positioner:
 
     def __init__(
         self,
-        axes: List[Tuple[AxisId, Axis]],
+        axes: Mapping[AxisId, Axis],
         parameters: Dict[AxisId, AxisParameters],
         interruption: Interruption,
-        clock: Clock,
     ) -> None:
-        self._axes = dict(axes)
+        self._axes = axes
         self._parameters = parameters
         self._interruption = interruption
         self._never = threading.Event()
-        self._clock = clock
+        self._clock = interruption.clock
 
     def check_alive(self) -> None:
         """Refuse to go on unless every axis speaks now; one that is starting gets some time.
@@ -65,7 +63,7 @@ class Positioner:
 
         Raises:
             DeviceError: An axis is silent.
-            StopRequested: The survey was told to stop.
+            StopRequested: A stop of the survey was requested.
         """
         begun_s = self._clock.now_s()
 
@@ -110,7 +108,7 @@ class Positioner:
         Raises:
             DeviceError: An axis could not be homed.
             NodeLostError: A node is gone; axes may be homing still.
-            StopRequested: The survey was told to stop.
+            StopRequested: A stop of the survey was requested.
         """
         pending = [one for one in self._axes if again or not self._reading(one).homed]
         homings = [in_background(partial(self._home, axis_id)) for axis_id in pending]
@@ -133,7 +131,7 @@ class Positioner:
 
         Raises:
             DeviceError: An axis failed; the others have been stopped.
-            StopRequested: The survey was told to stop; the axes have been stopped.
+            StopRequested: A stop of the survey was requested; the axes have been stopped.
         """
         targets = {AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}
         self.position()
@@ -173,10 +171,6 @@ class Positioner:
                 return False
             self._clock.wait_s(self._never, POLL_S)
 
-    def move_duration_s(self, axis_id: AxisId, distance: float) -> float:
-        """Return how long an axis needs for a distance [mm or deg]."""
-        return axis_move_duration_s(self._parameters[axis_id], distance)
-
     def _home(self, axis_id: AxisId) -> None:
         parameters = self._parameters[axis_id]
         slow_s = 2.0 * parameters.max_step * parameters.travel_steps
@@ -196,7 +190,8 @@ class Positioner:
 
     def _finish(self, axis_id: AxisId, target: float) -> None:
         distance = target - self._reading(axis_id).coordinate
-        limit_s = TIME_LIMIT_FACTOR * self.move_duration_s(axis_id, distance) + TIME_LIMIT_EXTRA_S
+        duration_s = axis_move_duration_s(self._parameters[axis_id], distance)
+        limit_s = TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
         deadline_s = self._clock.now_s() + limit_s
         arrived_s: Optional[float] = None
         while True:
@@ -247,8 +242,7 @@ class Positioner:
         while not condition():
             if self._clock.now_s() > deadline_s:
                 return False
-            self._clock.wait_s(self._interruption.stop, POLL_S)
-            self._interruption.check()
+            self._interruption.wait_s(POLL_S)
         return True
 
     def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:

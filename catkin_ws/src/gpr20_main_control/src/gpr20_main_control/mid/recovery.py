@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Callable
 
-from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.node_book import NodeBook
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.status_board import StatusBoard
+from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import SurveyState
 
 # A survey that loses nodes so often without storing anything meanwhile is left to its operator.
@@ -24,27 +22,25 @@ class Recovery:
 
     def __init__(
         self,
-        nodes: NodeBook,
         positioner: Positioner,
-        board: StatusBoard,
+        status: SurveyStatus,
         interruption: Interruption,
-        clock: Clock,
         return_limit_s: float,
     ) -> None:
-        self._nodes = nodes
         self._positioner = positioner
-        self._board = board
+        self._status = status
         self._interruption = interruption
-        self._clock = clock
+        self._nodes, self._clock = interruption.nodes, interruption.clock
         self._return_limit_s = return_limit_s
         self._recoveries = 0
+        self._stored_before = 0
 
     @property
     def nodes_changed(self) -> bool:
-        """Whether nodes are missing or others than those with which the survey went on last."""
+        """Whether nodes are missing or others than those with which the survey continued last."""
         return bool(self._nodes.lost())
 
-    def patience(self) -> Callable[[], None]:
+    def return_limit_check(self) -> Callable[[], None]:
         """Return what ends the wait for a storage that may be gone, for a survey that ends.
 
         It raises NodeLostError once a node is missing and as much time has passed since now as
@@ -58,8 +54,8 @@ class Recovery:
 
         return check
 
-    def begin(self) -> None:
-        """Go on with the nodes as they are now.
+    def accept_nodes(self) -> None:
+        """Continue with the nodes as they are now.
 
         Raises:
             NodeLostError: One is missing.
@@ -67,8 +63,8 @@ class Recovery:
         self._nodes.accept()
         self._nodes.check()
 
-    def note_progress(self) -> None:
-        """Note that a trace was stored, or that the operator told the survey to go on."""
+    def note_resumed(self) -> None:
+        """Note that the operator resumed the survey: nodes may be lost as often as before."""
         self._recoveries = 0
 
     def loss_behind(self, error: DeviceError) -> str:
@@ -88,14 +84,12 @@ class Recovery:
 
         Raises:
             NodeLostError: They stay away, or are lost again and again.
-            StopRequested: The survey was told to stop.
+            StopRequested: A stop of the survey was requested.
         """
         self._positioner.stop()
         self._say(f"holding: {lost}; the survey goes on by itself when every node is back")
         self._positioner.wait_for_rest(REST_LIMIT_S)
-        if self._recoveries >= MOST_RECOVERIES:
-            raise NodeLostError(f"{lost}, {MOST_RECOVERIES + 1} times with no trace in between")
-        self._recoveries += 1
+        self._count_recovery(lost)
         deadline_s = self._clock.now_s() + self._return_limit_s
         while self._nodes.missing():
             if self._clock.now_s() > deadline_s:
@@ -105,8 +99,16 @@ class Recovery:
             self._clock.wait_s(self._interruption.stop, POLL_S)
             self._interruption.check_stop()
 
+    def _count_recovery(self, lost: str) -> None:
+        stored = self._status.status.visited_points
+        if stored != self._stored_before:
+            self._recoveries, self._stored_before = 0, stored
+        if self._recoveries >= MOST_RECOVERIES:
+            raise NodeLostError(f"{lost}, {MOST_RECOVERIES + 1} times with no trace in between")
+        self._recoveries += 1
+
     def _say(self, message: str) -> None:
-        if self._board.status.state is SurveyState.CHECKING:
-            self._board.say(message)
+        if self._status.status.state is SurveyState.CHECKING:
+            self._status.set_message(message)
         else:
-            self._board.enter(SurveyState.CHECKING, message)
+            self._status.enter(SurveyState.CHECKING, message)

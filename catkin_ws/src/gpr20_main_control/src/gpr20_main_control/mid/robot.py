@@ -5,13 +5,17 @@ Every call returns or raises `DeviceError` within a time limit of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import List, Optional, Protocol, Tuple
+from dataclasses import dataclass, field
+from typing import Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
+from gpr20_main_control.mid.node_liveness import NodeLiveness
+from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 
@@ -59,47 +63,23 @@ class Axis(Protocol):
         """End any motion; returns at once."""
 
 
-@dataclass(frozen=True)
-class SweepSetting:
-    """A sweep as the instrument accepted it; frequencies in Hz."""
-
-    start_frequency_hz: float
-    stop_frequency_hz: float
-    points: int
-
-
-@dataclass(frozen=True)
-class AnalyzerSweep:
-    """One sweep, and what the analyzer said of itself after it.
-
-    Attributes:
-        sweep: What was measured.
-        setting: The sweep as the instrument confirmed it.
-        calibration: The calibration after the sweep, on the instrument's own scale.
-    """
-
-    sweep: Sweep
-    setting: SweepSetting
-    calibration: int
-
-
 class Analyzer(Protocol):
     """The vector network analyzer."""
 
     def connect(self, address: str) -> str:
         """Connect, or connect again, and return the instrument's identity."""
 
-    def calibration(self) -> int:
-        """Return the calibration status on the instrument's own scale."""
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration, or refuse one that is not accepted."""
 
-    def configure(self, setting: SweepSetting) -> SweepSetting:
+    def configure(self, settings: SweepSettings) -> SweepSettings:
         """Configure the sweep and return what the instrument accepted."""
 
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
 
-    def sweep(self) -> AnalyzerSweep:
-        """Take one sweep that starts now."""
+    def sweep(self) -> Sweep:
+        """Take one sweep that starts now, checked, and repeated where it failed."""
 
 
 class HeightSensor(Protocol):
@@ -183,15 +163,23 @@ class Storage(Protocol):
 
 @dataclass(frozen=True)
 class Robot:
-    """All parts of the robot."""
+    """All parts of the robot.
 
-    x: Axis
-    y: Axis
-    z: Axis
+    Attributes:
+        axes: The three axes.
+        analyzer: Of S21.
+        height_sensor: Of the antennas.
+        storage: Of traces.
+        nodes: The processes of all of them.
+        analyzer_calls: Through which the analyzer is set up.
+        storage_calls: Through which surveys are opened, reported and closed.
+    """
+
+    axes: Mapping[AxisId, Axis]
     analyzer: Analyzer
     height_sensor: HeightSensor
     storage: Storage
-
-    def axes(self) -> List[Tuple[AxisId, Axis]]:
-        """Return the three axes with their names."""
-        return [(AxisId.X, self.x), (AxisId.Y, self.y), (AxisId.Z, self.z)]
+    nodes: NodeLiveness
+    # Of all surveys: a call that one has given up must not disturb the next.
+    analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
+    storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

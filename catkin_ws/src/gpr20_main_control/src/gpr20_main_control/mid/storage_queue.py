@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from typing import Callable, Deque, Optional
 
@@ -48,11 +49,6 @@ class StorageQueue:
         self._thread.start()
 
     @property
-    def stored(self) -> int:
-        """Number of traces that are durable."""
-        return self._stored
-
-    @property
     def waiting(self) -> int:
         """Number of traces that are not durable yet."""
         return len(self._traces)
@@ -70,10 +66,7 @@ class StorageQueue:
         with self._changed:
             self._traces.append(trace)
             self._changed.notify_all()
-            while len(self._traces) > CAPACITY and self._failure is None:
-                self._changed.wait(POLL_S)
-                check()
-            self._raise_failure()
+            self._wait_until_left(CAPACITY, check)
 
     def drain(self, check: Callable[[], None]) -> None:
         """Return when every trace is durable.
@@ -85,10 +78,7 @@ class StorageQueue:
             DeviceError: Storing has failed.
         """
         with self._changed:
-            while self._traces and self._failure is None:
-                self._changed.wait(POLL_S)
-                check()
-            self._raise_failure()
+            self._wait_until_left(0, check)
 
     def drain_within(self, time_limit_s: float) -> None:
         """Return when every trace is durable.
@@ -96,16 +86,16 @@ class StorageQueue:
         Raises:
             DeviceError: Storing has failed, or it takes longer than the limit [s].
         """
-        with self._changed:
-            self._changed.wait_for(
-                lambda: not self._traces or self._failure is not None, time_limit_s
-            )
-            self._raise_failure()
-            if self._traces:
+        deadline_s = time.monotonic() + time_limit_s
+
+        def check() -> None:
+            if time.monotonic() > deadline_s:
                 raise DeviceError(
                     f"{len(self._traces)} traces were not stored within {time_limit_s:g} s; "
                     "check the disk and the processing node"
                 )
+
+        self.drain(check)
 
     def retry(self) -> None:
         """Forget a failure and try again with the trace that failed."""
@@ -132,7 +122,7 @@ class StorageQueue:
             failure = self._store(trace)
             if failure is None:
                 self._stored += 1
-                # Told before the trace leaves: who waits for an empty queue has heard of all.
+                # Announced before the trace leaves: who waits for an empty queue knows of all.
                 self._on_stored(self._stored, trace.index)
             with self._changed:
                 if failure is None:
@@ -153,7 +143,10 @@ class StorageQueue:
                 break
         return failure
 
-    def _raise_failure(self) -> None:
+    def _wait_until_left(self, traces: int, check: Callable[[], None]) -> None:
+        while len(self._traces) > traces and self._failure is None:
+            self._changed.wait(POLL_S)
+            check()
         if self._failure is not None:
             raise DeviceError(
                 f"trace {self._traces[0].index} could not be stored: {self._failure}"

@@ -1,14 +1,14 @@
-"""What is told of a survey beside its traces: coverage and control measurements."""
+"""What is kept of a survey beside its traces: coverage and control measurements."""
 
 from __future__ import annotations
 
 import json
 import math
 from datetime import datetime, timezone
-from typing import Any, Callable, Dict, List
+from typing import Any, Dict, List
 
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.control_measurement import ControlMeasurement
+from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_survey.plan.coverage import Coverage, SampleState
 
 COVERAGE_LETTERS = {
@@ -22,56 +22,32 @@ COVERAGE_LETTERS = {
 class SurveyReport:
     """Collects what survey.json says of a survey under `report`."""
 
-    def __init__(
-        self, coverage: Coverage, former_json: str, on_coverage: Callable[[Coverage], None]
-    ) -> None:
-        """Begin, or go on with, a report.
+    def __init__(self, coverage: Coverage, former_json: str = "") -> None:
+        """Begin, or continue, a report.
 
         Args:
-            coverage: The state of each planned sample now.
+            coverage: The state of each planned sample.
             former_json: The report of the survey before it was resumed; empty if there is none.
-            on_coverage: Called with the coverage at every change of it.
 
         Raises:
             SurveyError: The former report is not one.
         """
-        self._coverage = coverage
-        self._on_coverage = on_coverage
+        self.coverage = coverage
         self._controls = _controls_of(former_json)
         for control in self._controls:
             coverage.note_remeasured(control["index"])
 
-    def announce(self) -> None:
-        """Tell the coverage as it is."""
-        self._on_coverage(self._coverage)
-
-    @property
-    def coverage(self) -> Coverage:
-        """The state of each planned sample."""
-        return self._coverage
-
-    def note_stored(self, index: int) -> None:
-        """Note that a sample is durable."""
-        self._coverage.note_stored(index)
-        self._on_coverage(self._coverage)
-
-    def note_failed(self, index: int, reason: str) -> None:
-        """Note that a sample could not be measured."""
-        self._coverage.note_failed(index, reason)
-        self._on_coverage(self._coverage)
-
-    def note_control(self, control: ControlMeasurement, time_us: int) -> None:
+    def note_repeat(self, repeat: RepeatMeasurement, time_us: int) -> None:
         """Note that a stored point was measured again, and how far it was from the trace."""
-        self._coverage.note_remeasured(control.index)
         self._controls.append(
             {
-                "index": control.index,
+                "index": repeat.index,
                 "time": datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat(),
-                "difference_db": _finite_or_none(control.difference_db),
-                "height_difference_m": _finite_or_none(control.height_difference_m),
+                "difference_db": _finite_or_none(repeat.difference_db),
+                "height_difference_m": _finite_or_none(repeat.height_difference_m),
             }
         )
-        self._on_coverage(self._coverage)
+        self.coverage.note_remeasured(repeat.index)
 
     def to_json(self) -> str:
         """Return the report as survey.json keeps it.
@@ -79,11 +55,11 @@ class SurveyReport:
         `coverage` has one letter per planned sample, in the order of the plan: m measured,
         r measured again, f failed, - not visited.
         """
-        reasons = self._coverage.reasons
+        reasons = self.coverage.reasons
         return json.dumps(
             {
-                "verdict": self._coverage.verdict().text,
-                "coverage": "".join(COVERAGE_LETTERS[state] for state in self._coverage.states),
+                "verdict": self.coverage.verdict().text,
+                "coverage": "".join(COVERAGE_LETTERS[state] for state in self.coverage.states),
                 "failed": [{"index": index, "reason": reasons[index]} for index in sorted(reasons)],
                 "controls": self._controls,
             }

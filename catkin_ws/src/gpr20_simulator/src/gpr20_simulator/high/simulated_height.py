@@ -20,10 +20,10 @@ def build_simulated_height(parameters: HeightParameters) -> HeightNode:
     ground = Ground(part.scene)
 
     def true_height_m() -> float:
-        position = carriage_position(part.world, part.scene.robot)
+        position = carriage_position(part.state, part.scene.robot)
         return ground.antenna_height_m(position.x_mm, position.y_mm)
 
-    sensor = RangeSensor(part.scene.adc, true_height_m, lambda: part.world.adc_fault)
+    sensor = RangeSensor(part.scene.adc, true_height_m, lambda: part.state.adc_fault)
     return build_height_node(
         parameters, SimulatedSpi(sensor.code), part.clock, "simulated GP2Y0A21YK0F on MCP3008"
     )

@@ -10,7 +10,7 @@ import rospy
 
 from gpr20_common.high.node import run_node
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
-from gpr20_simulator.low.world import World
+from gpr20_simulator.low.shared_state import SharedState
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.high.vna_node import VNANode, build_vna_node, read_vna_parameters
 
@@ -20,21 +20,21 @@ PORT_LIMIT_S = 5.0
 PORT_POLL_S = 0.02
 
 
-def simulated_port(world: World) -> int:
+def simulated_port(state: SharedState) -> int:
     """Return the port of the simulated instrument, waiting a bounded time for it to listen.
 
     Raises:
         VnaConnectionError: It does not listen.
     """
     deadline_s = time.monotonic() + PORT_LIMIT_S
-    while world.vna_port == 0 and time.monotonic() < deadline_s:
+    while state.vna_port == 0 and time.monotonic() < deadline_s:
         time.sleep(PORT_POLL_S)
-    if world.vna_port == 0:
+    if state.vna_port == 0:
         raise VnaConnectionError(
             f"the simulated VNA does not listen after {PORT_LIMIT_S:g} s; "
             "check that the node simulator runs"
         )
-    return world.vna_port
+    return state.vna_port
 
 
 def build_simulated_vna() -> VNANode:
@@ -42,12 +42,12 @@ def build_simulated_vna() -> VNANode:
     part = open_simulated_part(rospy.get_namespace())
     parameters = read_vna_parameters(others=SimulatedPart.PARAMETERS)
     # A sweep of the faster robot is over so much sooner.
-    time_scale = float(rospy.get_param("~time_scale", 1.0))
-    parameters = replace(parameters, seconds_per_point=parameters.seconds_per_point / time_scale)
+    seconds_per_point = parameters.seconds_per_point / part.clock.factor
+    parameters = replace(parameters, seconds_per_point=seconds_per_point)
 
     def port_of(address: str) -> Optional[int]:
         if address.startswith(LOOPBACK):
-            return simulated_port(part.world)
+            return simulated_port(part.state)
         return parameters.vxi11_port or None
 
     return build_vna_node(parameters, port_of, f"simulated {parameters.model}")

@@ -14,11 +14,16 @@ from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.services import advertise
 from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
-from gpr20_simulator.low.capture import Capture, CaptureFolder, NoCapture
+from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
 from gpr20_simulator.mid.carriage import carriage_position
-from gpr20_simulator.mid.fault_switch import FaultSwitch
-from gpr20_simulator.mid.vna_assembly import VnaAssembly, VnaOptions, medium_by_name
+from gpr20_simulator.mid.faults import FaultSwitch
+from gpr20_simulator.mid.instrument import Capture
+from gpr20_simulator.mid.simulated_analyzer import (
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+    medium_by_name,
+)
 from gpr20_simulator.srv import SetFault, SetFaultResponse
 
 
@@ -45,15 +50,15 @@ class SimulatorNode:
     """Serves the simulated analyzer, and switches faults on request."""
 
     def __init__(
-        self, part: SimulatedPart, parameters: SimulatorParameters, vna: VnaAssembly
+        self, part: SimulatedPart, parameters: SimulatorParameters, vna: SimulatedAnalyzer
     ) -> None:
         self._part = part
         self._parameters = parameters
         self._vna = vna
-        self._switch = FaultSwitch(part.world, vna.faults)
+        self._switch = FaultSwitch(part.state, vna.faults)
         vna.start()
         # The other processes of the robot wait for this before they connect.
-        part.world.vna_port = vna.server.port
+        part.state.vna_port = vna.server.port
         rospy.on_shutdown(self._stop)
         advertise("simulator/set_fault", SetFault, self._set_fault)
         self._diagnostics = Diagnostics("SIMULATED robot", self._health)
@@ -82,7 +87,7 @@ class SimulatorNode:
         return OK, "SIMULATED robot works", values
 
     def _stop(self) -> None:
-        self._part.world.vna_port = 0
+        self._part.state.vna_port = 0
         self._vna.stop()
 
 
@@ -95,16 +100,15 @@ def build_simulator() -> SimulatorNode:
     """Read the parameters and put the node together."""
     parameters = read_parameters(SimulatorParameters, others=SimulatedPart.PARAMETERS)
     part = open_simulated_part(rospy.get_namespace())
-    time_scale = float(rospy.get_param("~time_scale", 1.0))
-    options = VnaOptions(
+    options = AnalyzerOptions(
         parameters.seconds_per_point,
-        time_scale,
+        part.clock.factor,
         parameters.port,
         PORTMAPPER_PORT if parameters.portmapper else None,
     )
-    vna = VnaAssembly(
+    vna = SimulatedAnalyzer(
         medium_by_name(parameters.medium, part.scene),
-        lambda: carriage_position(part.world, part.scene.robot),
+        lambda: carriage_position(part.state, part.scene.robot),
         part.clock,
         part.scene.instrument,
         options,
@@ -115,9 +119,9 @@ def build_simulator() -> SimulatorNode:
 
 def _capture(folder: str) -> Capture:
     if not folder:
-        return NoCapture()
+        return lambda _kind, _reply: None
     try:
-        return CaptureFolder(Path(folder).expanduser())
+        return CaptureFolder(Path(folder).expanduser()).save
     except OSError as error:
         raise SimulatorError(
             f"capture_dir {folder} cannot be used: {error.strerror}; give a folder that can be made"

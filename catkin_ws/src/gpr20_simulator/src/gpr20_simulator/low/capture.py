@@ -4,24 +4,9 @@ from __future__ import annotations
 
 import itertools
 from pathlib import Path
-from typing import Protocol
 
 NUMBER_DIGITS = 6
 NUMBERED = "[0-9]" * NUMBER_DIGITS + "_*.bin"
-
-
-class Capture(Protocol):
-    """Takes the exact bytes of data replies."""
-
-    def save(self, kind: str, data: bytes) -> None:
-        """Take one reply; the kind says what was asked for."""
-
-
-class NoCapture:
-    """Keeps nothing."""
-
-    def save(self, kind: str, data: bytes) -> None:
-        """Let the reply go."""
 
 
 class CaptureFolder:

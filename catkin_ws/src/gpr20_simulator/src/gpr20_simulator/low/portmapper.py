@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 import socket
+import threading
 from dataclasses import dataclass
 from typing import Sequence, Tuple
 
-from gpr20_simulator.low.rpc import Caller, RpcProgram
-from gpr20_simulator.low.rpc_server import ListenError, RpcTcpServer, RpcUdpServer
-from gpr20_simulator.low.xdr import XdrReader, pack_uint
+from gpr20_simulator.low.rpc import (
+    Caller,
+    RpcProgram,
+    XdrError,
+    XdrReader,
+    answer_call,
+    pack_uint,
+)
+from gpr20_simulator.low.rpc_server import (
+    STOP_TIMEOUT_S,
+    ListenError,
+    RpcTcpServer,
+    bound_socket,
+    shut_down,
+)
 
 PORT = 111
 PROGRAM = 100000
 VERSION = 2
 SET, UNSET, GETPORT, DUMP = 1, 2, 3, 4
 LONGEST_RECORD = 8192
+LONGEST_DATAGRAM = 8192
 MOST_CONNECTIONS = 16
 FREE_PORT_TRIALS = 20
 
@@ -27,6 +41,62 @@ class Mapping:
     version: int
     protocol: int
     port: int
+
+
+class _DatagramCaller:
+    def is_gone(self) -> bool:
+        return False
+
+
+class RpcUdpServer:
+    """Serves programs on one UDP port; each datagram is one call."""
+
+    def __init__(self, host: str, port: int, programs: Sequence[RpcProgram]) -> None:
+        self._programs = programs
+        self._closing = False
+        self._socket = bound_socket(socket.SOCK_DGRAM, host, port)
+        self.port: int = self._socket.getsockname()[1]
+        self._thread = threading.Thread(
+            target=self._serve, name=f"rpc-udp-{self.port}", daemon=True
+        )
+
+    def start(self) -> None:
+        """Begin to answer."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop answering, without waiting for the thread."""
+        self._closing = True
+        shut_down(self._socket)
+
+    def stop(self) -> None:
+        """Stop answering, and wait for the thread to end."""
+        self.close()
+        if self._thread.is_alive():
+            self._thread.join(STOP_TIMEOUT_S)
+        self._socket.close()
+
+    def _serve(self) -> None:
+        while not self._closing:
+            try:
+                message, address = self._socket.recvfrom(LONGEST_DATAGRAM)
+            except OSError:
+                # The news that an earlier client did not get its reply; the next call is another's.
+                continue
+            try:
+                reply = answer_call(self._programs, message, _DatagramCaller())
+            except XdrError:
+                # Not a call, so nobody waits for a reply.
+                continue
+            if reply is not None:
+                self._send(reply, address)
+
+    def _send(self, reply: bytes, address: Tuple[str, int]) -> None:
+        try:
+            self._socket.sendto(reply, address)
+        except OSError:
+            # As lost as any datagram can be; the client asks again.
+            return
 
 
 class Portmapper:

@@ -1,17 +1,84 @@
-"""Calls and replies of ONC RPC version 2 (RFC 5531), without the network."""
+"""Calls and replies of ONC RPC version 2 (RFC 5531) in XDR (RFC 4506), without the network."""
 
 from __future__ import annotations
 
 import enum
+import struct
 from dataclasses import dataclass
 from typing import Callable, Mapping, Optional, Protocol, Sequence
 
-from gpr20_simulator.low.xdr import XdrError, XdrReader, pack_uint
+from gpr20_common.errors import Gpr20Error
 
+_UINT = struct.Struct(">I")
+_INT = struct.Struct(">i")
 RPC_VERSION = 2
 LONGEST_CREDENTIAL = 400
 NULL_PROCEDURE = 0
-AUTH_NONE = pack_uint(0) + pack_uint(0)
+AUTH_NONE = bytes(8)
+
+
+class XdrError(Gpr20Error, ValueError):
+    """The bytes are not what the protocol says should stand here."""
+
+
+def pack_uint(value: int) -> bytes:
+    """Return an unsigned integer of 32 bits."""
+    return _UINT.pack(value)
+
+
+def pack_int(value: int) -> bytes:
+    """Return a signed integer of 32 bits."""
+    return _INT.pack(value)
+
+
+def pack_opaque(data: bytes) -> bytes:
+    """Return variable-length data: length, bytes, zeros up to a multiple of four."""
+    return _UINT.pack(len(data)) + data + b"\0" * (-len(data) % 4)
+
+
+class XdrReader:
+    """Takes one item after the other from received bytes."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._place = 0
+
+    @property
+    def remaining(self) -> int:
+        """Number of bytes not taken yet."""
+        return len(self._data) - self._place
+
+    def uint(self) -> int:
+        """Take an unsigned integer of 32 bits."""
+        return _UINT.unpack(self._take(4))[0]
+
+    def sint(self) -> int:
+        """Take a signed integer of 32 bits."""
+        return _INT.unpack(self._take(4))[0]
+
+    def bool(self) -> bool:
+        """Take a truth value; any number but zero is true, as clients differ."""
+        return self.uint() != 0
+
+    def opaque(self, longest: int) -> bytes:
+        """Take variable-length data.
+
+        Raises:
+            XdrError: It is longer than `longest` bytes, or than what is there.
+        """
+        length = self.uint()
+        if length > longest:
+            raise XdrError(f"data of {length} bytes where at most {longest} are allowed")
+        data = self._take(length)
+        self._take(-length % 4)
+        return data
+
+    def _take(self, length: int) -> bytes:
+        if length > self.remaining:
+            raise XdrError(f"{length} bytes expected where {self.remaining} remain")
+        start = self._place
+        self._place += length
+        return self._data[start : self._place]
 
 
 class MessageType(enum.IntEnum):

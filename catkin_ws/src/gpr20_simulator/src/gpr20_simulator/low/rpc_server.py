@@ -1,22 +1,101 @@
-"""RPC over TCP and UDP: listening, one thread per connection."""
+"""RPC over TCP: listening, one thread per connection, records in fragments."""
 
 from __future__ import annotations
 
 import socket
+import struct
 import threading
-from typing import Callable, List, Sequence, Tuple
+from typing import Callable, List, Optional, Sequence
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_simulator.low.rpc import RpcProgram, answer_call
-from gpr20_simulator.low.rpc_connection import RpcConnection
-from gpr20_simulator.low.xdr import XdrError
+from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
 
-LONGEST_DATAGRAM = 8192
+LAST_FRAGMENT = 0x80000000
+MOST_FRAGMENTS = 4096
+# A client that does not take its replies for this long loses its connection.
+SEND_TIMEOUT_S = 30.0
 STOP_TIMEOUT_S = 5.0
 
 
 class ListenError(Gpr20Error, OSError):
     """The server cannot listen where it was told to."""
+
+
+class RpcConnection:
+    """One accepted TCP connection: records in, records out."""
+
+    def __init__(self, sock: socket.socket, longest_record: int) -> None:
+        self._socket = sock
+        self._longest_record = longest_record
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        # Limits sending alone: a client may be silent for as long as it likes.
+        seconds = struct.pack("ll", int(SEND_TIMEOUT_S), 0)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, seconds)
+
+    def is_gone(self) -> bool:
+        """Return whether the client has closed the connection."""
+        try:
+            return self._socket.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT) == b""
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+
+    def drop(self) -> None:
+        """Close the connection from any thread; whoever reads from it finds its end."""
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            # The client was quicker; closed is what it should be.
+            return
+
+    def close(self) -> None:
+        """Give the socket back."""
+        self._socket.close()
+
+    def read_record(self) -> Optional[bytes]:
+        """Return the next record, put together from its fragments; None at the end.
+
+        Raises:
+            XdrError: The record is longer, or in more fragments, than is allowed.
+        """
+        record = bytearray()
+        for _ in range(MOST_FRAGMENTS):
+            header = self._read_exactly(4)
+            if header is None:
+                return None
+            word = int.from_bytes(header, "big")
+            length = word & ~LAST_FRAGMENT
+            if len(record) + length > self._longest_record:
+                raise XdrError(f"a record of more than {self._longest_record} bytes")
+            fragment = self._read_exactly(length)
+            if fragment is None:
+                return None
+            record += fragment
+            if word & LAST_FRAGMENT:
+                return bytes(record)
+        raise XdrError(f"a record of more than {MOST_FRAGMENTS} fragments")
+
+    def write_record(self, record: bytes) -> bool:
+        """Send a record as one fragment; return whether the client took it."""
+        try:
+            self._socket.sendall((len(record) | LAST_FRAGMENT).to_bytes(4, "big") + record)
+        except OSError:
+            return False
+        return True
+
+    def _read_exactly(self, length: int) -> Optional[bytes]:
+        data = bytearray()
+        while len(data) < length:
+            try:
+                piece = self._socket.recv(length - len(data))
+            except OSError:
+                # A connection that breaks has ended like one that is closed.
+                return None
+            if not piece:
+                return None
+            data += piece
+        return bytes(data)
 
 
 class RpcTcpServer:
@@ -129,62 +208,6 @@ class RpcTcpServer:
                 self._connections.remove(connection)
             self._on_disconnect(connection)
             connection.close()
-
-
-class _DatagramCaller:
-    def is_gone(self) -> bool:
-        return False
-
-
-class RpcUdpServer:
-    """Serves programs on one UDP port; each datagram is one call."""
-
-    def __init__(self, host: str, port: int, programs: Sequence[RpcProgram]) -> None:
-        self._programs = programs
-        self._closing = False
-        self._socket = bound_socket(socket.SOCK_DGRAM, host, port)
-        self.port: int = self._socket.getsockname()[1]
-        self._thread = threading.Thread(
-            target=self._serve, name=f"rpc-udp-{self.port}", daemon=True
-        )
-
-    def start(self) -> None:
-        """Begin to answer."""
-        self._thread.start()
-
-    def close(self) -> None:
-        """Stop answering, without waiting for the thread."""
-        self._closing = True
-        shut_down(self._socket)
-
-    def stop(self) -> None:
-        """Stop answering, and wait for the thread to end."""
-        self.close()
-        if self._thread.is_alive():
-            self._thread.join(STOP_TIMEOUT_S)
-        self._socket.close()
-
-    def _serve(self) -> None:
-        while not self._closing:
-            try:
-                message, address = self._socket.recvfrom(LONGEST_DATAGRAM)
-            except OSError:
-                # The news that an earlier client did not get its reply; the next call is another's.
-                continue
-            try:
-                reply = answer_call(self._programs, message, _DatagramCaller())
-            except XdrError:
-                # Not a call, so nobody waits for a reply.
-                continue
-            if reply is not None:
-                self._send(reply, address)
-
-    def _send(self, reply: bytes, address: Tuple[str, int]) -> None:
-        try:
-            self._socket.sendto(reply, address)
-        except OSError:
-            # As lost as any datagram can be; the client asks again.
-            return
 
 
 def bound_socket(kind: socket.SocketKind, host: str, port: int) -> socket.socket:

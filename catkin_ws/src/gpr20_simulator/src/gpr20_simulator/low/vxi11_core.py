@@ -2,21 +2,65 @@
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
-from typing import Callable, Optional, Tuple
+from typing import Callable, Optional, Protocol, Tuple
 
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.low import vxi11_protocol as protocol
-from gpr20_simulator.low.message_device import Conduct, MessageDevice
-from gpr20_simulator.low.rpc import Caller, Procedure, RpcProgram
+from gpr20_simulator.low.rpc import (
+    Caller,
+    Procedure,
+    RpcProgram,
+    XdrReader,
+    pack_int,
+    pack_opaque,
+    pack_uint,
+)
 from gpr20_simulator.low.vxi11_links import Link, LinkBook, LinkError
 from gpr20_simulator.low.vxi11_protocol import CoreProcedure, Error, Flag, Reason
-from gpr20_simulator.low.xdr import XdrReader
 
 DEVICE_NAME = b"inst0"
 MESSAGE_AVAILABLE = 0x10
 # A call is its data and a head; every head of VXI-11 and RPC fits into this.
 LONGEST_HEAD = 2048
+
+
+class NetworkFault(enum.Enum):
+    """What the network does wrong after something reached the device."""
+
+    NONE = "none"
+    ANSWER_LATE = "answer late"
+    NO_REPLY = "no reply"
+    DROP_CONNECTIONS = "drop connections"
+    GO_SILENT = "go silent"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a message.
+
+    Attributes:
+        answer: What the client can read now; empty if the message asked nothing.
+        fault: With ANSWER_LATE the answer can be read only after the next message, in front
+            of what that one asked for.
+    """
+
+    answer: bytes = b""
+    fault: NetworkFault = NetworkFault.NONE
+
+
+class MessageDevice(Protocol):
+    """A device with one name that several clients may talk to, each on its own thread."""
+
+    def opened(self) -> NetworkFault:
+        """Note that a client wants to talk to the device."""
+
+    def execute(self, message: bytes) -> Outcome:
+        """Carry out one complete message, with whatever terminator the client sent."""
+
+    def clear(self) -> None:
+        """Forget half-done work; settings stay."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +104,7 @@ class CoreChannel:
         links: LinkBook,
         limits: Limits,
         abort_port: int,
-        misbehave: Callable[[Conduct], None],
+        misbehave: Callable[[NetworkFault], None],
     ) -> None:
         self._device = device
         self._links = links
@@ -98,9 +142,9 @@ class CoreChannel:
         name = arguments.opaque(protocol.LONGEST_DEVICE_NAME)
         if name.lower() != DEVICE_NAME:
             return protocol.link_reply(Error.DEVICE_NOT_ACCESSIBLE, 0, 0, 0)
-        conduct = self._device.opened()
-        if conduct is not Conduct.REPLY:
-            self._misbehave(conduct)
+        fault = self._device.opened()
+        if fault is not NetworkFault.NONE:
+            self._misbehave(fault)
             return None
         try:
             link = self._links.create(caller, lock_timeout_s if wants_lock else None)
@@ -111,18 +155,18 @@ class CoreChannel:
         )
 
     def _device_write(self, arguments: XdrReader, caller: Caller) -> Optional[bytes]:
-        call = protocol.read_write_call(arguments, self._limits.receive_size + LONGEST_HEAD)
+        call = protocol.WriteCall.read(arguments, self._limits.receive_size + LONGEST_HEAD)
         try:
             with self._links.call(call.link, caller) as link:
                 self._links.check_access(link, call.flags, call.lock_timeout_s)
                 self._gather(link, call.data)
-                conduct = self._execute(link) if call.flags & Flag.END else Conduct.REPLY
+                fault = self._execute(link) if call.flags & Flag.END else NetworkFault.NONE
         except LinkError as error:
-            return protocol.write_reply(error.code, 0)
-        if conduct is not Conduct.REPLY:
-            self._misbehave(conduct)
+            return pack_int(error.code) + pack_uint(0)
+        if fault is not NetworkFault.NONE:
+            self._misbehave(fault)
             return None
-        return protocol.write_reply(Error.NONE, len(call.data))
+        return pack_int(Error.NONE) + pack_uint(len(call.data))
 
     def _gather(self, link: Link, data: bytes) -> None:
         if len(data) > self._limits.receive_size:
@@ -132,21 +176,21 @@ class CoreChannel:
             raise LinkError(Error.OUT_OF_RESOURCES)
         link.incoming += data
 
-    def _execute(self, link: Link) -> Conduct:
+    def _execute(self, link: Link) -> NetworkFault:
         message = bytes(link.incoming)
         link.incoming.clear()
         outcome = self._device.execute(message)
         link.outgoing.extend(link.late)
         link.late.clear()
-        if outcome.conduct is Conduct.ANSWER_LATE:
+        if outcome.fault is NetworkFault.ANSWER_LATE:
             link.late.append(outcome.answer)
-            return Conduct.REPLY
+            return NetworkFault.NONE
         if outcome.answer:
             link.outgoing.append(outcome.answer)
-        return outcome.conduct
+        return outcome.fault
 
     def _device_read(self, arguments: XdrReader, caller: Caller) -> bytes:
-        call = protocol.read_read_call(arguments)
+        call = protocol.ReadCall.read(arguments)
         try:
             with self._links.call(call.link, caller) as link:
                 self._links.check_access(link, call.flags, call.lock_timeout_s)
@@ -175,18 +219,18 @@ class CoreChannel:
         return int(reason), answer[:length]
 
     def _device_readstb(self, arguments: XdrReader, caller: Caller) -> bytes:
-        call = protocol.read_generic_call(arguments)
+        call = protocol.GenericCall.read(arguments)
         try:
             with self._links.call(call.link, caller) as link:
                 self._links.check_access(link, call.flags, call.lock_timeout_s)
                 status_byte = MESSAGE_AVAILABLE if link.outgoing else 0
         except LinkError as error:
-            return protocol.status_reply(error.code, 0)
-        return protocol.status_reply(Error.NONE, status_byte)
+            return pack_int(error.code) + pack_uint(0)
+        return pack_int(Error.NONE) + pack_uint(status_byte)
 
     def _generic(self, action: Callable[[Link], None]) -> Procedure:
         def procedure(arguments: XdrReader, caller: Caller) -> bytes:
-            call = protocol.read_generic_call(arguments)
+            call = protocol.GenericCall.read(arguments)
 
             def with_access(link: Link) -> None:
                 self._links.check_access(link, call.flags, call.lock_timeout_s)
@@ -221,17 +265,17 @@ class CoreChannel:
     def _device_docmd(self, arguments: XdrReader, caller: Caller) -> bytes:
         try:
             with self._links.call(arguments.sint(), caller):
-                return protocol.docmd_reply(Error.NOT_SUPPORTED)
+                return pack_int(Error.NOT_SUPPORTED) + pack_opaque(b"")
         except LinkError as error:
-            return protocol.docmd_reply(error.code)
+            return pack_int(error.code) + pack_opaque(b"")
 
     def _on_link(self, number: int, caller: Caller, action: Callable[[Link], None]) -> bytes:
         try:
             with self._links.call(number, caller) as link:
                 action(link)
         except LinkError as error:
-            return protocol.error_reply(error.code)
-        return protocol.error_reply(Error.NONE)
+            return pack_int(error.code)
+        return pack_int(Error.NONE)
 
 
 def _unsupported(_link: Link) -> None:
@@ -239,4 +283,4 @@ def _unsupported(_link: Link) -> None:
 
 
 def _no_interrupt_channel(_arguments: XdrReader, _caller: Caller) -> bytes:
-    return protocol.error_reply(Error.NOT_SUPPORTED)
+    return pack_int(Error.NOT_SUPPORTED)

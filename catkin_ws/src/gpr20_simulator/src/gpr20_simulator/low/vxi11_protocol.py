@@ -1,11 +1,11 @@
-"""Numbers of VXI-11 (revision 1.0) and the layouts of its replies."""
+"""Numbers of VXI-11 (revision 1.0) and the layouts of its calls and replies."""
 
 from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
 
-from gpr20_simulator.low.xdr import XdrReader, pack_int, pack_opaque, pack_uint
+from gpr20_simulator.low.rpc import XdrReader, pack_int, pack_opaque, pack_uint
 
 CORE_PROGRAM = 0x0607AF
 ABORT_PROGRAM = 0x0607B0
@@ -78,6 +78,14 @@ class WriteCall:
     flags: int
     data: bytes
 
+    @classmethod
+    def read(cls, arguments: XdrReader, longest: int) -> WriteCall:
+        """Take the arguments."""
+        link = arguments.sint()
+        arguments.uint()  # io_timeout: this server takes data at once
+        lock_timeout_s = arguments.uint() / 1000.0
+        return cls(link, lock_timeout_s, arguments.sint(), arguments.opaque(longest))
+
 
 @dataclass(frozen=True)
 class ReadCall:
@@ -90,6 +98,18 @@ class ReadCall:
     flags: int
     termination_character: bytes
 
+    @classmethod
+    def read(cls, arguments: XdrReader) -> ReadCall:
+        """Take the arguments."""
+        return cls(
+            link=arguments.sint(),
+            size=arguments.uint(),
+            io_timeout_s=arguments.uint() / 1000.0,
+            lock_timeout_s=arguments.uint() / 1000.0,
+            flags=arguments.sint(),
+            termination_character=bytes([arguments.sint() & 0xFF]),
+        )
+
 
 @dataclass(frozen=True)
 class GenericCall:
@@ -99,38 +119,13 @@ class GenericCall:
     flags: int
     lock_timeout_s: float
 
-
-def read_write_call(arguments: XdrReader, longest: int) -> WriteCall:
-    """Take the arguments of device_write."""
-    link = arguments.sint()
-    arguments.uint()  # io_timeout: this server takes data at once
-    lock_timeout_s = arguments.uint() / 1000.0
-    return WriteCall(link, lock_timeout_s, arguments.sint(), arguments.opaque(longest))
-
-
-def read_read_call(arguments: XdrReader) -> ReadCall:
-    """Take the arguments of device_read."""
-    return ReadCall(
-        link=arguments.sint(),
-        size=arguments.uint(),
-        io_timeout_s=arguments.uint() / 1000.0,
-        lock_timeout_s=arguments.uint() / 1000.0,
-        flags=arguments.sint(),
-        termination_character=bytes([arguments.sint() & 0xFF]),
-    )
-
-
-def read_generic_call(arguments: XdrReader) -> GenericCall:
-    """Take the arguments of readstb, trigger, clear, remote or local."""
-    link, flags = arguments.sint(), arguments.sint()
-    lock_timeout_s = arguments.uint() / 1000.0
-    arguments.uint()  # io_timeout: none of these waits for the device
-    return GenericCall(link, flags, lock_timeout_s)
-
-
-def error_reply(error: Error) -> bytes:
-    """Return the reply of every call that has only an error to tell."""
-    return pack_int(error)
+    @classmethod
+    def read(cls, arguments: XdrReader) -> GenericCall:
+        """Take the arguments."""
+        link, flags = arguments.sint(), arguments.sint()
+        lock_timeout_s = arguments.uint() / 1000.0
+        arguments.uint()  # io_timeout: none of these waits for the device
+        return cls(link, flags, lock_timeout_s)
 
 
 def link_reply(error: Error, link: int, abort_port: int, receive_size: int) -> bytes:
@@ -138,21 +133,6 @@ def link_reply(error: Error, link: int, abort_port: int, receive_size: int) -> b
     return pack_int(error) + pack_int(link) + pack_uint(abort_port) + pack_uint(receive_size)
 
 
-def write_reply(error: Error, size: int) -> bytes:
-    """Return the reply of device_write."""
-    return pack_int(error) + pack_uint(size)
-
-
 def read_reply(error: Error, reason: int, data: bytes) -> bytes:
     """Return the reply of device_read."""
     return pack_int(error) + pack_int(reason) + pack_opaque(data)
-
-
-def status_reply(error: Error, status_byte: int) -> bytes:
-    """Return the reply of device_readstb."""
-    return pack_int(error) + pack_uint(status_byte)
-
-
-def docmd_reply(error: Error) -> bytes:
-    """Return the reply of a device_docmd that was not carried out."""
-    return pack_int(error) + pack_opaque(b"")

@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from gpr20_simulator.low import vxi11_protocol as protocol
-from gpr20_simulator.low.message_device import Conduct, MessageDevice
 from gpr20_simulator.low.portmapper import Mapping, Portmapper, tcp_mapping
-from gpr20_simulator.low.rpc import Caller, RpcProgram
+from gpr20_simulator.low.rpc import Caller, RpcProgram, XdrReader, pack_int
 from gpr20_simulator.low.rpc_server import RpcTcpServer
-from gpr20_simulator.low.vxi11_core import LONGEST_HEAD, CoreChannel, Limits
+from gpr20_simulator.low.vxi11_core import (
+    LONGEST_HEAD,
+    CoreChannel,
+    Limits,
+    MessageDevice,
+    NetworkFault,
+)
 from gpr20_simulator.low.vxi11_links import LinkBook, LinkError
 from gpr20_simulator.low.vxi11_protocol import Error
-from gpr20_simulator.low.xdr import XdrReader
 
 
 class Vxi11Server:
@@ -94,14 +98,14 @@ class Vxi11Server:
         try:
             self._links.abort(arguments.sint())
         except LinkError as error:
-            return protocol.error_reply(error.code)
-        return protocol.error_reply(Error.NONE)
+            return pack_int(error.code)
+        return pack_int(Error.NONE)
 
-    def _misbehave(self, conduct: Conduct) -> None:
+    def _misbehave(self, fault: NetworkFault) -> None:
         """Do to the network what the device's fault does to it."""
-        if conduct is Conduct.DROP_CONNECTIONS:
+        if fault is NetworkFault.DROP_CONNECTIONS:
             self._core.drop_connections()
-        elif conduct is Conduct.GO_SILENT:
+        elif fault is NetworkFault.GO_SILENT:
             if self._portmapper:
                 self._portmapper.close()
             self._abort.close()

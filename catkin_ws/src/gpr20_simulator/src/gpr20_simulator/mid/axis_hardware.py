@@ -13,10 +13,10 @@ from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
-from gpr20_simulator.low.world import AxisName, open_world
-from gpr20_simulator.mid.carriage import AxisMotor
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_simulator.mid.carriage import WIRING, AxisMotor
 from gpr20_simulator.mid.scene import AxisMechanics
-from gpr20_simulator.mid.wiring import WIRING
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 # The faster robot's pulses come as fast as this computer can make them, so their lateness says
@@ -26,11 +26,11 @@ NO_LIMITS = LateLimits(math.inf, math.inf)
 
 @dataclass(frozen=True)
 class SimulatedHardware:
-    """Pins whose pulses move the carriage of a world; an `AxisHardware`.
+    """Pins whose pulses move the simulated carriage; an `AxisHardware`.
 
     Attributes:
         parameters: The axis's parameters.
-        world_path: The file of the simulated world.
+        state_path: The file of the shared state.
         axis: Which axis this is.
         mechanics: What its motor moves.
         time_scale: How many times faster than the real robot it moves.
@@ -40,8 +40,8 @@ class SimulatedHardware:
     name: ClassVar[str] = "simulated DRV8825"
 
     parameters: AxisParameters
-    world_path: Path
-    axis: AxisName
+    state_path: Path
+    axis: AxisId
     mechanics: AxisMechanics
     time_scale: float
     first_steps: Optional[int]
@@ -58,12 +58,12 @@ class SimulatedHardware:
 
     @property
     def step_file(self) -> Path:
-        """The steps are forgotten with the world, whatever file the robot would have."""
-        return self.world_path.with_name(f"{self.world_path.name}_{self.axis.value}_steps")
+        """The steps are forgotten with the shared state, whatever file the robot would have."""
+        return self.state_path.with_name(f"{self.state_path.name}_{self.axis.value}_steps")
 
     def open(self, counter: StepCounter) -> MotionRunner:
         """Open the pins; called in the process that makes the pulses."""
-        motor = AxisMotor(open_world(self.world_path, {}), self.axis, self.mechanics)
+        motor = AxisMotor(open_shared_state(self.state_path, {}), self.axis, self.mechanics)
         wiring = WIRING[self.axis]
         pins = SimulatedPins(motor, wiring.dir_pin, wiring.step_pin, wiring.sensor_pin)
         limits = LateLimits.of(self.parameters) if self.realtime else NO_LIMITS

@@ -14,7 +14,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from gpr20_simulator.mid.antenna_position import AntennaPosition
+from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.refraction import (
     SPEED_OF_LIGHT_M_S,
     RefractedPath,

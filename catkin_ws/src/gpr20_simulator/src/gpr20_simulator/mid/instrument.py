@@ -5,22 +5,18 @@ from __future__ import annotations
 import functools
 import random
 import threading
-from dataclasses import dataclass
 from typing import Callable, List, Optional, Tuple, Union
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.low.capture import Capture, NoCapture
-from gpr20_simulator.low.message_device import Conduct, Outcome
+from gpr20_simulator.low.vxi11_core import NetworkFault, Outcome
 from gpr20_simulator.mid import scpi
-from gpr20_simulator.mid.data_block import BlockStyle
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.scene import InstrumentScene
 from gpr20_simulator.mid.scpi import HeaderPattern, ScpiCommand, ScpiError
-from gpr20_simulator.mid.setting_queue import SettingQueue
 from gpr20_simulator.mid.sweeper import Sweeper
 from gpr20_simulator.mid.trace_reader import DataReply, TraceReader
 from gpr20_simulator.mid.vna_commands import SETTINGS, SWEEP_TYPES, Numbers, on_off
-from gpr20_simulator.mid.vna_settings import VnaSettings
+from gpr20_simulator.mid.vna_settings import SettingQueue, VnaSettings
 
 SWEEP_COMPLETE = 256
 ALL_PARAMETERS_CALIBRATED = 15
@@ -30,18 +26,7 @@ WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'
 Answer = Union[str, DataReply]
 Query = Callable[[Numbers, str], Answer]
 Action = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class _QueryRule:
-    header: HeaderPattern
-    answer: Query
-
-
-@dataclass(frozen=True)
-class _ActionRule:
-    header: HeaderPattern
-    act: Action
+Capture = Callable[[str, bytes], None]
 
 
 class SimulatedVna:
@@ -56,7 +41,7 @@ class SimulatedVna:
         description: Identity and the details of its replies.
         faults: What goes wrong now.
         seconds_per_point: Time of one frequency of a sweep [s].
-        capture: Gets the exact bytes of each data reply.
+        capture: Gets the kind and the exact bytes of each data reply.
     """
 
     def __init__(
@@ -66,7 +51,7 @@ class SimulatedVna:
         description: InstrumentScene,
         faults: FaultBoard,
         seconds_per_point: float,
-        capture: Capture = NoCapture(),  # noqa: B008 - has no state
+        capture: Capture = lambda _kind, _reply: None,
     ) -> None:
         self._sweeper = sweeper
         self._description = description
@@ -79,10 +64,7 @@ class SimulatedVna:
         self._network_lost = False
         self._random = random.Random(0)
         self._queue = SettingQueue(clock, description.setting_delay_s)
-        style = BlockStyle(
-            description.trailing_comma, description.header_digits, description.ascii_digits
-        )
-        self._traces = TraceReader(sweeper, faults, description, style)
+        self._traces = TraceReader(sweeper, faults, description)
         self._queries = self._query_rules()
         self._actions = self._action_rules()
         sweeper.set_continuous(True)
@@ -93,34 +75,34 @@ class SimulatedVna:
         with self._lock:
             return self._network_lost
 
-    def opened(self) -> Conduct:
+    def opened(self) -> NetworkFault:
         """Answer to a new link, unless a fault that stays keeps the network down."""
         if self._faults.is_permanent(VnaFault.HANG):
-            return Conduct.NO_REPLY
+            return NetworkFault.NO_REPLY
         if self._faults.is_permanent(VnaFault.DROP):
-            return Conduct.DROP_CONNECTIONS
-        return Conduct.REPLY
+            return NetworkFault.DROP_CONNECTIONS
+        return NetworkFault.NONE
 
     def execute(self, message: bytes) -> Outcome:
         """Carry out the commands of one message."""
         with self._lock:
             if self._faults.strikes(VnaFault.HANG):
-                return Outcome(conduct=Conduct.NO_REPLY)
+                return Outcome(fault=NetworkFault.NO_REPLY)
             if self._faults.strikes(VnaFault.DROP):
-                return Outcome(conduct=Conduct.DROP_CONNECTIONS)
+                return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
             self._queue.apply_due()
             answers: List[Answer] = []
             for command in scpi.split_message(message):
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
                     self._network_lost = True
-                    return Outcome(conduct=Conduct.GO_SILENT)
+                    return Outcome(fault=NetworkFault.GO_SILENT)
                 answer = self._carry_out(command)
                 if answer is not None:
                     answers.append(answer)
             reply = self._reply(answers)
             if reply and self._faults.strikes(VnaFault.LATE):
-                return Outcome(reply, Conduct.ANSWER_LATE)
+                return Outcome(reply, NetworkFault.ANSWER_LATE)
             return Outcome(reply)
 
     def clear(self) -> None:
@@ -137,10 +119,10 @@ class SimulatedVna:
         return None
 
     def _ask(self, command: ScpiCommand) -> Optional[Answer]:
-        for rule in self._queries:
-            numbers = rule.header.match(command.header)
+        for header, answer in self._queries:
+            numbers = header.match(command.header)
             if numbers is not None:
-                return rule.answer(numbers, command.argument)
+                return answer(numbers, command.argument)
         for setting in SETTINGS:
             numbers = setting.header.match(command.header)
             if numbers is not None and setting.tell is not None:
@@ -148,9 +130,9 @@ class SimulatedVna:
         return None
 
     def _command(self, command: ScpiCommand) -> None:
-        for rule in self._actions:
-            if rule.header.match(command.header) is not None:
-                rule.act(command.argument)
+        for header, act in self._actions:
+            if header.match(command.header) is not None:
+                act(command.argument)
                 return
         for setting in SETTINGS:
             numbers = setting.header.match(command.header)
@@ -179,10 +161,10 @@ class SimulatedVna:
             reply = bytes(self._random.getrandbits(8) for _ in range(len(reply)))
         for answer in answers:
             if isinstance(answer, DataReply):
-                self._capture.save(answer.kind, reply)
+                self._capture(answer.kind, reply)
         return reply
 
-    def _query_rules(self) -> Tuple[_QueryRule, ...]:
+    def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
         accuracy = self._description.calibration_accuracy
         is_calibrated = accuracy > 0
         rules: Tuple[Tuple[str, Query], ...] = (
@@ -215,9 +197,9 @@ class SimulatedVna:
             (":INSTrument[:SELect]", lambda _n, _a: '"MWVNA"'),
             (":INSTrument:NSELect", lambda _n, _a: "26"),
         )
-        return tuple(_QueryRule(HeaderPattern(header), answer) for header, answer in rules)
+        return [(HeaderPattern(header), answer) for header, answer in rules]
 
-    def _action_rules(self) -> Tuple[_ActionRule, ...]:
+    def _action_rules(self) -> List[Tuple[HeaderPattern, Action]]:
         rules: Tuple[Tuple[str, Action], ...] = (
             (":INITiate[:IMMediate]", lambda _a: self._trigger()),
             (":INITiate:CONTinuous", lambda a: self._set_continuous(scpi.switch(a))),
@@ -227,7 +209,7 @@ class SimulatedVna:
             ("[:SENSe]:CORRection[:STATe]", self._set_correction),
             (":SYSTem:PRESet", lambda _a: self._preset()),
         )
-        return tuple(_ActionRule(HeaderPattern(header), act) for header, act in rules)
+        return [(HeaderPattern(header), act) for header, act in rules]
 
     def _identity(self) -> str:
         if self._faults.strikes(VnaFault.WRONG_IDENTITY):

@@ -8,7 +8,7 @@ from typing import Callable
 
 import numpy as np
 
-from gpr20_simulator.low.world import AdcFault
+from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.mid.scene import Adc
 
 SENSOR_CHANNEL = 0

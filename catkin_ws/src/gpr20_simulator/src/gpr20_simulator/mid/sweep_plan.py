@@ -41,3 +41,7 @@ class SweepPace:
 
     slice_s: float = 0.0015
     shortest_period_s: float = 0.010
+
+    def faster(self, time_scale: float) -> SweepPace:
+        """Return the pace that is as fine in real seconds by a clock so much faster."""
+        return SweepPace(self.slice_s * time_scale, self.shortest_period_s * time_scale)

@@ -9,8 +9,7 @@ from typing import Callable, Optional, Tuple
 import numpy as np
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.antenna_position import AntennaPosition
-from gpr20_simulator.mid.medium import SweptMedium
+from gpr20_simulator.mid.medium import AntennaPosition, SweptMedium
 from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
 
 IDLE_WAIT_S = 60.0

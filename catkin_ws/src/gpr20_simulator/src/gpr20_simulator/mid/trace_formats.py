@@ -6,13 +6,16 @@ from typing import Callable, Dict
 
 import numpy as np
 
-from gpr20_simulator.mid.data_block import interleaved
-
 REFERENCE_OHM = 50.0
 # Keeps the logarithm and the quotients finite where nothing is received.
 SMALLEST_MAGNITUDE = 1e-20
 
 Display = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+def interleaved(values: np.ndarray) -> np.ndarray:
+    """Return real and imaginary parts in turns."""
+    return np.column_stack((values.real, values.imag)).ravel()
 
 
 def _level_db(values: np.ndarray) -> np.ndarray:

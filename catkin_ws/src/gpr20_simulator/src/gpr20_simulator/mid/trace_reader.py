@@ -8,21 +8,16 @@ from typing import Tuple
 import numpy as np
 
 from gpr20_simulator.mid import scpi
-from gpr20_simulator.mid.data_block import (
-    FREQUENCY_DIGITS,
-    BlockStyle,
-    DataFormat,
-    block_header,
-    interleaved,
-    payload,
-)
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.scene import InstrumentScene
 from gpr20_simulator.mid.sweeper import Sweeper
-from gpr20_simulator.mid.trace_formats import display_data
+from gpr20_simulator.mid.trace_formats import display_data, interleaved
 from gpr20_simulator.mid.vna_commands import Numbers, trace_of
-from gpr20_simulator.mid.vna_settings import BANDWIDTHS_HZ, TRACES, VnaSettings
+from gpr20_simulator.mid.vna_settings import BANDWIDTHS_HZ, TRACES, DataFormat, VnaSettings
 
+# INT,32 has no documented scale for these data; this one is the simulator's own.
+INTEGER_STEPS_PER_UNIT = 1_000_000
+FREQUENCY_DIGITS = 12
 TRUNCATED_BYTES = 9
 NAN_EVERY = 50
 # S11 and S22 are those of an antenna that reflects alike at all frequencies: good enough
@@ -30,6 +25,34 @@ NAN_EVERY = 50
 REFLECTION = 0.3
 REFLECTION_DELAY_S = 1e-9
 BOARD_TEMPERATURE_QUARTERS = 160
+
+
+def payload(
+    values: np.ndarray, data_format: DataFormat, style: InstrumentScene, digits: int
+) -> bytes:
+    """Return real numbers as the bytes of a block without its header.
+
+    Args:
+        values: The numbers, in the order in which they are sent.
+        data_format: How.
+        style: The details of the instrument's replies.
+        digits: Digits after the point in ASCII.
+    """
+    if data_format is DataFormat.REAL_32:
+        return values.astype("<f4").tobytes()
+    if data_format is DataFormat.INTEGER_32:
+        limits = np.iinfo(np.int32)
+        steps = np.nan_to_num(np.rint(values * INTEGER_STEPS_PER_UNIT))
+        return np.clip(steps, limits.min, limits.max).astype("<i4").tobytes()
+    numbers = values.tolist()
+    text = ",".join([f"%.{digits}E"] * len(numbers)) % tuple(numbers)
+    return (text + ("," if style.trailing_comma else "")).encode("ascii")
+
+
+def block_header(length: int, style: InstrumentScene) -> bytes:
+    """Return the header of a block of so many bytes."""
+    digits = str(length).zfill(style.header_digits)
+    return f"#{len(digits)}{digits}".encode("ascii")
 
 
 @dataclass(frozen=True)
@@ -51,8 +74,7 @@ class TraceReader:
     Args:
         sweeper: The receiver.
         faults: What goes wrong now.
-        description: Identity, for the preamble.
-        style: Details of the blocks.
+        description: Identity and the details of the blocks.
     """
 
     def __init__(
@@ -60,12 +82,10 @@ class TraceReader:
         sweeper: Sweeper,
         faults: FaultBoard,
         description: InstrumentScene,
-        style: BlockStyle,
     ) -> None:
         self._sweeper = sweeper
         self._faults = faults
         self._description = description
-        self._style = style
 
     def calculated(self, settings: VnaSettings, numbers: Numbers, argument: str) -> DataReply:
         """Answer `:CALCulate<n>:DATA?`: complex data, or those of the display.
@@ -99,8 +119,8 @@ class TraceReader:
         """
         trace_of(settings, numbers)
         frequency_hz, _values = self._sweeper.snapshot()
-        content = payload(frequency_hz, settings.data_format, self._style, FREQUENCY_DIGITS)
-        return DataReply("freq", block_header(len(content), self._style) + content)
+        content = payload(frequency_hz, settings.data_format, self._description, FREQUENCY_DIGITS)
+        return DataReply("freq", block_header(len(content), self._description) + content)
 
     def preamble(self, settings: VnaSettings, argument: str) -> DataReply:
         """Answer `:TRACe:PREamble?`: the state of the instrument as names and values.
@@ -127,7 +147,7 @@ class TraceReader:
             (f"TRACE_{number}_DSP_DATA_POINTS", settings.points),
         )
         content = ",".join(f"{name}={value}" for name, value in pairs).encode("ascii")
-        return DataReply("preamble", block_header(len(content), self._style) + content)
+        return DataReply("preamble", block_header(len(content), self._description) + content)
 
     def _values(self, parameter: str) -> Tuple[np.ndarray, np.ndarray]:
         frequency_hz, transmission = self._sweeper.snapshot()
@@ -142,8 +162,8 @@ class TraceReader:
             numbers = numbers.astype(np.float64)
             numbers[::NAN_EVERY] = np.nan
         data_format: DataFormat = settings.data_format
-        content = payload(numbers, data_format, self._style, self._style.ascii_digits)
-        header = block_header(len(content), self._style)
+        content = payload(numbers, data_format, self._description, self._description.ascii_digits)
+        header = block_header(len(content), self._description)
         if self._faults.strikes(VnaFault.TRUNCATE):
             content = content[:-TRUNCATED_BYTES]
         return DataReply(kind, header + content)

@@ -7,9 +7,8 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_simulator.mid import scpi
 from gpr20_simulator.mid import vna_settings as known
-from gpr20_simulator.mid.data_block import DataFormat
 from gpr20_simulator.mid.scpi import HeaderPattern, ScpiError
-from gpr20_simulator.mid.vna_settings import TraceSettings, VnaSettings
+from gpr20_simulator.mid.vna_settings import DataFormat, TraceSettings, VnaSettings
 
 Numbers = Tuple[int, ...]
 DATA_FORMATS = ("ASCii", "INTeger,32", "REAL,32")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import enum
+from collections import deque
 from dataclasses import dataclass, field
-from typing import List
+from typing import Callable, Deque, List, Tuple
 
-from gpr20_simulator.mid.data_block import DataFormat
+from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.sweep_plan import SweepPlan
 
 LOWEST_HZ = 5e3
@@ -15,21 +17,7 @@ MOST_POINTS = 4001
 MOST_AVERAGES = 65535
 TRACES = 4
 POWER_ON_BANDWIDTH_HZ = 10000
-BANDWIDTHS_HZ = (
-    100000,
-    50000,
-    20000,
-    10000,
-    5000,
-    2000,
-    1000,
-    500,
-    200,
-    100,
-    50,
-    20,
-    10,
-)
+BANDWIDTHS_HZ = (100000, 50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100, 50, 20, 10)
 PARAMETERS = ("S11", "S21", "S12", "S22")
 DOMAINS = ("FREQuency", "TIME", "DISTance", "FGT")
 GRAPH_TYPES = (
@@ -47,6 +35,14 @@ GRAPH_TYPES = (
     "RIMPedance",
     "IIMPedance",
 )
+
+
+class DataFormat(enum.Enum):
+    """How numbers are sent; the values are what the instrument calls them."""
+
+    ASCII = "ASC"
+    INTEGER_32 = "INT,32"
+    REAL_32 = "REAL,32"
 
 
 @dataclass
@@ -126,3 +122,32 @@ class VnaSettings:
         longer_s = max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
         point_s = seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0
         return SweepPlan(self.start_hz, self.stop_hz, self.points, point_s, self.averages)
+
+
+class SettingQueue:
+    """Keeps settings back, as the instrument may do for up to two seconds.
+
+    Args:
+        clock: Tells the time.
+        delay_s: How long each setting takes [s]; 0: none at all.
+    """
+
+    def __init__(self, clock: Clock, delay_s: float) -> None:
+        self._clock = clock
+        self._delay_s = delay_s
+        self._waiting: Deque[Tuple[float, Callable[[], None]]] = deque()
+
+    def put(self, apply: Callable[[], None]) -> None:
+        """Take a setting; without a delay it takes effect now."""
+        self._waiting.append((self._clock.now_s() + self._delay_s, apply))
+        self.apply_due()
+
+    def apply_due(self) -> None:
+        """Let those settings take effect whose time has come, in their order."""
+        while self._waiting and self._waiting[0][0] <= self._clock.now_s():
+            _due_s, apply = self._waiting.popleft()
+            apply()
+
+    def clear(self) -> None:
+        """Forget what has not taken effect."""
+        self._waiting.clear()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import re
 from dataclasses import dataclass
-from typing import Dict, Iterable, List, Tuple
+from typing import Callable, Dict, Iterable, List, Tuple
 
 RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
@@ -31,13 +31,17 @@ class Coverage:
     """Keeps the state of every planned sample.
 
     A sample is measured when it is durable, and not before.
+
+    Attributes:
+        on_change: Called with this object at every change.
     """
 
     def __init__(self, planned: int, stored: Iterable[int] = ()) -> None:
-        # One byte per sample: what is told after each of them must not take longer in a
+        # One byte per sample: what is announced after each of them must not take longer in a
         # survey of many thousands.
         self._states = bytearray(planned)
         self._reasons: Dict[int, str] = {}
+        self.on_change: Callable[[Coverage], None] = lambda coverage: None
         for index in stored:
             self._states[index] = SampleState.MEASURED
 
@@ -65,16 +69,19 @@ class Coverage:
         """Note that a sample is durable."""
         self._states[index] = SampleState.MEASURED
         self._reasons.pop(index, None)
+        self.on_change(self)
 
     def note_remeasured(self, index: int) -> None:
         """Note that a stored sample was measured again as a control."""
         self._states[index] = SampleState.REMEASURED
+        self.on_change(self)
 
     def note_failed(self, index: int, reason: str) -> None:
         """Note that a sample could not be measured, unless it is stored already."""
         if self._states[index] in (SampleState.NOT_VISITED, SampleState.FAILED):
             self._states[index] = SampleState.FAILED
             self._reasons[index] = reason
+            self.on_change(self)
 
     def verdict(self) -> Verdict:
         """Return the coverage in one sentence; only a full one is called complete."""

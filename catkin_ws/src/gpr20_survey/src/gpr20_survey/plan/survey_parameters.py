@@ -9,6 +9,7 @@ from typing import Callable, Iterable, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import ipv4_address, number_between
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # Range of the MS2026C (Anritsu 10580-00306, [SENSe]:FREQuency:STARt).
 MIN_FREQUENCY_HZ = 5.0e3
@@ -64,6 +65,11 @@ class SurveyParameters:
     def total_points(self) -> int:
         """Number of traces: one per stop and polarization."""
         return self.x_points * self.y_points * len(self.polarizations_deg)
+
+    @property
+    def sweep_settings(self) -> SweepSettings:
+        """What each sweep covers."""
+        return SweepSettings(self.start_frequency_hz, self.stop_frequency_hz, self.frequency_points)
 
 
 class SurveyParametersError(InvalidValueError):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
@@ -24,11 +23,9 @@ class SurveySettings:
     Attributes:
         settle_s: Time for vibrations to die down between a move and the sweep [s].
         height_s: Time that the height measurement takes [s]; for the estimate only.
-        attempts: How often a measurement is tried before the survey pauses.
+        attempts: How often a height measurement is tried before the survey pauses.
         on_height_failure: `pause`, or `store_without` to store the trace with no height.
         return_limit_s: How long a survey waits for a node that is gone before it pauses [s].
-        accepted_calibrations: Calibration statuses, on the instrument's scale, with which
-            a survey may be made: 0 none, 1 high, 2 and 3 moderate, 4 low.
     """
 
     settle_s: float = 0.5
@@ -36,7 +33,6 @@ class SurveySettings:
     attempts: int = 3
     on_height_failure: str = HeightPolicy.PAUSE.value
     return_limit_s: float = 30.0
-    accepted_calibrations: Tuple[int, ...] = (1, 2, 3)
 
     def __post_init__(self) -> None:
         number_between("settle_s", self.settle_s, 0.0, 60.0, "s")
@@ -49,5 +45,3 @@ class SurveySettings:
                 f"on_height_failure is '{self.on_height_failure}'; it must be one of "
                 f"{', '.join(policies)}"
             )
-        for status in self.accepted_calibrations:
-            number_between("accepted_calibrations", status, 0, 4)

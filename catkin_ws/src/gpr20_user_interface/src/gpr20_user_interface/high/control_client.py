@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import queue
 import threading
 from typing import Any, Callable, List
 
@@ -17,11 +18,10 @@ from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.direct_service import DirectServiceClient
-from gpr20_user_interface.high.listening import Listening, in_background
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_travel import read_axis_limits
-from gpr20_user_interface.mid.survey_state import Accepted, Answer, AxisLimits, Event, Request
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event, Request
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -34,15 +34,56 @@ AXES = ("x", "y", "z")
 START_TIMEOUT_S = 1200.0
 
 
-class ControlClient:
-    """Tells a listener everything about main_control; asks it without waiting.
+class DirectServiceClient(ServiceClient):
+    """Keeps the address of a service: STOP must work while the master is away."""
 
-    Args:
-        listener: Called with each event, from threads of ROS and of this class.
-    """
+    def __init__(self, name: str, service_class: Any) -> None:
+        super().__init__(name, service_class)
+        self._address = ""
+
+    def remember(self) -> None:
+        """Ask the master where the service is; one that is not there keeps its last address.
+
+        Raises:
+            OSError: The master does not answer.
+            rosgraph.MasterException: Its answer makes no sense.
+        """
+        master = rosgraph.Master(rospy.get_name())
+        try:
+            self._address = master.lookupService(rospy.resolve_name(self.name))
+        except rosgraph.MasterError:
+            # Nobody offers it now.
+            return
+
+    def _ask(
+        self, timeout_s: float, arguments: Any, answers: queue.Queue, given_up: threading.Event
+    ) -> None:
+        if self._address:
+            proxy = _AddressedProxy(self.name, self._service_class, self._address)
+            request, fields = arguments
+            try:
+                answers.put(proxy(*request, **fields))
+                return
+            except (rospy.ROSException, rospy.ServiceException, OSError):
+                # It is not there any more, or has another address: the master may know.
+                pass
+        super()._ask(timeout_s, arguments, answers, given_up)
+
+
+class _AddressedProxy(rospy.ServiceProxy):
+    def __init__(self, name: str, service_class: Any, address: str) -> None:
+        super().__init__(name, service_class)
+        self._address = address
+
+    def _get_service_uri(self, _request: Any) -> str:
+        return self._address
+
+
+class ControlClient(RosEvents):
+    """Tells a listener everything about main_control; asks it without waiting."""
 
     def __init__(self, listener: Callable[[Event], None]) -> None:
-        self._listening = Listening(listener)
+        super().__init__(listener)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = DirectServiceClient("stop_survey", Trigger)
@@ -56,39 +97,33 @@ class ControlClient:
 
     def listen(self) -> None:
         """Subscribe to what main_control says."""
-        self._listening.subscribe("control_status", ControlStatus, conversions.control_state, None)
-        self._listening.subscribe("control_survey_data", SurveyData, conversions.progress, None)
+        self._subscribe("control_status", ControlStatus, conversions.control_state, None)
+        self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
 
     def listen_to_robot(self) -> None:
         """Subscribe to where the robot is."""
-        hear = self._listening.subscribe
+        hear = self._subscribe
         hear("control_current_coordinate", Coordinates, conversions.current_position, 1)
         hear("control_target_coordinate", Coordinates, conversions.target_position, 1)
         hear("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
         hear("measured_height", Range, conversions.measured_height, 1)
-        self._listening.subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
-
-    def close(self) -> None:
-        """Tell the listener nothing more, whatever is still on its way."""
-        self._listening.close()
+        self._subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
 
     def start_survey(self, parameters: SurveyParameters) -> None:
         """Ask to accept the parameters and to start; the answer is an event."""
-        in_background(lambda: self._answer(Request.START, lambda: self._ask_start(parameters)))
+        self._ask(Request.START, lambda: self._ask_start(parameters))
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
-        in_background(lambda: self._answer(Request.STOP, self._ask_stop))
+        self._ask(Request.STOP, self._ask_stop)
 
     def pause_survey(self) -> None:
         """Ask to hold the survey; the answer is an event."""
-        in_background(
-            lambda: self._answer(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
-        )
+        self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
 
     def resume_survey(self, survey_id: str = "") -> None:
         """Ask to go on with the paused survey or with the one named; the answer is an event."""
-        in_background(lambda: self._answer(Request.RESUME, lambda: self._ask_resume(survey_id)))
+        self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
 
     def read_axis_limits(self) -> None:
         """Read what the axes can do; the answer is an event."""
@@ -103,9 +138,9 @@ class ControlClient:
                 self._master.look()
                 for service in (self._stop, *self._axis_stops.values()):
                     service.remember()
-            self._listening.tell(limits)
+            self._tell(limits)
         except (rosgraph.MasterException, OSError) as error:
-            self._listening.tell(AxisLimits(None, str(error), master_alive=False))
+            self._tell(AxisLimits(None, str(error), master_alive=False))
         finally:
             self._reading_limits.release()
 
@@ -114,7 +149,7 @@ class ControlClient:
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
-        self._listening.tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
+        self._tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
     def _ask_stop(self) -> Any:
@@ -147,15 +182,18 @@ class ControlClient:
         rospy.wait_for_service(self._resume.name, timeout=SET_TIMEOUT_S)
         return self._resume.call(START_TIMEOUT_S, survey=survey_id)
 
-    def _answer(self, request: Request, ask: Callable[[], Any]) -> None:
-        try:
-            response = ask()
-        except (ServiceUnavailableError, rospy.ROSException) as error:
-            self._listening.tell(Answer(request, False, str(error)))
-        else:
-            survey_id = getattr(response, "survey_id", "")
-            self._listening.tell(Answer(request, response.success, response.message, survey_id))
+    def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
+        in_background(lambda: self._tell(_answer(request, ask)))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._listening.tell(health)
+            self._tell(health)
+
+
+def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
+    try:
+        response = ask()
+    except (ServiceUnavailableError, rospy.ROSException) as error:
+        return Answer(request, False, str(error))
+    survey_id = getattr(response, "survey_id", "")
+    return Answer(request, response.success, response.message, survey_id)

@@ -9,11 +9,12 @@ from typing import Any, List
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_common.high.raw_message import serialized
+from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData, SurveySummary
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     ControlParameters,
     ControlState,
     CurrentPosition,
@@ -22,6 +23,15 @@ from gpr20_user_interface.mid.survey_state import (
     NodeHealth,
     Progress,
     TargetPosition,
+)
+from gpr20_user_interface.mid.map_coverage import CoverageRuns
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.trace_events import (
+    SurveyDescribed,
+    SurveyRead,
+    SurveysListed,
+    TracesRead,
+    page_of_traces,
 )
 
 
@@ -94,3 +104,41 @@ def measured_height(message: Range) -> MeasuredHeight:
     """Convert `measured_height`; a value outside the sensor's range is none (REP 117)."""
     within = message.min_range <= message.range <= message.max_range
     return MeasuredHeight(message.range if within else math.nan)
+
+
+def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
+    """Convert `survey_coverage`."""
+    return CoverageRuns(
+        survey_id=message.survey_id,
+        planned=message.planned,
+        starts=tuple(message.run_starts),
+        states=tuple(bytearray(message.run_states)),
+        failures=tuple(message.failures),
+        verdict=message.verdict,
+    )
+
+
+def survey_described(message: Any) -> SurveyDescribed:
+    """Convert `survey_metadata`."""
+    return SurveyDescribed(message.data)
+
+
+def survey_read(folder: str, response: Any) -> SurveyRead:
+    """Convert the answer of `read_survey`."""
+    return SurveyRead(folder, response.metadata_json, tuple(response.stored_indices))
+
+
+def traces_read(first_index: int, response: Any) -> TracesRead:
+    """Convert the answer of `read_traces`."""
+    found = [(message.index, serialized(message)) for message in response.traces]
+    return page_of_traces(response.survey_id, first_index, found, response.unreadable)
+
+
+def surveys_listed(before: str, response: Any) -> SurveysListed:
+    """Convert the answer of `list_surveys`."""
+    surveys = tuple(_past_survey(one) for one in response.surveys)
+    return SurveysListed(before, surveys, response.more)
+
+
+def _past_survey(message: SurveySummary) -> PastSurvey:
+    return PastSurvey(**{name: getattr(message, name) for name in message.__slots__})

@@ -15,7 +15,7 @@ from rospy.impl.registration import (
 )
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.line_output import write_lines_at_once
+from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_user_interface.errors import MasterUnavailableError
 
 POLL_S = 0.2
@@ -38,7 +38,7 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
         MasterUnavailableError: No master answered in time, it died while it was joined, or it
             was cancelled.
     """
-    write_lines_at_once()
+    enable_line_buffering()
     online, joined, given_up = threading.Event(), threading.Event(), threading.Event()
 
     def join() -> None:

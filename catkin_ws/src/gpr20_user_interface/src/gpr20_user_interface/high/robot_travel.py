@@ -17,7 +17,7 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_user_interface.mid.survey_state import AxisLimits, RobotFigures
+from gpr20_user_interface.mid.events import AxisLimits, RobotFigures
 
 FIELDS = ("min_coord", "max_coord", "step_size")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import queue
 import sys
 from typing import Callable, Dict
 
@@ -16,43 +17,27 @@ from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
-from gpr20_user_interface.mid.bar_display import BarDisplay
-from gpr20_user_interface.mid.event_queue import EventQueue
-from gpr20_user_interface.mid.plain_display import PlainDisplay
+from gpr20_user_interface.mid.displays import BarDisplay, PlainDisplay
+from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL, Request, StopRequested
 from gpr20_user_interface.mid.survey_arguments import Bar, Options, parse_arguments
+from gpr20_user_interface.mid.survey_follower import ExitStatus, Limits, Mode, SurveyFollower
 from gpr20_user_interface.mid.survey_session import Display, SurveySession, outcome_lines
-from gpr20_user_interface.mid.survey_state import DOCUMENTED_TRAVEL, Request, StopWish
-from gpr20_user_interface.mid.survey_watch import ExitStatus, Limits, Mode, SurveyWatch
-
-
-class RequestSender:
-    """Carries the requests of the watch out."""
-
-    def __init__(self, client: ControlClient, options: Options) -> None:
-        self._send: Dict[Request, Callable[[], None]] = {
-            Request.START: lambda: client.start_survey(options.parameters),
-            Request.STOP: client.stop_survey,
-            Request.RESUME: lambda: client.resume_survey(options.resume_id),
-        }
-
-    def send(self, request: Request) -> None:
-        """Ask main_control without waiting for the answer."""
-        self._send[request]()
 
 
 def main() -> int:
     """Run a survey as the command line says; return the exit status."""
     options = parse_arguments(rospy.myargv()[1:])
-    events = EventQueue()
+    # Unlike that of queue.Queue its put() may be interrupted by a signal that puts, too.
+    events: queue.SimpleQueue = queue.SimpleQueue()
     try:
-        with StopSignals(lambda name: events.put(StopWish(name))) as signals:
+        with StopSignals(lambda name: events.put(StopRequested(name))) as signals:
             return _run(options, events, signals)
     except SecondStopSignal:
         print("\nleft at once, without waiting: the robot may still run", file=sys.stderr)
         leave_now(ExitStatus.STOPPED)
 
 
-def _run(options: Options, events: EventQueue, signals: StopSignals) -> int:
+def _run(options: Options, events: queue.SimpleQueue, signals: StopSignals) -> int:
     try:
         # What can be refused at once needs no robot.
         _check(options, DOCUMENTED_TRAVEL)
@@ -74,14 +59,22 @@ def _check(options: Options, travel: RobotTravel) -> None:
         raise ParametersRefusedError("refused: " + "; ".join(found))
 
 
-def _follow(options: Options, events: EventQueue) -> int:
+def _follow(options: Options, events: queue.SimpleQueue) -> int:
     client = ControlClient(events.put)
-    watch = SurveyWatch(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
-    session = SurveySession(watch, events, RequestSender(client, options), _display(options.bar))
+    requests: Dict[Request, Callable[[], None]] = {
+        Request.START: lambda: client.start_survey(options.parameters),
+        Request.STOP: client.stop_survey,
+        Request.RESUME: lambda: client.resume_survey(options.resume_id),
+    }
+    limits = Limits(wait_s=options.wait_s)
+    follower = SurveyFollower(options.mode, options.on_pause, limits, Clock())
+    session = SurveySession(
+        follower, events, lambda request: requests[request](), _display(options.bar)
+    )
     client.listen()
     outcome = session.run()
     client.close()
-    lines = outcome_lines(outcome, watch.survey_id, session.simulated, session.stored)
+    lines = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
     return outcome.status

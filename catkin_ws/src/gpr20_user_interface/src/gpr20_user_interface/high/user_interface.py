@@ -6,28 +6,25 @@ import sys
 from pathlib import Path
 
 import rospy
-from PyQt5.QtCore import Qt, QTimer
+from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.errors import MasterUnavailableError
+from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph
-from gpr20_user_interface.high.ros_link import RosLink
-from gpr20_user_interface.high.trace_link import TraceLink
+from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
-from gpr20_user_interface.mid.language import Language, language_from_code
 from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.profiles_presenter import ProfilesPresenter
 from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_user_interface.mid.survey_preview import CostEstimator
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.views.control.control_view import ControlView
-from gpr20_user_interface.mid.views.main_window import MainWindow, TabName, Tabs
-from gpr20_user_interface.mid.views.status.status_view import StatusView
-from gpr20_user_interface.mid.views.translation import Languages
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.main_window import MainWindow
+from gpr20_user_interface.views.translation import Language, Languages, language_from_code
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
@@ -36,47 +33,58 @@ EXIT_WRONG_PARAMETER = 2
 EXIT_BY_SIGNAL = 130
 
 
+class EventSignal(QObject):
+    """Carries events from ROS's threads into that of the window."""
+
+    told = pyqtSignal(object)
+    # ROS asks this node to end.
+    shut_down = pyqtSignal()
+
+    # Methods, not the signals' own emit: a signal does not keep its object alive, and threads
+    # of ROS may outlive everybody else who does.
+    def tell(self, event: object) -> None:
+        """Emit an event."""
+        self.told.emit(event)
+
+    def tell_shut_down(self) -> None:
+        """Emit that ROS asks this node to end."""
+        self.shut_down.emit()
+
+
 class UserInterface:
-    """The window and everything that it needs, connected."""
+    """The window and its clients of the graph, connected."""
 
     def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
-        self.trace_link = TraceLink()
-        self.traces = TracePresenter(self.trace_link)
-        views = self.traces.views
-        tabs = Tabs(ControlView(), StatusView(), views.map, views.radar, views.past)
-        self.window = MainWindow(tabs, languages.language)
-        self.window.language_requested.connect(languages.use_next)
-        languages.changed.connect(self.window.show_language)
-        self.link = RosLink()
-        self.presenter = WindowPresenter(model, self.window, self.link)
-        self._profiles = ProfilesPresenter(self.window, profiles)
-        # The signals come from ROS's threads: Qt carries them into the thread of the window.
-        self.link.event.connect(self.presenter.on_event, Qt.ConnectionType.QueuedConnection)
-        self.trace_link.event.connect(self.traces.on_event, Qt.ConnectionType.QueuedConnection)
-        self.presenter.refreshed.connect(self.traces.show_state)
-        self.traces.resume_requested.connect(self.presenter.resume_past_survey)
-        self.traces.radar_wanted.connect(lambda: self.window.show_tab(TabName.RADAR))
-        self.traces.problem.connect(lambda text: rospy.logwarn("not shown: %s", text))
+        self.signal = EventSignal()
+        self.control = ControlClient(self.signal.tell)
+        self.storage = StorageClient(self.signal.tell)
+        self.window = MainWindow(
+            WindowPresenter(model, self.control, CostEstimator(self.signal.tell)),
+            TracePresenter(self.storage, lambda text: rospy.logwarn("not shown: %s", text)),
+            profiles,
+            languages,
+        )
+        self.signal.told.connect(self.window.on_event, Qt.ConnectionType.QueuedConnection)
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""
-        self.link.listen()
-        self.trace_link.listen()
-        self.presenter.begin()
-        self.traces.begin()
+        rospy.on_shutdown(self.signal.tell_shut_down)
+        self.control.listen()
+        self.control.listen_to_robot()
+        self.storage.listen()
+        self.window.begin()
         self.window.show()
 
     def end(self) -> None:
         """Let go of the graph; a survey that runs is not touched."""
-        self.traces.end()
-        self.presenter.end()
-        self.trace_link.close()
-        self.link.close()
+        self.window.end()
+        self.storage.close()
+        self.control.close()
 
     def health(self) -> Health:
         """Return what this node says of itself."""
         # The snapshot is immutable: safe to look at from ROS's threads.
-        snapshot = self.presenter.snapshot
+        snapshot = self.window.survey.snapshot
         if snapshot.control_alive:
             return OK, "shows main_control", {}
         return WARN, "main_control is not heard", {"silent_s": snapshot.control_silent_s}
@@ -108,9 +116,8 @@ def _show(application: QApplication) -> int:
     code = rospy.get_param("~language", Language.ENGLISH.value)
     languages = Languages(application, language_from_code(code))
     folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
-    profiles = Profiles(ProfileFolder(folder))
-    interface = UserInterface(SurveyModel(Clock()), languages, profiles)
-    interface.link.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
+    interface = UserInterface(SurveyModel(Clock()), languages, Profiles(ProfileFolder(folder)))
+    interface.signal.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
     # First: what is made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()

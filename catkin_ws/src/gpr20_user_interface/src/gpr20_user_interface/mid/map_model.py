@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 import numpy as np
@@ -10,21 +9,6 @@ import numpy as np
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState, stop_states
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
-
-
-@dataclass(frozen=True)
-class StopCounts:
-    """How many stops are in which state."""
-
-    done: int
-    partly: int
-    missing: int
-    failed: int
-
-    @property
-    def total(self) -> int:
-        """All planned stops."""
-        return self.done + self.partly + self.missing + self.failed
 
 
 class MapModel:
@@ -89,17 +73,12 @@ class MapModel:
         """Note that the antennas are sent nowhere."""
         self._current = None
 
-    def counts(self) -> Optional[StopCounts]:
+    def counts(self) -> Optional[Dict[StopState, int]]:
         """Return how many stops are in which state; None while that is not known."""
         if not self._covers():
             return None
         numbers = np.bincount(self._stops.ravel(), minlength=len(StopState))
-        return StopCounts(
-            done=int(numbers[StopState.DONE]),
-            partly=int(numbers[StopState.PARTLY]),
-            missing=int(numbers[StopState.MISSING]),
-            failed=int(numbers[StopState.FAILED]),
-        )
+        return {state: int(numbers[state]) for state in StopState}
 
     def state_at(self, stop: Stop) -> Optional[StopState]:
         """Return the state of a stop; None while it is not known."""

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 
 from gpr20_survey.plan.survey_parameters import (
     MAX_FREQUENCY_HZ,
@@ -20,18 +20,49 @@ from gpr20_survey.plan.survey_parameters import (
     coordinate_limits_mm,
     find_problems,
 )
-from gpr20_user_interface.mid.units import (
-    hertz_from_megahertz,
-    megahertz_text,
-    rotations_from_text,
-    rotations_text,
-)
 
 ADDRESS = "vna_address"
 ROTATIONS = "polarizations_deg"
 # The arrows stop here; main_control's own limit is that of the whole survey.
 MAX_GRID_POINTS = 9999
 HERTZ_PER_MEGAHERTZ = 1.0e6
+MEGAHERTZ_EXPONENT = 6
+
+
+def hertz_from_megahertz(text: str) -> float:
+    """Return the frequency [Hz] nearest to a decimal number of megahertz.
+
+    A product of floats would be off by a fraction of a hertz for many inputs.
+
+    Raises:
+        ValueError: The text is not a number.
+    """
+    try:
+        return float(Decimal(text.strip()).scaleb(MEGAHERTZ_EXPONENT))
+    except ArithmeticError:
+        raise ValueError(f"'{text}' is not a number of MHz, such as 600 or 5999.5") from None
+
+
+def rotations_from_text(text: str) -> Tuple[float, ...]:
+    """Return the rotations [deg] of a list with commas, such as "0, 90".
+
+    Raises:
+        ValueError: A part of the list is not a number.
+    """
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise ValueError(f"'{text}' is not a list of rotations in degrees, such as 0,90") from None
+
+
+def megahertz_text(frequency_hz: float) -> str:
+    """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
+    return _plain(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
+
+
+def rotations_text(rotations_deg: Iterable[float]) -> str:
+    """Return rotations [deg] as a list with commas."""
+    return ", ".join(f"{rotation_deg:.12g}" for rotation_deg in rotations_deg)
 
 
 def _whole_number(text: str) -> int:

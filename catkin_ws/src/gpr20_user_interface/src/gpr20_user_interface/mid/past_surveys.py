@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from typing import List, Tuple
 
 
 class Verdict(enum.Enum):
@@ -41,9 +41,18 @@ class PastSurvey:
 
 
 class PastSurveys:
-    """Collects the pages of the list; knows which survey is on its way."""
+    """Collects the pages of the list; knows which survey is on its way.
+
+    Attributes:
+        revision: Changes with everything that a view shows of this.
+        outdated: Whether the list should be asked for again, if somebody looks at it.
+        problem: Why the list or a survey cannot be read; empty if it can.
+    """
 
     def __init__(self) -> None:
+        self.revision = 0
+        self.outdated = False
+        self.problem = ""
         self._surveys: List[PastSurvey] = []
         self._more = False
         self._running_id = ""
@@ -64,22 +73,29 @@ class PastSurveys:
         return self._surveys[-1].folder if self._surveys else ""
 
     def take(self, before: str, surveys: Tuple[PastSurvey, ...], more: bool) -> None:
-        """Take a page; the first one begins the list anew."""
+        """Take a page; the first one begins the list again."""
+        self._change(problem="")
         if not before:
             self._surveys = []
         elif before != self.next_before:
-            return  # the list was begun anew meanwhile
+            return  # the list was begun again meanwhile
         self._surveys.extend(surveys)
         self._more = more
 
-    def set_running(self, survey_id: str) -> bool:
-        """Note which survey is on its way (empty: none); return whether that is another one."""
-        before, self._running_id = self._running_id, survey_id
-        return survey_id != before
+    def set_running(self, survey_id: str) -> None:
+        """Note which survey is on its way; empty: none."""
+        if survey_id != self._running_id:
+            self._running_id = survey_id
+            self.set_outdated()
 
-    def by_folder(self, folder: str) -> Optional[PastSurvey]:
-        """Return a survey of the list."""
-        return next((one for one in self._surveys if one.folder == folder), None)
+    def set_outdated(self) -> None:
+        """Note that the surveys are others now, or in another state."""
+        self.outdated = True
+        self._change(problem="")
+
+    def set_problem(self, reason: str) -> None:
+        """Note why the list or a survey cannot be read."""
+        self._change(problem=reason)
 
     def verdict(self, survey: PastSurvey) -> Verdict:
         """Return what became of a survey; only one with every trace stored is complete."""
@@ -96,3 +112,7 @@ class PastSurveys:
     def can_open(self, survey: PastSurvey) -> bool:
         """Whether there is something to show."""
         return not survey.problem and survey.stored_traces > 0
+
+    def _change(self, problem: str) -> None:
+        self.problem = problem
+        self.revision += 1

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Dict, Optional
 
 import numpy as np
 
+from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import is_stored
 from gpr20_user_interface.mid.map_grid import Cell, SurveyGrid
@@ -19,23 +19,10 @@ MAX_SAMPLES = 1024
 MIN_BACKGROUND_TRACES = 8
 
 
-@dataclass(frozen=True, eq=False)
-class RadarTrace:
-    """What the views need of a trace; frequencies in Hz, S21 complex and linear."""
-
-    survey_id: str
-    index: int
-    x_mm: float
-    y_mm: float
-    z_deg: float
-    height_m: float
-    frequency_hz: np.ndarray
-    s21: np.ndarray
-
-
 class RadarModel:
     """Takes traces in any order, each as often as it comes, and keeps their echoes.
 
+    Of a trace nothing else is kept: single precision and a few delays are enough for a picture.
     The echoes of all planned traces have their place from the start, but memory is used only
     for those that are there. If the plan is so large that they would need more than `max_bytes`,
     fewer delays are kept of each.
@@ -84,7 +71,7 @@ class RadarModel:
         """How sweeps became echoes; None before the first trace."""
         return self._transform
 
-    def add(self, trace: RadarTrace) -> None:
+    def add(self, trace: Trace) -> None:
         """Take a trace.
 
         Raises:
@@ -100,13 +87,13 @@ class RadarModel:
             self.give_up(trace.index, str(error))
             raise
         transform = self._transform or self._begin_volume(trace)
-        echoes = transform.transform(trace.s21)
+        echoes = transform.transform(trace.s21_real + 1j * trace.s21_imag)
         place = (cell.polarization, cell.stop.row, cell.stop.column)
         if self._present[place]:
             self._sums[cell.polarization] -= self._echoes[place]
         self._echoes[place] = echoes
         self._sums[cell.polarization] += echoes
-        self._heights_m[place] = trace.height_m
+        self._heights_m[place] = trace.antennae_height_m
         self._present[place] = True
         self._given_up.pop(trace.index, None)
         self._latest = cell
@@ -165,27 +152,22 @@ class RadarModel:
             return None
         return (self._sums[polarization] / count).astype(np.complex64)
 
-    def _checked_cell(self, grid: SurveyGrid, trace: RadarTrace) -> Cell:
+    def _checked_cell(self, grid: SurveyGrid, trace: Trace) -> Cell:
         cell = grid.cell(trace.index)
-        if not grid.holds(cell, trace.x_mm, trace.y_mm, trace.z_deg):
+        place = (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
+        if not grid.holds(cell, *place):
+            x_mm, y_mm, z_deg = place
             raise SurveyNotReadableError(
-                f"trace {trace.index} was taken at X {trace.x_mm:g} mm, Y {trace.y_mm:g} mm, "
-                f"{trace.z_deg:g} deg, which is not its place in the plan"
+                f"trace {trace.index} was taken at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g} deg, "
+                "which is not its place in the plan"
             )
-        if len(trace.frequency_hz) < 2 or len(trace.s21) != len(trace.frequency_hz):
-            raise SurveyNotReadableError(
-                f"trace {trace.index} has {len(trace.s21)} values for "
-                f"{len(trace.frequency_hz)} frequencies"
-            )
-        if not np.isfinite(trace.s21).all():
-            raise SurveyNotReadableError(f"trace {trace.index} holds NaN or infinities")
         if self._transform is not None and not self._transform.fits(trace.frequency_hz):
             raise SurveyNotReadableError(
                 f"trace {trace.index} has other frequencies than the survey's first trace"
             )
         return cell
 
-    def _begin_volume(self, trace: RadarTrace) -> FrequencyToDelay:
+    def _begin_volume(self, trace: Trace) -> FrequencyToDelay:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
         self._transform = FrequencyToDelay(trace.frequency_hz, min(MAX_SAMPLES, room))
         samples = self._transform.samples

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Optional
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.survey_state import Answer, ControlState, Request
+from gpr20_user_interface.mid.events import Answer, ControlState, Request
 
 BEGINNING = (SurveyState.CHECKING, SurveyState.HOMING)
 CAME_TO_NOTHING = (SurveyState.FAILED, SurveyState.PAUSED)

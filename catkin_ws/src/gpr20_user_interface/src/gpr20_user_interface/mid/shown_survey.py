@@ -6,11 +6,11 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
-from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import SurveyGrid
 from gpr20_user_interface.mid.map_model import MapModel
-from gpr20_user_interface.mid.radar_model import RadarModel, RadarTrace
+from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.trace_events import TracesRead
 
 
@@ -44,15 +44,7 @@ class ShownSurvey:
         self.radar.begin(grid)
         self.map.set_grid(grid)
 
-    def take_coverage(self, coverage: CoverageRuns) -> None:
-        """Take what has been measured.
-
-        Raises:
-            SurveyNotReadableError: It contradicts itself or the plan.
-        """
-        self.map.set_coverage(coverage)
-
-    def take_trace(self, trace: RadarTrace) -> None:
+    def take_trace(self, trace: Trace) -> None:
         """Take a trace, if it is one of this survey.
 
         Raises:

@@ -6,11 +6,11 @@ import argparse
 import enum
 import math
 from dataclasses import dataclass
-from typing import List, Optional, Sequence
+from typing import Any, Callable, List, Optional, Sequence
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.survey_watch import Mode, OnPause
-from gpr20_user_interface.mid.units import hertz_from_megahertz, rotations_from_text
+from gpr20_user_interface.mid.parameter_form import FIELDS, Field
+from gpr20_user_interface.mid.survey_follower import Mode, OnPause
 
 DESCRIPTION = """\
 Run a survey without a window: set its parameters, start it and follow it to its end.
@@ -25,6 +25,21 @@ exit status:
     4  it is paused and was left so (--on-pause exit)
   130  it was stopped by Ctrl-C or by SIGTERM; after a second one it may still run
 """
+
+_METAVARS = {"address": "A.B.C.D", "hz": "MHZ", "mm": "MM", "deg": "DEG,DEG"}
+_HELP = {
+    "vna_address": "address of the network analyzer",
+    "start_frequency_hz": "start of the sweep",
+    "stop_frequency_hz": "stop of the sweep",
+    "frequency_points": "points of the sweep",
+    "x_start_mm": "start of the area along x",
+    "x_stop_mm": "stop of the area along x",
+    "x_points": "stops along x",
+    "y_start_mm": "start of the area along y",
+    "y_stop_mm": "stop of the area along y",
+    "y_points": "stops along y",
+    "polarizations_deg": "rotations measured at each stop",
+}
 
 
 class Bar(enum.Enum):
@@ -56,7 +71,12 @@ def parse_arguments(arguments: Sequence[str]) -> Options:
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
     """
-    parser = _new_parser()
+    parser = argparse.ArgumentParser(
+        prog="run_survey",
+        description=DESCRIPTION,
+        epilog=EXIT_STATUS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parameters = _add_parameters(parser.add_argument_group("what to measure"))
     _add_conduct(parser.add_argument_group("how to run it"))
     given = parser.parse_args(arguments)
@@ -67,19 +87,7 @@ def parse_arguments(arguments: Sequence[str]) -> Options:
         mode=mode,
         # Folders are told with their path; the control knows where they are.
         resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
-        parameters=SurveyParameters(
-            vna_address=given.vna_address,
-            start_frequency_hz=given.start_frequency_mhz,
-            stop_frequency_hz=given.stop_frequency_mhz,
-            frequency_points=given.frequency_points,
-            x_start_mm=given.x_start_mm,
-            x_stop_mm=given.x_stop_mm,
-            x_points=given.x_points,
-            y_start_mm=given.y_start_mm,
-            y_stop_mm=given.y_stop_mm,
-            y_points=given.y_points,
-            polarizations_deg=given.polarizations_deg,
-        ),
+        parameters=SurveyParameters(**{field.name: getattr(given, field.name) for field in FIELDS}),
         wait_s=given.wait,
         on_pause=OnPause(given.on_pause),
         bar=Bar(given.bar),
@@ -90,15 +98,6 @@ def _mode(attach: bool, resume: Optional[str]) -> Mode:
     if attach:
         return Mode.ATTACH
     return Mode.START if resume is None else Mode.RESUME
-
-
-def _new_parser() -> argparse.ArgumentParser:
-    return argparse.ArgumentParser(
-        prog="run_survey",
-        description=DESCRIPTION,
-        epilog=EXIT_STATUS,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
 
 
 def _refuse_parameters(
@@ -121,58 +120,29 @@ def _refuse_parameters(
 
 
 def _add_parameters(group: argparse._ArgumentGroup) -> List[argparse.Action]:
-    default = " (default %(default)s)"
-    address = group.add_argument(
-        "--vna-address",
-        default="127.0.0.1",
-        metavar="A.B.C.D",
-        help="address of the network analyzer" + default,
-    )
-    # argparse converts a default that is a string like an argument.
-    ends = [
+    return [
         group.add_argument(
-            f"--{name}-frequency-mhz",
-            type=_megahertz,
-            default=megahertz,
-            metavar="MHZ",
-            help=f"{name} of the sweep" + default,
+            "--" + field.name.replace("_hz", "_mhz").replace("_", "-"),
+            dest=field.name,
+            type=_reader(field),
+            # argparse converts a default that is a string like an argument.
+            default=field.default,
+            metavar=_METAVARS.get(field.name.rsplit("_", 1)[-1], "N"),
+            help=_HELP[field.name] + " (default %(default)s)",
         )
-        for name, megahertz in (("start", "600"), ("stop", "6000"))
+        for field in FIELDS
     ]
-    points = group.add_argument(
-        "--frequency-points",
-        type=int,
-        default=501,
-        metavar="N",
-        help="points of the sweep" + default,
-    )
-    axes = _add_axis(group, "x") + _add_axis(group, "y")
-    polarizations = group.add_argument(
-        "--polarizations-deg",
-        type=_rotations,
-        default="0,90",
-        metavar="DEG,DEG",
-        help="rotations measured at each stop" + default,
-    )
-    return [address, *ends, points, *axes, polarizations]
 
 
-def _add_axis(group: argparse._ArgumentGroup, axis: str) -> List[argparse.Action]:
-    default = " (default %(default)g)"
-    ends = [
-        group.add_argument(
-            f"--{axis}-{end}-mm",
-            type=float,
-            default=coordinate_mm,
-            metavar="MM",
-            help=f"{end} of the area along {axis}" + default,
-        )
-        for end, coordinate_mm in (("start", 50.0), ("stop", 150.0))
-    ]
-    points = group.add_argument(
-        f"--{axis}-points", type=int, default=5, metavar="N", help=f"stops along {axis}" + default
-    )
-    return [*ends, points]
+def _reader(field: Field) -> Callable[[str], Any]:
+    def read(text: str) -> Any:
+        try:
+            return field.read(text)
+        except ValueError as error:
+            # argparse shows the text of this error, but not that of a ValueError.
+            raise argparse.ArgumentTypeError(str(error)) from None
+
+    return read
 
 
 def _add_conduct(group: argparse._ArgumentGroup) -> None:
@@ -210,25 +180,6 @@ def _add_conduct(group: argparse._ArgumentGroup) -> None:
         default=Bar.AUTO.value,
         help="progress bar, or plain lines; auto: a bar on a terminal (default %(default)s)",
     )
-
-
-def _converter_error(error: ValueError) -> argparse.ArgumentTypeError:
-    # argparse shows the text of this error, but not that of a ValueError.
-    return argparse.ArgumentTypeError(str(error))
-
-
-def _megahertz(text: str) -> float:
-    try:
-        return hertz_from_megahertz(text)
-    except ValueError as error:
-        raise _converter_error(error) from None
-
-
-def _rotations(text: str) -> tuple:
-    try:
-        return rotations_from_text(text)
-    except ValueError as error:
-        raise _converter_error(error) from None
 
 
 def _seconds(text: str) -> float:

@@ -9,15 +9,12 @@ from typing import FrozenSet, Generic, Optional, Set, TypeVar
 from gpr20_common.low.clock import Clock
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.mid.alarms import Alarm, worst_alarm
-from gpr20_user_interface.mid.robot_health import HealthBook, HealthReport
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
     ControlParameters,
     ControlState,
     CurrentPosition,
-    Event,
     MeasuredHeight,
     NodeHealth,
     Progress,
@@ -25,11 +22,21 @@ from gpr20_user_interface.mid.survey_state import (
     RobotFigures,
     TargetPosition,
 )
+from gpr20_user_interface.mid.request_outcome import RequestOutcome
+from gpr20_user_interface.mid.robot_health import Alarm, HealthBook, HealthReport, worst_alarm
 
 # main_control speaks at 2 Hz.
 CONTROL_SILENCE_S = 3.0
 # Beyond this a coordinate or a height is not what is the case now.
 STALE_S = 3.0
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A request that came to nothing, and why."""
+
+    request: Request
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -136,18 +143,29 @@ class SurveyModel:
         self._started_id = ""
         self._started_s = -math.inf
         self._interrupted = False
+        self._outcome = RequestOutcome()
 
     def request_sent(self, request: Request) -> None:
         """Take note that main_control was asked and has not answered yet."""
         self._pending.add(request)
+        self._outcome.asked(request)
 
-    def handle(self, event: Event) -> None:
-        """Take note of an event."""
+    def handle(self, event: object) -> Optional[Refusal]:
+        """Take note of an event; return the request that came to nothing with it."""
         if isinstance(event, (ControlState, Progress)):
             self._heard_s = self._clock.now_s()
         if isinstance(event, ControlState):
             self._note_state(event)
-        elif isinstance(event, Progress):
+            failed = self._outcome.failed_request(event)
+            return None if failed is None else Refusal(failed, event.message)
+        if isinstance(event, Answer):
+            self._answered(event)
+            return None if event.success else Refusal(event.request, event.message)
+        self._note(event)
+        return None
+
+    def _note(self, event: object) -> None:
+        if isinstance(event, Progress):
             self._progress = event
         elif isinstance(event, CurrentPosition):
             self._current.set(event)
@@ -155,8 +173,6 @@ class SurveyModel:
             self._target.set(event)
         elif isinstance(event, MeasuredHeight):
             self._height.set(event)
-        elif isinstance(event, Answer):
-            self._answered(event)
         elif isinstance(event, AxisLimits):
             self._note_limits(event)
         elif isinstance(event, ControlParameters):
@@ -209,6 +225,7 @@ class SurveyModel:
 
     def _answered(self, answer: Answer) -> None:
         self._pending.discard(answer.request)
+        self._outcome.answered(answer)
         if answer.request is Request.START and answer.success:
             self._started_id = answer.survey_id
             self._started_s = self._clock.now_s()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
-from typing import Optional
+from typing import Callable, Optional, Tuple
 
-from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-
-SPEED_OF_LIGHT_M_PER_S = 299_792_458.0
+from gpr20_user_interface.mid.events import RobotFigures
+from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,58 @@ def preview(parameters: SurveyParameters) -> SurveyPreview:
         x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
         y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
         frequency_step_hz=step_hz,
-        unambiguous_range_m=SPEED_OF_LIGHT_M_PER_S / (2.0 * step_hz),
-        range_resolution_m=SPEED_OF_LIGHT_M_PER_S / (2.0 * bandwidth_hz),
+        unambiguous_range_m=SPEED_OF_LIGHT_M_S / (2.0 * step_hz),
+        range_resolution_m=SPEED_OF_LIGHT_M_S / (2.0 * bandwidth_hz),
     )
+
+
+@dataclass(frozen=True)
+class CostEstimated:
+    """What a survey with given parameters costs."""
+
+    parameters: SurveyParameters
+    cost: SurveyCost
+
+
+class CostEstimator:
+    """Answers the newest question beside the window's thread: a large survey takes seconds.
+
+    Questions that were overtaken are left out.
+
+    Args:
+        listener: Told each CostEstimated, from a thread of this class.
+    """
+
+    def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
+        self._listener = listener
+        self._lock = threading.Lock()
+        self._wanted: Optional[Tuple[SurveyParameters, RobotFigures]] = None
+        self._working = False
+        self._closed = False
+
+    def close(self) -> None:
+        """Answer nothing more, whatever is still being estimated."""
+        with self._lock:
+            self._closed = True
+
+    def ask(self, parameters: SurveyParameters, figures: RobotFigures) -> None:
+        """Estimate; the answer is told to the listener."""
+        with self._lock:
+            self._wanted = parameters, figures
+            if self._working:
+                return
+            self._working = True
+        threading.Thread(target=self._work, name="cost_estimator", daemon=True).start()
+
+    def _work(self) -> None:
+        while True:
+            with self._lock:
+                if self._wanted is None or self._closed:
+                    self._working = False
+                    return
+                (parameters, figures), self._wanted = self._wanted, None
+            cost = survey_cost(parameters, figures.facts, figures.settings)
+            with self._lock:
+                # The listener may be gone once this has been closed.
+                if not self._closed:
+                    self._listener(CostEstimated(parameters, cost))

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from typing import List, Optional, Protocol
+import queue
+from typing import Callable, List, Optional, Protocol
 
-from gpr20_user_interface.mid.progress_text import time_text
-from gpr20_user_interface.mid.survey_state import (
+from gpr20_user_interface.mid.displays import time_text
+from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
     ControlState,
     Event,
     Progress,
     Request,
-    StopWish,
+    StopRequested,
 )
-from gpr20_user_interface.mid.survey_watch import ExitStatus, Outcome, SurveyWatch
+from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
 
 TICK_S = 0.2
 # Words of main_control, or ticks, that the progress of a finished survey may be behind its end.
@@ -39,20 +40,6 @@ _LATER_HINT = (
 )
 
 
-class Events(Protocol):
-    """What happens, in its order."""
-
-    def next(self, timeout_s: float) -> Optional[Event]:
-        """Wait for the next event for at most `timeout_s` [s]; None if there was none."""
-
-
-class Control(Protocol):
-    """main_control, as something that can be asked; its answers come as events."""
-
-    def send(self, request: Request) -> None:
-        """Ask without waiting for the answer."""
-
-
 class Display(Protocol):
     """Where the operator looks."""
 
@@ -70,14 +57,25 @@ class Display(Protocol):
 
 
 class SurveySession:
-    """Carries events to the watch, its requests to main_control and the news to the display."""
+    """Carries events to the follower, its requests to main_control and the news to the display.
+
+    Args:
+        follower: Knows what an event means for the survey.
+        events: What happens, in its order.
+        send: Asks main_control without waiting; its answers come as events.
+        display: Where the operator looks.
+    """
 
     def __init__(
-        self, watch: SurveyWatch, events: Events, control: Control, display: Display
+        self,
+        follower: SurveyFollower,
+        events: queue.SimpleQueue,
+        send: Callable[[Request], None],
+        display: Display,
     ) -> None:
-        self._watch = watch
+        self._follower = follower
         self._events = events
-        self._control = control
+        self._send = send
         self._display = display
         self._simulated = False
         self._complete = False
@@ -96,26 +94,32 @@ class SurveySession:
     def run(self) -> Outcome:
         """Return how the survey ended, when it has."""
         try:
-            while self._watch.outcome is None:
-                event = self._events.next(TICK_S)
-                requests = self._watch.tick() if event is None else self._watch.handle(event)
+            while self._follower.outcome is None:
+                event = self._next_event()
+                requests = self._follower.tick() if event is None else self._follower.handle(event)
                 if event is not None:
                     self._show(event)
                 for request in requests:
-                    self._control.send(request)
-            if self._watch.outcome.status is ExitStatus.FINISHED:
+                    self._send(request)
+            if self._follower.outcome.status is ExitStatus.FINISHED:
                 self._show_last_progress()
         finally:
             self._display.close()
-        return self._watch.outcome
+        return self._follower.outcome
+
+    def _next_event(self) -> Optional[Event]:
+        try:
+            return self._events.get(timeout=TICK_S)
+        except queue.Empty:
+            return None
 
     def _show_last_progress(self) -> None:
         """Show the last trace too: progress and end are different topics and come in any order."""
         for _ in range(LAST_WORDS):
             if self._complete:
                 return
-            event = self._events.next(TICK_S)
-            if isinstance(event, Progress) and self._watch.concerns(event):
+            event = self._next_event()
+            if isinstance(event, Progress) and self._follower.concerns(event):
                 self._show_progress(event)
 
     def _show_progress(self, progress: Progress) -> None:
@@ -127,7 +131,7 @@ class SurveySession:
         if isinstance(event, ControlState) and event.simulated and not self._simulated:
             self._simulated = True
             self._display.note(SIMULATED)
-        if self._watch.outcome is not None or not self._watch.concerns(event):
+        if self._follower.outcome is not None or not self._follower.concerns(event):
             return
         if isinstance(event, ControlState):
             self._display.status(event)
@@ -135,7 +139,7 @@ class SurveySession:
             self._show_progress(event)
         elif isinstance(event, Accepted):
             self._display.note(_accepted_text(event))
-        elif isinstance(event, StopWish):
+        elif isinstance(event, StopRequested):
             self._display.note(f"{event.reason}: asking main_control to stop the survey")
         elif isinstance(event, Answer) and event.request is Request.STOP and not event.success:
             self._display.note(f"stop not accepted: {event.message}")

@@ -1,13 +1,15 @@
-"""What is told of the traces of surveys, running and past, beside RadarTrace and CoverageRuns."""
+"""What is told of the traces of surveys, running and past, beside Trace and CoverageRuns."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, Tuple, Union
+from typing import Iterable, Tuple, Union
 
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.past_surveys import PastSurvey
-from gpr20_user_interface.mid.radar_model import RadarTrace
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class TracesRead:
 
     survey: str
     first_index: int
-    traces: Tuple[RadarTrace, ...]
+    traces: Tuple[Trace, ...]
     unreadable: Tuple[str, ...]
 
 
@@ -53,18 +55,25 @@ class ReadingFailed:
 
 
 TraceEvent = Union[
-    RadarTrace, CoverageRuns, SurveyDescribed, SurveyRead, TracesRead, SurveysListed, ReadingFailed
+    Trace, CoverageRuns, SurveyDescribed, SurveyRead, TracesRead, SurveysListed, ReadingFailed
 ]
 
 
-class TraceSource(Protocol):
-    """The storage, asked without waiting; what it answers comes as events."""
+def page_of_traces(
+    survey: str, first_index: int, messages: Iterable[Tuple[int, bytes]], unreadable: Iterable[str]
+) -> TracesRead:
+    """Return the traces of serialized messages; one that is not allowed is unreadable.
 
-    def list_surveys(self, before: str) -> None:
-        """Ask for the surveys older than a folder; empty: for the newest."""
-
-    def read_survey(self, folder: str) -> None:
-        """Ask what a past survey was to measure."""
-
-    def read_traces(self, survey: str, first_index: int) -> None:
-        """Ask for a page of stored traces of a survey, by its id."""
+    Args:
+        survey: Its id.
+        first_index: Place in the plan at which the page begins.
+        messages: Place in the plan and message of each trace.
+        unreadable: "index: reason" of what the storage could not read.
+    """
+    traces, refused = [], list(unreadable)
+    for index, data in messages:
+        try:
+            traces.append(trace_message.decode(data))
+        except TraceRefusedError as error:
+            refused.append(f"{index}: {error}")
+    return TracesRead(survey, first_index, tuple(traces), tuple(refused))

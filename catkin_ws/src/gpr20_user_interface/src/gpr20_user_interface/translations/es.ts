@@ -203,14 +203,6 @@
     <source>SURVEYS</source>
     <translation>CAMPAÑAS</translation>
   </message>
-  <message>
-    <source>Save profile as</source>
-    <translation>Guardar el perfil como</translation>
-  </message>
-  <message>
-    <source>a new name of at most {most} letters a to z, digits, blanks, - and _; first a letter or digit, no blank last</source>
-    <translation>un nombre nuevo de {most} letras de la a a la z, cifras, espacios, - y _ como máximo; primero una letra o cifra, sin espacio al final</translation>
-  </message>
 </context>
 <context>
   <name>MapCanvas</name>
@@ -514,6 +506,14 @@
   <message>
     <source>SURE?</source>
     <translation>¿SEGURO?</translation>
+  </message>
+  <message>
+    <source>Save profile as</source>
+    <translation>Guardar el perfil como</translation>
+  </message>
+  <message>
+    <source>a new name of at most {most} letters a to z, digits, blanks, - and _; first a letter or digit, no blank last</source>
+    <translation>un nombre nuevo de {most} letras de la a a la z, cifras, espacios, - y _ como máximo; primero una letra o cifra, sin espacio al final</translation>
   </message>
 </context>
 <context>
@@ -1582,10 +1582,6 @@ lineal</translation>
     <translation>el último movimiento se frenó por {count} flancos tardíos, el más tardío de {late} ms: este ordenador hace demasiadas cosas más</translation>
   </message>
   <message>
-    <source>the measurement was given up</source>
-    <translation>se renunció a la medida</translation>
-  </message>
-  <message>
     <source>the parameters cannot be changed</source>
     <translation>los parámetros no se pueden cambiar</translation>
   </message>
@@ -1660,6 +1656,10 @@ lineal</translation>
   <message>
     <source>the survey's folder holds {stored} of {planned} traces</source>
     <translation>la carpeta de la campaña tiene {stored} de {planned} trazas</translation>
+  </message>
+  <message>
+    <source>the sweep also failed with: {reason}</source>
+    <translation>el barrido falló además con: {reason}</translation>
   </message>
   <message>
     <source>the sweep of {points} points did not end within {limit} s</source>

@@ -12,26 +12,10 @@ from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
-from gpr20_msgs.srv import (
-    Connection,
-    ConnectionRequest,
-    ConnectionResponse,
-    FreqSweepSetup,
-    FreqSweepSetupRequest,
-    FreqSweepSetupResponse,
-    GetCalibrationStatus,
-    GetCalibrationStatusRequest,
-    GetCalibrationStatusResponse,
-    GetData,
-    GetDataRequest,
-    GetDataResponse,
-    GetFreq,
-    GetFreqRequest,
-    GetFreqResponse,
-)
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
+from gpr20_msgs import srv
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -45,29 +29,30 @@ class VNANode:
     def __init__(self, driver: VNADriver, hardware_id: str) -> None:
         self._driver = driver
         self._services = [
-            advertise("connection", Connection, self._connect),
-            advertise("freq_sweep_setup", FreqSweepSetup, self._configure),
-            advertise("get_freq", GetFreq, self._get_freq),
-            advertise("get_data", GetData, self._get_data),
-            advertise("get_calibration_status", GetCalibrationStatus, self._get_calibration),
+            advertise("connection", srv.Connection, self._connect),
+            advertise("freq_sweep_setup", srv.FreqSweepSetup, self._set_up),
+            advertise("get_freq", srv.GetFreq, self._get_freq),
+            advertise("get_data", srv.GetData, self._get_data),
+            advertise("get_calibration_status", srv.GetCalibrationStatus, self._get_calibration),
         ]
         self._link_check = Periodic(diagnostics.PERIOD_S, driver.check_idle_link)
         self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
         rospy.on_shutdown(driver.shut_down)
 
-    def _connect(self, request: ConnectionRequest) -> ConnectionResponse:
+    def _connect(self, request: srv.ConnectionRequest) -> srv.ConnectionResponse:
         if not request.connect:
-            self._driver.disconnect()
-            return ConnectionResponse(success=True, message="disconnected")
-        identity = self._driver.connect(request.address)
+            self._driver.disconnect_from_vna()
+            return srv.ConnectionResponse(success=True, message="disconnected")
+        identity = self._driver.connect_to_vna(request.address)
         message = f"connected to {identity} at {request.address}"
-        return ConnectionResponse(success=True, message=message, identity=identity)
+        return srv.ConnectionResponse(success=True, message=message, identity=identity)
 
-    def _configure(self, request: FreqSweepSetupRequest) -> FreqSweepSetupResponse:
-        accepted = self._driver.configure(
+    def _set_up(self, request: srv.FreqSweepSetupRequest) -> srv.FreqSweepSetupResponse:
+        accepted = self._driver.set_frequency_sweep(
             SweepSettings(request.start_frequency_hz, request.stop_frequency_hz, request.points)
         )
-        return FreqSweepSetupResponse(
+        self._driver.set_trace()
+        return srv.FreqSweepSetupResponse(
             success=True,
             message="the instrument confirmed every setting",
             start_frequency_hz=accepted.start_frequency_hz,
@@ -75,31 +60,29 @@ class VNANode:
             points=accepted.points,
         )
 
-    def _get_freq(self, _request: GetFreqRequest) -> GetFreqResponse:
-        frequency_hz = self._driver.frequencies_hz()
-        return GetFreqResponse(success=True, frequency_hz=frequency_hz.tolist())
+    def _get_freq(self, _request: srv.GetFreqRequest) -> srv.GetFreqResponse:
+        return srv.GetFreqResponse(success=True, frequency_hz=self._driver.get_freq().tolist())
 
-    def _get_data(self, _request: GetDataRequest) -> GetDataResponse:
-        sweep = self._driver.sweep()
-        settings = sweep.settings
-        return GetDataResponse(
+    def _get_data(self, _request: srv.GetDataRequest) -> srv.GetDataResponse:
+        sweep = self._driver.get_trace()
+        return srv.GetDataResponse(
             success=True,
+            frequency_hz=sweep.frequency_hz.tolist(),
             s21_real=sweep.s21_real.tolist(),
             s21_imag=sweep.s21_imag.tolist(),
-            sweep_started=_ros_time(sweep.started_us),
-            sweep_ended=_ros_time(sweep.ended_us),
+            sweep_started=_ros_time(sweep.sweep_started_us),
+            sweep_ended=_ros_time(sweep.sweep_ended_us),
             quality=list(sweep.quality),
-            start_frequency_hz=settings.start_frequency_hz,
-            stop_frequency_hz=settings.stop_frequency_hz,
-            points=settings.points,
-            calibration_status=int(sweep.calibration),
         )
 
     def _get_calibration(
-        self, _request: GetCalibrationStatusRequest
-    ) -> GetCalibrationStatusResponse:
-        status = self._driver.calibration_status()
-        return GetCalibrationStatusResponse(success=True, message=status.name, status=int(status))
+        self, _request: srv.GetCalibrationStatusRequest
+    ) -> srv.GetCalibrationStatusResponse:
+        status = self._driver.check_calibration_status()
+        refusal = self._driver.calibration_refusal(status)
+        return srv.GetCalibrationStatusResponse(
+            success=True, message=refusal or status.name, status=int(status), accepted=not refusal
+        )
 
     def _health(self) -> diagnostics.Health:
         state = self._driver.state
@@ -125,7 +108,8 @@ class VNANode:
 
 
 def _ros_time(time_us: int) -> rospy.Time:
-    return rospy.Time(time_us // 1_000_000, time_us % 1_000_000 * 1000)
+    seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
+    return rospy.Time(seconds, rest_us * utc_time.NS_PER_US)
 
 
 def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: str) -> VNANode:
@@ -141,8 +125,7 @@ def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: 
     def open_link(address: str) -> Vxi11Transport:
         return connect(address, limits, port_of(address))
 
-    driver = VNADriver(open_link, parameters, Clock(), TimeOfDay(), rospy.logwarn)
-    return VNANode(driver, hardware_id)
+    return VNANode(VNADriver(open_link, parameters, Clock(), rospy.logwarn), hardware_id)
 
 
 def read_vna_parameters(others: Collection[str] = ()) -> VnaParameters:

@@ -1,1 +1,1 @@
-"""External things of the network analyzer: its VXI-11 link and the time of day."""
+"""External things of the network analyzer: its VXI-11 link."""

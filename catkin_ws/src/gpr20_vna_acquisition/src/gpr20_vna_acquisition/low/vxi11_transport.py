@@ -81,7 +81,11 @@ class _Instrument(vxi11.Instrument):
 
 
 class Vxi11Transport:
-    """One VXI-11 link. Made by `connect`; dead after the first failure."""
+    """One VXI-11 link, made by `connect`.
+
+    Every exchange that is not complete in time raises VnaConnectionError; after that the link
+    is dead.
+    """
 
     def __init__(self, address: str, instrument: Any, limits: LinkLimits) -> None:
         self._address = address
@@ -89,42 +93,28 @@ class Vxi11Transport:
         self._limits = limits
 
     def write(self, command: str) -> None:
-        """Send a command that has no answer.
-
-        Raises:
-            VnaConnectionError: It could not be sent.
-        """
+        """Send a command that has no answer."""
         self._call(f"sending '{command}'", lambda link: link.write_raw(_encoded(command)))
 
     def ask_raw(self, query: str) -> bytes:
-        """Send a query and return its answer, byte for byte.
-
-        Raises:
-            VnaConnectionError: No complete answer came in time.
-        """
+        """Send a query and return its answer, byte for byte."""
         answer: bytes = self._call(f"asking '{query}'", lambda link: link.ask_raw(_encoded(query)))
         return answer
 
     def ask(self, query: str) -> str:
-        """Send a query and return its answer as text without white space around it.
-
-        Raises:
-            VnaConnectionError: No complete answer came in time.
-        """
+        """Send a query and return its answer as text without white space around it."""
         # Latin-1 takes every byte; some answers hold characters beyond ASCII.
         return self.ask_raw(query).decode("latin-1").strip()
 
     def clear(self) -> None:
-        """Empty the instrument's input and output, where it supports that.
-
-        Raises:
-            VnaConnectionError: The link failed.
-        """
+        """Empty the instrument's input and output, where it supports that."""
         self._call("clearing the instrument", _clear)
 
     def close(self) -> None:
         """End the link. Never fails; closing a dead or closed link does nothing."""
-        self._abandon()
+        instrument, self._instrument = self._instrument, None
+        if instrument is not None:
+            _end(instrument)
 
     def _call(self, what: str, function: Callable[[Any], Answer]) -> Answer:
         if self._instrument is None:
@@ -134,16 +124,11 @@ class Vxi11Transport:
             return function(self._instrument)
         except LIBRARY_ERRORS as error:
             # A late answer would be taken for that of the next question, so the link ends.
-            self._abandon()
+            self.close()
             raise VnaConnectionError(
                 f"{what} at {self._address} failed: {_reason(error)}; "
                 "check the VNA and its network cable"
             ) from error
-
-    def _abandon(self) -> None:
-        instrument, self._instrument = self._instrument, None
-        if instrument is not None:
-            _end(instrument)
 
 
 def connect(

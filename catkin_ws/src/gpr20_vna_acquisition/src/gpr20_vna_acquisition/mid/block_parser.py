@@ -1,4 +1,4 @@
-"""Strict reading of the instrument's data blocks.
+"""Strict reading of the instrument's numbers and data blocks.
 
 Block: `#`, one digit A, A digits that give the number X of bytes, X bytes of numbers
 (MS20xxC programming manual, `:CALCulate:DATA?` and `:FORMat`). The instrument pads X with
@@ -9,6 +9,7 @@ whether X counts those is not documented, so both are taken. Nothing else is.
 from __future__ import annotations
 
 import enum
+import math
 import re
 from typing import Collection, Tuple
 
@@ -17,7 +18,7 @@ import numpy as np
 from gpr20_vna_acquisition.errors import VnaDataError
 
 _HEADER_START = b"#"
-_NUMBER = re.compile(rb"[ ]*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ ]*")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NEWLINES = (b"", b"\n", b"\r\n")
 _ASCII_ENDINGS = _NEWLINES + (b",", b",\n", b",\r\n")
 # IEEE 754 single precision, little-endian, whatever the machine that runs this.
@@ -29,6 +30,32 @@ class TransferFormat(enum.Enum):
 
     REAL32 = "REAL,32"
     ASCII = "ASC"
+
+
+def number(answer: str) -> float:
+    """Return a numeric answer.
+
+    Raises:
+        VnaDataError: It is not a finite number.
+    """
+    text = answer.strip(" ")
+    # float() alone would take 'nan', '1_0' and digits of other scripts as well.
+    value = float(text) if _NUMBER.fullmatch(text) else math.nan
+    if not math.isfinite(value):
+        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a number is expected")
+    return value
+
+
+def whole_number(answer: str) -> int:
+    """Return a numeric answer that must be whole.
+
+    Raises:
+        VnaDataError: It is anything else.
+    """
+    value = number(answer)
+    if value != int(value):
+        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a whole number must be")
+    return int(value)
 
 
 def parse_numbers(answer: bytes, transfer: TransferFormat, count: int) -> np.ndarray:
@@ -114,20 +141,12 @@ def _ascii(payload: bytes, rest: bytes, count: int) -> np.ndarray:
             break
     if text.endswith(b","):
         text = text[:-1]
-    words = text.split(b",") if text else []
+    words = text.decode("latin-1").split(",") if text else []
     if len(words) != count:
         raise VnaDataError(f"the data block holds {len(words)} numbers; {count} were measured")
-    return np.array([_number(word) for word in words], dtype=np.float64)
+    return np.array([number(word) for word in words], dtype=np.float64)
 
 
 def _check_ending(rest: bytes, allowed: Collection[bytes]) -> None:
     if rest not in allowed:
         raise VnaDataError(f"{len(rest)} bytes follow the data block: {rest[:16]!r}")
-
-
-def _number(word: bytes) -> float:
-    # float() alone would take 'nan', '1_0' and digits of other scripts as well.
-    match = _NUMBER.fullmatch(word)
-    if match is None:
-        raise VnaDataError(f"the data block holds {word[:24]!r}, which is not a number")
-    return float(match.group(1))

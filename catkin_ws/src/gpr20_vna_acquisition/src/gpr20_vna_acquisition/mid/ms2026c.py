@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from typing import List, Sequence, Tuple
+from typing import Callable, List, Protocol, Sequence, Tuple
 
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaIdentityError,
     VnaSettingError,
     VnaSweepError,
 )
-from gpr20_vna_acquisition.low.time_of_day import TimeOfDay
 from gpr20_vna_acquisition.mid import settings
-from gpr20_vna_acquisition.mid.block_parser import parse_frequencies, parse_numbers
-from gpr20_vna_acquisition.mid.patience import Patience
+from gpr20_vna_acquisition.mid.block_parser import (
+    number,
+    parse_frequencies,
+    parse_numbers,
+    whole_number,
+)
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.settings import Setting
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
-from gpr20_vna_acquisition.mid.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.mid.transport import Transport
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SWEEP_COMPLETE_BIT = 256
@@ -32,6 +37,25 @@ SHORTEST_POLL_S = 0.0005
 POLL_FRACTION = 0.1
 
 
+class Transport(Protocol):
+    """One link. Every call may raise VnaConnectionError; after that the link is dead."""
+
+    def write(self, command: str) -> None:
+        """Send a command that has no answer."""
+
+    def ask(self, query: str) -> str:
+        """Send a query and return its answer as text without white space around it."""
+
+    def ask_raw(self, query: str) -> bytes:
+        """Send a query and return its answer, byte for byte."""
+
+    def clear(self) -> None:
+        """Empty the instrument's input and output."""
+
+    def close(self) -> None:
+        """End the link; never fails."""
+
+
 class Ms2026c:
     """The vocabulary of the instrument, spoken over one link.
 
@@ -42,21 +66,21 @@ class Ms2026c:
         self,
         transport: Transport,
         parameters: VnaParameters,
-        patience: Patience,
-        time_of_day: TimeOfDay,
+        deadline: RequestDeadline,
+        utc_now_us: Callable[[], int],
     ) -> None:
         """Speak over a link.
 
         Args:
             transport: The link.
             parameters: What is expected of the instrument.
-            patience: Ends what takes too long.
-            time_of_day: Gives the time stamps.
+            deadline: Ends what takes too long.
+            utc_now_us: Tells the time of day [us since 1970, UTC].
         """
         self._transport = transport
         self._parameters = parameters
-        self._patience = patience
-        self._time_of_day = time_of_day
+        self._deadline = deadline
+        self._utc_now_us = utc_now_us
         self._has_time_domain = False
 
     def close(self) -> None:
@@ -83,29 +107,34 @@ class Ms2026c:
         self._has_time_domain = TIME_DOMAIN_OPTION in options
         return identity
 
-    def configure(self, sweep: SweepSettings) -> SweepSettings:
-        """Set up the sweep and return what the instrument says it will measure.
+    def set_frequency_sweep(self, sweep: SweepSettings) -> SweepSettings:
+        """Set the frequencies and return what the instrument says it will measure.
 
         Raises:
             VnaSettingError: The instrument did not take a setting.
             VnaDataError: It took them, but measures other frequencies.
         """
-        transfer = self._parameters.transfer
-        self._apply(settings.survey_settings(sweep, transfer, self._has_time_domain))
-        ask = self._ask
-        accepted = SweepSettings(
-            settings.number(ask(settings.start_frequency(sweep.start_frequency_hz).query)),
-            settings.number(ask(settings.stop_frequency(sweep.stop_frequency_hz).query)),
-            settings.whole_number(ask(settings.points(sweep.points).query)),
-        )
+        wanted = settings.frequency_settings(sweep)
+        self._apply(wanted)
+        start, stop, points = (self._ask(setting.query) for setting in wanted[1:])
+        accepted = SweepSettings(number(start), number(stop), whole_number(points))
         if accepted.points != sweep.points:
             raise VnaSettingError(
                 f"the VNA's number of points changed to {accepted.points} by itself; check that "
                 "nobody operates it by hand"
             )
         answer = self._ask_raw(":SENSE1:FREQ:DATA?")
-        accepted.check_reported(parse_frequencies(answer, accepted.points))
+        settings.check_frequencies(parse_frequencies(answer, accepted.points), accepted)
         return accepted
+
+    def set_trace(self) -> None:
+        """Set up one trace of S21 over frequency, without averaging.
+
+        Raises:
+            VnaSettingError: The instrument did not take a setting.
+        """
+        transfer = self._parameters.transfer_format
+        self._apply(settings.trace_settings(transfer, self._has_time_domain))
 
     def calibration_status(self) -> CalibrationStatus:
         """Return the state of the calibration.
@@ -113,7 +142,7 @@ class Ms2026c:
         Raises:
             VnaDataError: The answer is not on the documented scale.
         """
-        status = settings.whole_number(self._ask(":SENS:CORR:COLL:STAT:ACC?"))
+        status = whole_number(self._ask(":SENS:CORR:COLL:STAT:ACC?"))
         try:
             return CalibrationStatus(status)
         except ValueError as error:
@@ -125,7 +154,7 @@ class Ms2026c:
         """Trigger one sweep, wait for its end and return its data.
 
         Args:
-            sweep: What `configure` returned.
+            sweep: What `set_frequency_sweep` returned.
 
         Raises:
             VnaSweepError: It did not end in time.
@@ -134,21 +163,29 @@ class Ms2026c:
         """
         # A sweep that runs now began before the request and must not be taken for ours.
         self._apply([settings.HOLD])
-        interval = self._time_of_day.begin()
+        started_us, started_s = self._utc_now_us(), self._deadline.now_s()
         self._write(":INIT:IMM")
         self._wait_for_end(sweep.points)
-        ended_us = interval.now_us()
+        # By the steady clock: the time of day may be corrected meanwhile.
+        duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
         answer = self._ask_raw(":CALC1:DATA? SDAT")
         # Asked after the data are here, so that a change before or during their way is seen.
         self._check_unchanged(sweep)
-        numbers = parse_numbers(answer, self._parameters.transfer, 2 * sweep.points)
-        return Sweep(numbers[0::2].copy(), numbers[1::2].copy(), interval.started_us, ended_us)
+        numbers = parse_numbers(answer, self._parameters.transfer_format, 2 * sweep.points)
+        return Sweep(
+            frequency_hz=sweep.frequencies_hz(),
+            s21_real=numbers[0::2].copy(),
+            s21_imag=numbers[1::2].copy(),
+            sweep_started_us=started_us,
+            sweep_ended_us=started_us + duration_us,
+            quality=(),
+        )
 
     def _wait_for_end(self, points: int) -> None:
-        begun_s = self._patience.now_s()
+        begun_s = self._deadline.now_s()
         seen_running = False
         while True:
-            elapsed_s = self._patience.now_s() - begun_s
+            elapsed_s = self._deadline.now_s() - begun_s
             complete = self._sweep_is_complete()
             seen_running = seen_running or not complete
             # INIT:IMM clears the bit, says the manual, but not how soon. A bit that was never
@@ -163,10 +200,10 @@ class Ms2026c:
                     "check that the instrument is in VNA mode and not operated by hand"
                 )
             longest_s = self._parameters.poll_interval_s
-            self._patience.pause_s(min(longest_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)))
+            self._deadline.pause_s(min(longest_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)))
 
     def _sweep_is_complete(self) -> bool:
-        status = settings.whole_number(self._ask(":STAT:OPER?"))
+        status = whole_number(self._ask(":STAT:OPER?"))
         return bool(status & SWEEP_COMPLETE_BIT)
 
     def _check_unchanged(self, sweep: SweepSettings) -> None:
@@ -193,28 +230,28 @@ class Ms2026c:
         )
 
     def _unconfirmed(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
-        deadline_s = self._patience.now_s() + self._parameters.settle_s
+        deadline_s = self._deadline.now_s() + self._parameters.settle_s
         while True:
             # All of them each time: setting one may move another.
             refused = self._differing(wanted)
-            if not refused or self._patience.now_s() >= deadline_s:
+            if not refused or self._deadline.now_s() >= deadline_s:
                 return refused
-            self._patience.pause_s(SETTING_POLL_S)
+            self._deadline.pause_s(SETTING_POLL_S)
 
     def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
         answers = [(setting, self._ask(setting.query)) for setting in wanted]
         return [(setting, answer) for setting, answer in answers if not setting.agrees(answer)]
 
     def _write(self, command: str) -> None:
-        self._patience.check()
+        self._deadline.check()
         self._transport.write(command)
 
     def _ask(self, query: str) -> str:
-        self._patience.check()
+        self._deadline.check()
         return self._transport.ask(query)
 
     def _ask_raw(self, query: str) -> bytes:
-        self._patience.check()
+        self._deadline.check()
         return self._transport.ask_raw(query)
 
 

@@ -6,16 +6,19 @@ queue: reading back is the only way to know whether a setting was taken.
 
 from __future__ import annotations
 
-import math
-import re
 from dataclasses import dataclass
 from typing import Callable, List
 
-from gpr20_vna_acquisition.errors import VnaDataError
-from gpr20_vna_acquisition.mid.block_parser import TransferFormat
-from gpr20_vna_acquisition.mid.sweep_settings import RESOLUTION_HZ, SweepSettings
+import numpy as np
 
-_NUMBER = re.compile("[+-]?(?:[0-9]+[.]?[0-9]*|[.][0-9]+)(?:[eE][+-]?[0-9]+)?")
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.errors import VnaDataError
+from gpr20_vna_acquisition.mid.block_parser import TransferFormat, number
+
+# The instrument may round to the resolution of its synthesizer.
+RESOLUTION_HZ = 1.0
+# Frequencies may have travelled in single precision, rounded once by it and once by us.
+SINGLE_PRECISION_STEPS = 2.0
 
 
 @dataclass(frozen=True)
@@ -50,31 +53,6 @@ def unquoted(answer: str) -> str:
     return answer.strip().strip('"').strip()
 
 
-def number(answer: str) -> float:
-    """Return a numeric answer.
-
-    Raises:
-        VnaDataError: It is not a finite number.
-    """
-    # float() alone would take '1_0' for ten.
-    value = float(answer) if _NUMBER.fullmatch(answer.strip()) else math.nan
-    if not math.isfinite(value):
-        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a number is expected")
-    return value
-
-
-def whole_number(answer: str) -> int:
-    """Return a numeric answer that must be whole.
-
-    Raises:
-        VnaDataError: It is anything else.
-    """
-    value = number(answer)
-    if value != int(value):
-        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a whole number must be")
-    return int(value)
-
-
 def _word(name: str, header: str, value: str, answer: str = "") -> Setting:
     expected = answer or value
     return Setting(name, header, value, lambda text: unquoted(text).upper() == expected)
@@ -99,36 +77,24 @@ FREQUENCY_DOMAIN = _word("domain of trace 1", ":SENS:TRACE1:DOM", "FREQ")
 NO_AVERAGE = _count("number of averages", ":SENS:AVER:COUN", 1)
 
 
-def start_frequency(value_hz: float) -> Setting:
-    """Return the setting of the first frequency [Hz]."""
-    return _frequency("start frequency", ":SENS:FREQ:STAR", value_hz)
+def frequency_settings(sweep: SweepSettings) -> List[Setting]:
+    """Return what is set to measure these frequencies, in the order in which it is sent."""
+    return [
+        HOLD,
+        _frequency("start frequency", ":SENS:FREQ:STAR", sweep.start_frequency_hz),
+        _frequency("stop frequency", ":SENS:FREQ:STOP", sweep.stop_frequency_hz),
+        _count("number of points", ":SENS:SWE:POIN", sweep.points),
+    ]
 
 
-def stop_frequency(value_hz: float) -> Setting:
-    """Return the setting of the last frequency [Hz]."""
-    return _frequency("stop frequency", ":SENS:FREQ:STOP", value_hz)
-
-
-def points(value: int) -> Setting:
-    """Return the setting of the number of points."""
-    return _count("number of points", ":SENS:SWE:POIN", value)
-
-
-def survey_settings(
-    sweep: SweepSettings, transfer: TransferFormat, has_time_domain: bool
-) -> List[Setting]:
-    """Return all that a survey sets, in the order in which it is sent.
+def trace_settings(transfer: TransferFormat, has_time_domain: bool) -> List[Setting]:
+    """Return what is set to get one trace of S21 over frequency.
 
     Args:
-        sweep: What shall be measured.
         transfer: How the numbers shall travel.
         has_time_domain: Whether the instrument has the option that transforms traces.
     """
     return [
-        HOLD,
-        start_frequency(sweep.start_frequency_hz),
-        stop_frequency(sweep.stop_frequency_hz),
-        points(sweep.points),
         # More traces on the display could only make the sweep slower.
         _count("number of traces", ":SENS:TRAC:TOT", 1),
         S21,
@@ -143,14 +109,33 @@ def watched_settings(sweep: SweepSettings, has_time_domain: bool) -> List[Settin
 
     A changed number of points or transfer format shows in the data themselves.
     """
-    return [
-        HOLD,
-        start_frequency(sweep.start_frequency_hz),
-        stop_frequency(sweep.stop_frequency_hz),
-        S21,
-        *_domain(has_time_domain),
-        NO_AVERAGE,
-    ]
+    *frequencies, _points = frequency_settings(sweep)
+    return [*frequencies, S21, *_domain(has_time_domain), NO_AVERAGE]
+
+
+def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
+    """Compare the instrument's own list with ours.
+
+    The list is not used itself: in single precision it is wrong by up to 256 Hz.
+
+    Args:
+        reported_hz: The list the instrument gives [Hz].
+        sweep: The sweep that it confirmed.
+
+    Raises:
+        VnaDataError: They differ by more than single precision explains.
+    """
+    expected_hz = sweep.frequencies_hz()
+    spacing_hz = np.spacing(expected_hz.astype(np.float32)).astype(np.float64)
+    tolerance_hz = SINGLE_PRECISION_STEPS * spacing_hz + RESOLUTION_HZ
+    wrong = np.abs(reported_hz - expected_hz) > tolerance_hz
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise VnaDataError(
+            f"the instrument measures {reported_hz[first]:.12g} Hz at point {first}, where "
+            f"{expected_hz[first]:.12g} Hz follow from start, stop and points; "
+            "check that it sweeps linearly"
+        )
 
 
 def _domain(has_time_domain: bool) -> List[Setting]:

@@ -8,24 +8,23 @@ from __future__ import annotations
 
 import statistics
 from collections import deque
-from dataclasses import dataclass
 from typing import Deque, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.checks import number_between
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_vna_acquisition.errors import VnaDataError
-from gpr20_vna_acquisition.mid.sweep import CalibrationStatus, Sweep
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-# What the storage takes of one remark.
-LONGEST_REMARK = 200
 # A duration is unusual beyond this factor from the usual one.
 DURATION_FACTOR = 2.0
 # On a quick sweep polling and the computer decide how long it seems to take [s].
 EARLY_TOLERANCE_S = 0.05
 # So many sweeps must have been made before one can be unusual, and so many are remembered.
 FEWEST_SWEEPS, MOST_SWEEPS = 5, 25
+# So many reasons of repetitions are told of one sweep, one remark each.
+MOST_REASONS = 8
 
 CALIBRATION_REMARKS = {
     CalibrationStatus.NONE: "the VNA is not calibrated; calibrate it before going on",
@@ -40,34 +39,6 @@ CALIBRATION_REMARKS = {
 }
 
 
-@dataclass(frozen=True)
-class QualityLimits:
-    """Beyond which a trace gets a remark.
-
-    Attributes:
-        min_level_db: Least median magnitude of S21 [dB].
-        max_level_db: Largest magnitude of S21 at any point [dB].
-        same_points: Fewest equal points in a row that are remarkable.
-        duration_tolerance_s: By how much more than the usual factor a sweep may be late [s].
-    """
-
-    min_level_db: float = -80.0
-    max_level_db: float = 0.0
-    same_points: int = 8
-    duration_tolerance_s: float = 0.25
-
-    def __post_init__(self) -> None:
-        number_between("min_level_db", self.min_level_db, -300.0, 100.0, "dB")
-        number_between("max_level_db", self.max_level_db, -300.0, 100.0, "dB")
-        number_between("same_points", self.same_points, 2, 4001)
-        number_between("duration_tolerance_s", self.duration_tolerance_s, 0.0, 60.0, "s")
-        if not self.min_level_db < self.max_level_db:
-            raise InvalidValueError(
-                f"min_level_db is {self.min_level_db:g} dB; it must be below max_level_db, "
-                f"which is {self.max_level_db:g} dB"
-            )
-
-
 def refuse_impossible(sweep: Sweep) -> None:
     """Do nothing with data that a measurement can have given.
 
@@ -80,31 +51,43 @@ def refuse_impossible(sweep: Sweep) -> None:
         raise VnaDataError("the imaginary part of the trace is a copy of its real part")
 
 
-def level_remarks(sweep: Sweep, limits: QualityLimits) -> Tuple[str, ...]:
+def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) -> str:
+    """Say why no survey may be made with this calibration; empty if one may."""
+    if status in parameters.accepted_calibrations:
+        return ""
+    listed = ", ".join(str(int(one)) for one in parameters.accepted_calibrations)
+    return (
+        f"the VNA's calibration status is {int(status)} ({status.meaning}); calibrate it, or "
+        f"change accepted_calibrations (now {listed})"
+    )
+
+
+def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[str, ...]:
     """Return remarks on the magnitude of S21."""
     with np.errstate(divide="ignore"):
         levels_db = 20.0 * np.log10(np.hypot(sweep.s21_real, sweep.s21_imag))
     median_db, largest_db = float(np.median(levels_db)), float(levels_db.max())
     remarks = []
-    if median_db < limits.min_level_db:
+    if median_db < parameters.min_level_db:
         remarks.append(
-            f"S21 is weak: {median_db:.1f} dB in the middle, expected are {limits.min_level_db:g} "
-            "dB or more; check that both antennas are connected"
+            f"S21 is weak: {median_db:.1f} dB in the middle, expected are "
+            f"{parameters.min_level_db:g} dB or more; check that both antennas are connected"
         )
-    if largest_db > limits.max_level_db:
+    if largest_db > parameters.max_level_db:
         remarks.append(
-            f"S21 is strong: up to {largest_db:.1f} dB, expected are {limits.max_level_db:g} dB "
-            "at most; the receiver may be overloaded or the calibration be another setup's"
+            f"S21 is strong: up to {largest_db:.1f} dB, expected are "
+            f"{parameters.max_level_db:g} dB at most; the receiver may be overloaded or the "
+            "calibration be another setup's"
         )
     return tuple(remarks)
 
 
-def flat_remarks(sweep: Sweep, limits: QualityLimits) -> Tuple[str, ...]:
+def flat_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[str, ...]:
     """Return a remark if points in a row are equal to the last bit; noise never is."""
     changes = (np.diff(sweep.s21_real) != 0.0) | (np.diff(sweep.s21_imag) != 0.0)
     edges = np.concatenate(([-1], np.flatnonzero(changes), [len(changes)]))
     longest = int(np.diff(edges).max())
-    if longest < limits.same_points:
+    if longest < parameters.same_points:
         return ()
     return (
         f"{longest} of {len(sweep.s21_real)} points in a row are the very same number; "
@@ -113,19 +96,19 @@ def flat_remarks(sweep: Sweep, limits: QualityLimits) -> Tuple[str, ...]:
 
 
 def duration_remarks(
-    duration_s: float, usual_s: Optional[float], limits: QualityLimits
+    duration_s: float, usual_s: Optional[float], parameters: VnaParameters
 ) -> Tuple[str, ...]:
     """Return a remark if a sweep took much longer or shorter than usual.
 
     Args:
         duration_s: How long it took [s].
         usual_s: How long it usually takes [s], if that is known.
-        limits: How late is remarkable.
+        parameters: How late is remarkable.
     """
     if usual_s is None:
         return ()
     earliest_s = usual_s / DURATION_FACTOR - EARLY_TOLERANCE_S
-    latest_s = usual_s * DURATION_FACTOR + limits.duration_tolerance_s
+    latest_s = usual_s * DURATION_FACTOR + parameters.duration_tolerance_s
     if earliest_s <= duration_s <= latest_s:
         return ()
     return (
@@ -140,24 +123,21 @@ def calibration_remarks(status: CalibrationStatus) -> Tuple[str, ...]:
 
 
 def repetition_remarks(failures: Sequence[Exception]) -> Tuple[str, ...]:
-    """Return a remark that tells how often the sweep was repeated, and why at last."""
-    if not failures:
+    """Return remarks that tell how often the sweep was repeated, and each reason once."""
+    # A dictionary keeps the order.
+    reasons = list(dict.fromkeys(str(failure) for failure in failures))[:MOST_REASONS]
+    if not reasons:
         return ()
     times = "once" if len(failures) == 1 else f"{len(failures)} times"
-    return (storable(f"the sweep was repeated {times}: {failures[-1]}"),)
-
-
-def storable(remark: str) -> str:
-    """Return a remark that every storage takes: short, and of printable characters alone."""
-    text = "".join(one if one.isprintable() else "?" for one in remark)
-    return text if len(text) <= LONGEST_REMARK else text[: LONGEST_REMARK - 3] + "..."
+    first = f"the sweep was repeated {times}: {reasons[0]}"
+    return (first, *(f"the sweep also failed with: {reason}" for reason in reasons[1:]))
 
 
 class TraceQuality:
     """Judges the traces of one configured sweep, one after the other."""
 
-    def __init__(self, limits: QualityLimits) -> None:
-        self._limits = limits
+    def __init__(self, parameters: VnaParameters) -> None:
+        self._parameters = parameters
         self._durations_s: Deque[float] = deque(maxlen=MOST_SWEEPS)
 
     def remarks(
@@ -171,14 +151,14 @@ class TraceQuality:
             failures: Why it had to be repeated, each time.
         """
         remarks = (
-            level_remarks(sweep, self._limits)
-            + flat_remarks(sweep, self._limits)
-            + duration_remarks(sweep.duration_s, self._usual_s(), self._limits)
+            level_remarks(sweep, self._parameters)
+            + flat_remarks(sweep, self._parameters)
+            + duration_remarks(sweep.duration_s, self._usual_s(), self._parameters)
             + calibration_remarks(calibration)
             + repetition_remarks(failures)
         )
         self._durations_s.append(sweep.duration_s)
-        return tuple(storable(remark) for remark in remarks)
+        return tuple(storable_remark(remark) for remark in remarks)
 
     def _usual_s(self) -> Optional[float]:
         if len(self._durations_s) < FEWEST_SWEEPS:

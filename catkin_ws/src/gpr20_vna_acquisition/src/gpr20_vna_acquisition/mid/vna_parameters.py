@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.records import bounded
+from gpr20_survey.plan.survey_parameters import (
+    MAX_FREQUENCY_HZ,
+    MAX_FREQUENCY_POINTS,
+    MIN_FREQUENCY_HZ,
+    MIN_FREQUENCY_POINTS,
+)
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
-from gpr20_vna_acquisition.mid.sweep_settings import InstrumentRange
-from gpr20_vna_acquisition.mid.trace_quality import QualityLimits
 
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
 # What a time limit or a period may be [s]: a socket refuses far longer ones.
-SHORTEST_S = 1.0e-4
-LONGEST_S = 3600.0
-TIMES = (
-    "connect_timeout_s",
-    "answer_timeout_s",
-    "settle_s",
-    "poll_interval_s",
-    "sweep_timeout_s",
-    "request_timeout_s",
-    "link_check_s",
-)
+TIMES_S = (1.0e-4, 3600.0)
+FREQUENCIES_HZ = (1.0, 1.0e12)
+LEVELS_DB = (-300.0, 100.0)
 
 
 @dataclass(frozen=True)
 class VnaParameters:
-    """Which instrument is expected and how patiently it is treated.
+    """Which instrument is expected, how long it is waited for, and what its traces are like.
 
     Attributes:
         maker: First field of the identification.
@@ -46,12 +46,14 @@ class VnaParameters:
         sweep_timeout_s: Time limit of a sweep beyond ten times its nominal duration [s].
         request_timeout_s: Time limit of a whole request with its repetitions, beyond ten
             times the nominal duration of a sweep [s].
-        attempts: How often something is tried before it is given up.
+        attempts: How often something is tried before it is given up; nobody else repeats it.
         retry_pause_s: Pause before trying again [s].
         link_check_s: How long the instrument may be unused until its link is checked [s].
-        transfer_format: "REAL,32" or "ASC".
+        transfer_format: How the numbers travel.
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
+        accepted_calibrations: Calibration statuses, on the instrument's scale, with which
+            sweeps are given: 0 none, 1 high, 2 and 3 moderate, 4 low.
         min_level_db: Least median magnitude of S21 without a remark [dB]. No maker's figure:
             well below what two antennas over the ground give, well above a receiver with
             nothing connected; measure both with the robot's own and choose a value between.
@@ -64,66 +66,68 @@ class VnaParameters:
 
     maker: str = "Anritsu"
     model: str = "MS2026C"
-    vxi11_port: int = 0
-    connect_timeout_s: float = 3.0
-    answer_timeout_s: float = 5.0
+    vxi11_port: int = bounded(0, 65535, 0)
+    connect_timeout_s: float = bounded(*TIMES_S, 3.0)
+    answer_timeout_s: float = bounded(*TIMES_S, 5.0)
     clear_on_connect: bool = True
-    settle_s: float = 2.0
-    poll_interval_s: float = 0.01
-    seconds_per_point: float = 350e-6
-    sweep_timeout_s: float = 10.0
-    request_timeout_s: float = 40.0
-    attempts: int = 3
-    retry_pause_s: float = 0.5
-    link_check_s: float = 5.0
-    transfer_format: str = TransferFormat.REAL32.value
-    min_frequency_hz: float = InstrumentRange.min_frequency_hz
-    max_frequency_hz: float = InstrumentRange.max_frequency_hz
-    min_level_db: float = QualityLimits.min_level_db
-    max_level_db: float = QualityLimits.max_level_db
-    same_points: int = QualityLimits.same_points
-    duration_tolerance_s: float = QualityLimits.duration_tolerance_s
+    settle_s: float = bounded(*TIMES_S, 2.0)
+    poll_interval_s: float = bounded(*TIMES_S, 0.01)
+    seconds_per_point: float = bounded(0.0, 10.0, 350e-6)
+    sweep_timeout_s: float = bounded(*TIMES_S, 10.0)
+    request_timeout_s: float = bounded(*TIMES_S, 40.0)
+    attempts: int = bounded(1, 100, 9)
+    retry_pause_s: float = bounded(0.0, 60.0, 0.5)
+    link_check_s: float = bounded(*TIMES_S, 5.0)
+    transfer_format: TransferFormat = TransferFormat.REAL32
+    min_frequency_hz: float = bounded(*FREQUENCIES_HZ, MIN_FREQUENCY_HZ)
+    max_frequency_hz: float = bounded(*FREQUENCIES_HZ, MAX_FREQUENCY_HZ)
+    accepted_calibrations: Tuple[CalibrationStatus, ...] = (
+        CalibrationStatus.HIGH,
+        CalibrationStatus.MODERATE_POWER,
+        CalibrationStatus.MODERATE_TEMPERATURE,
+    )
+    min_level_db: float = bounded(*LEVELS_DB, -80.0)
+    max_level_db: float = bounded(*LEVELS_DB, 0.0)
+    same_points: int = bounded(2, 4001, 8)
+    duration_tolerance_s: float = bounded(0.0, 60.0, 0.25)
 
     def __post_init__(self) -> None:
-        for name in TIMES:
-            number_between(name, getattr(self, name), SHORTEST_S, LONGEST_S, "s")
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(
                     f"{name} is empty; it must be what the instrument answers to *IDN?, "
                     f"such as {getattr(VnaParameters, name)}"
                 )
-        positive_number("min_frequency_hz", self.min_frequency_hz, "Hz")
-        number_between("max_frequency_hz", self.max_frequency_hz, self.min_frequency_hz, 1e12, "Hz")
-        number_between("seconds_per_point", self.seconds_per_point, 0.0, 10.0, "s")
-        number_between("retry_pause_s", self.retry_pause_s, 0.0, 60.0, "s")
-        number_between("attempts", self.attempts, 1, 100)
-        number_between("vxi11_port", self.vxi11_port, 0, 65535)
-        if self.transfer_format not in [one.value for one in TransferFormat]:
-            raise InvalidValueError(
-                f"transfer_format is '{self.transfer_format}'; it must be one of "
-                f"{', '.join(one.value for one in TransferFormat)}"
-            )
+        for lower, upper, unit in (
+            ("min_frequency_hz", "max_frequency_hz", "Hz"),
+            ("min_level_db", "max_level_db", "dB"),
+        ):
+            if not getattr(self, lower) < getattr(self, upper):
+                raise InvalidValueError(
+                    f"{lower} is {getattr(self, lower):.12g} {unit}; it must be below {upper}, "
+                    f"which is {getattr(self, upper):.12g} {unit}"
+                )
 
-        # Limits that make no sense stop the node at its start.
-        _ = self.quality_limits
+    def check_sweep(self, settings: SweepSettings) -> None:
+        """Refuse a sweep that the instrument cannot make.
 
-    @property
-    def quality_limits(self) -> QualityLimits:
-        """Beyond which a trace gets a remark."""
-        return QualityLimits(
-            self.min_level_db, self.max_level_db, self.same_points, self.duration_tolerance_s
+        Raises:
+            InvalidValueError: A value is outside its range, or start is not below stop.
+        """
+        start_hz, stop_hz = settings.start_frequency_hz, settings.stop_frequency_hz
+        for name, value_hz in (("start frequency", start_hz), ("stop frequency", stop_hz)):
+            number_between(name, value_hz, self.min_frequency_hz, self.max_frequency_hz, "Hz")
+        number_between(
+            "number of frequency points",
+            settings.points,
+            MIN_FREQUENCY_POINTS,
+            MAX_FREQUENCY_POINTS,
         )
-
-    @property
-    def transfer(self) -> TransferFormat:
-        """The format in which numbers travel."""
-        return TransferFormat(self.transfer_format)
-
-    @property
-    def instrument_range(self) -> InstrumentRange:
-        """What sweeps the instrument can make."""
-        return InstrumentRange(self.min_frequency_hz, self.max_frequency_hz)
+        if not start_hz < stop_hz:
+            raise InvalidValueError(
+                f"start frequency is {start_hz:.12g} Hz; it must be below the stop frequency, "
+                f"which is {stop_hz:.12g} Hz"
+            )
 
     def nominal_sweep_s(self, points: int) -> float:
         """Return how long a sweep takes [s]."""

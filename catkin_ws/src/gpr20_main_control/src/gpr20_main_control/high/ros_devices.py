@@ -1,0 +1,177 @@
+"""The analyzer, the height sensor and the storage, over ROS services."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import genpy
+import numpy as np
+
+from gpr20_common.high.raw_message import preserialized, serialized
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
+from gpr20_msgs.srv import (
+    CloseSurvey,
+    Connection,
+    FreqSweepSetup,
+    GetCalibrationStatus,
+    GetData,
+    GetFreq,
+    GetHeight,
+    OpenSurvey,
+    ReopenSurvey,
+    ReportSurvey,
+    StoreData,
+    StoreDataRequest,
+)
+from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.trace import Trace
+
+# Opening again and closing read every file of a survey, and so does opening a survey when
+# another is to be closed [s].
+WHOLE_SURVEY_LIMIT_S = 620.0
+
+
+class DeviceService:
+    """A service whose failures are the device's failures."""
+
+    def __init__(self, name: str, service_class: Any, time_limit_s: float) -> None:
+        self._client = ServiceClient(name, service_class)
+        self._time_limit_s = time_limit_s
+
+    def __call__(self, *request: Any, **fields: Any) -> Any:
+        """Call the service and return the response of a success.
+
+        Args:
+            request: The request, if its fields are not given.
+            fields: Fields of the request.
+
+        Raises:
+            DeviceError: No answer came, or the answer was a failure.
+        """
+        try:
+            response = self._client.call(self._time_limit_s, *request, **fields)
+        except ServiceUnavailableError as error:
+            raise DeviceError(str(error)) from error
+        if not response.success:
+            raise DeviceError(f"{self._client.name}: {response.message}")
+        return response
+
+
+class RosAnalyzer:
+    """Implements `gpr20_main_control.mid.robot.Analyzer`."""
+
+    def __init__(self, limit_s: float) -> None:
+        self._connection = DeviceService("connection", Connection, limit_s)
+        self._setup = DeviceService("freq_sweep_setup", FreqSweepSetup, limit_s)
+        self._frequencies = DeviceService("get_freq", GetFreq, limit_s)
+        self._calibration = DeviceService("get_calibration_status", GetCalibrationStatus, limit_s)
+        self._data = DeviceService("get_data", GetData, limit_s)
+
+    def connect(self, address: str) -> str:
+        """Connect, or connect again, and return the instrument's identity."""
+        return str(self._connection(connect=True, address=address).identity)
+
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration, or refuse one that is not accepted."""
+        answer = self._calibration()
+        if not answer.accepted:
+            raise DeviceError(answer.message)
+        return CalibrationStatus(answer.status)
+
+    def configure(self, settings: SweepSettings) -> SweepSettings:
+        """Configure the sweep and return what the instrument accepted."""
+        accepted = self._setup(
+            start_frequency_hz=settings.start_frequency_hz,
+            stop_frequency_hz=settings.stop_frequency_hz,
+            points=settings.points,
+        )
+        return SweepSettings(
+            accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
+        )
+
+    def frequencies_hz(self) -> np.ndarray:
+        """Return the frequencies of the sweep [Hz]."""
+        return np.array(self._frequencies().frequency_hz)
+
+    def sweep(self) -> Sweep:
+        """Take one sweep that starts now, checked, and repeated where it failed."""
+        data = self._data()
+        return Sweep(
+            frequency_hz=np.array(data.frequency_hz),
+            s21_real=np.array(data.s21_real),
+            s21_imag=np.array(data.s21_imag),
+            sweep_started_us=data.sweep_started.to_nsec() // utc_time.NS_PER_US,
+            sweep_ended_us=data.sweep_ended.to_nsec() // utc_time.NS_PER_US,
+            quality=tuple(data.quality),
+        )
+
+
+class RosHeightSensor:
+    """Implements `gpr20_main_control.mid.robot.HeightSensor`."""
+
+    def __init__(self, time_limit_s: float) -> None:
+        self._measure = DeviceService("get_height", GetHeight, time_limit_s)
+
+    def height_m(self) -> float:
+        """Measure the height of the antennas above the ground [m] now."""
+        return float(self._measure().height_m)
+
+
+class RosStorage:
+    """Implements `gpr20_main_control.mid.robot.Storage`."""
+
+    def __init__(self, time_limit_s: float) -> None:
+        self._open = DeviceService("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._reopen = DeviceService("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._report = DeviceService("report_survey", ReportSurvey, time_limit_s)
+        self._store = DeviceService("store_data", StoreData, time_limit_s)
+        self._close = DeviceService("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
+
+    def open(self, record: SurveyRecord) -> OpenedSurvey:
+        """Begin a survey; one that is still open is closed as interrupted."""
+        response = self._open(
+            survey_id=record.survey_id,
+            started=_time(record.started_us),
+            metadata_json=record.metadata_json,
+            needed_bytes=record.needed_bytes,
+            interrupt_open=True,
+        )
+        return OpenedSurvey(str(response.path), str(response.interrupted))
+
+    def reopen(self, survey: str) -> ReopenedSurvey:
+        """Open a survey again, by its id or folder; another that is open is interrupted."""
+        response = self._reopen(survey=survey, interrupt_open=True)
+        last = response.last
+        return ReopenedSurvey(
+            survey_id=response.survey_id,
+            folder=response.path,
+            metadata_json=response.metadata_json,
+            report_json=response.report_json,
+            stored_indices=tuple(response.stored_indices),
+            last=trace_message.decode(serialized(last)) if last.frequency_hz else None,
+            interrupted=response.interrupted,
+        )
+
+    def report(self, survey_id: str, report_json: str) -> None:
+        """Keep a report of the survey beside its metadata."""
+        self._report(survey_id=survey_id, report_json=report_json)
+
+    def store(self, trace: Trace) -> None:
+        """Store a trace; returning means that it is durable."""
+        # The request holds nothing but the trace, so their bytes are the same.
+        self._store(preserialized(StoreDataRequest, trace_message.encode(trace)))
+
+    def close(self, survey_id: str, outcome: str, reason: str) -> int:
+        """End a survey and return how many traces its folder holds."""
+        response = self._close(survey_id=survey_id, outcome=outcome, reason=reason)
+        return int(response.stored_traces)
+
+
+def _time(time_us: int) -> genpy.Time:
+    seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
+    return genpy.Time(seconds, rest_us * utc_time.NS_PER_US)

@@ -1,1 +1,0 @@
-"""One external thing each."""

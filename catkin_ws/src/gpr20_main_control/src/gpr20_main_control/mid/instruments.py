@@ -1,0 +1,151 @@
+"""The analyzer and the height sensor during one survey: their checks and one trace of theirs."""
+
+from __future__ import annotations
+
+import uuid
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+import numpy as np
+
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.interruption import Interruption
+from gpr20_main_control.mid.positioner import Position, Positioner
+from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.serial_calls import in_background, result_of
+from gpr20_main_control.mid.survey_plan import SurveyPlan
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_settings import HeightPolicy
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.trace import Trace
+
+LONGEST_REMARK = 200
+
+
+@dataclass(frozen=True)
+class AnalyzerState:
+    """What is known of the analyzer before a survey."""
+
+    identity: str
+    calibration: CalibrationStatus
+    settings: SweepSettings
+
+
+class Instruments:
+    """Checks the instruments of one survey, and measures with them where the axes stand."""
+
+    def __init__(
+        self, plan: SurveyPlan, robot: Robot, positioner: Positioner, interruption: Interruption
+    ) -> None:
+        self._plan = plan
+        self._robot = robot
+        self._positioner = positioner
+        self._interruption = interruption
+        # Vibrations of a robot that runs N times faster die down N times faster.
+        self._settle_s = plan.settings.settle_s / plan.config.time_scale
+        self._frequencies_hz = np.empty(0) if plan.last is None else plan.last.frequency_hz
+
+    def check(self) -> AnalyzerState:
+        """Check everything that the survey needs, and return what the analyzer is.
+
+        Nothing moves.
+
+        Raises:
+            DeviceError: Something is missing or not as it should be.
+        """
+        self._positioner.check_alive()
+        analyzer = self._check_analyzer()
+        if self._plan.settings.on_height_failure == HeightPolicy.PAUSE.value:
+            height_call = in_background(self._robot.height_sensor.height_m)
+            result_of(height_call, self._interruption.check)
+        return analyzer
+
+    def measure(self, point: SurveyPoint) -> Trace:
+        """Measure one point, at which the axes must stand.
+
+        Raises:
+            DeviceError: A part failed, or the axes moved during the sweep.
+            NodeLostError: A node is gone, or is another than before.
+            StopRequested: A stop of the survey was requested.
+        """
+        self._interruption.wait_s(self._settle_s)
+        before = self._positioner.position()
+        _check_position(point, before)
+        sweep, height_m, remarks = self._sweep_and_height()
+        self._interruption.check()
+        if self._positioner.position() != before:
+            raise DeviceError(
+                f"the axes moved during the sweep at point {point.index}; nobody else may move "
+                "them during a survey"
+            )
+        self._check_sweep(sweep)
+        measured = {**vars(sweep), "quality": sweep.quality + remarks}
+        return Trace(
+            **measured,
+            survey_id=self._plan.survey_id,
+            sample_id=str(uuid.uuid4()),
+            index=point.index,
+            timestamp_us=utc_time.now_us(),
+            x_coord_mm=before.x_mm,
+            y_coord_mm=before.y_mm,
+            z_coord_deg=before.z_deg,
+            antennae_height_m=height_m,
+        )
+
+    def _check_analyzer(self) -> AnalyzerState:
+        analyzer, calls = self._robot.analyzer, self._robot.analyzer_calls
+        check = self._interruption.check
+        wanted = self._plan.parameters.sweep_settings
+        identity = calls.call(lambda: analyzer.connect(self._plan.parameters.vna_address), check)
+        calibration = calls.call(analyzer.calibration, check)
+        accepted = calls.call(lambda: analyzer.configure(wanted), check)
+        if accepted != wanted:
+            raise DeviceError(f"the VNA accepted {accepted} instead of {wanted}")
+        frequencies_hz = calls.call(analyzer.frequencies_hz, check)
+        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
+            raise DeviceError(
+                "the VNA's frequencies are no longer those of this survey; stop it and start anew"
+            )
+        self._frequencies_hz = frequencies_hz
+        return AnalyzerState(identity, calibration, accepted)
+
+    def _sweep_and_height(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
+        height_call = in_background(self._height)
+        sweep_call = in_background(self._robot.analyzer.sweep)
+        sweep = result_of(sweep_call, self._interruption.check)
+        height_m, remarks = result_of(height_call, self._interruption.check)
+        return sweep, height_m, remarks
+
+    def _height(self) -> Tuple[float, Tuple[str, ...]]:
+        failure: Optional[DeviceError] = None
+        for _attempt in range(self._plan.settings.attempts):
+            try:
+                return self._robot.height_sensor.height_m(), ()
+            except DeviceError as error:
+                failure = error
+        assert failure is not None
+        if self._plan.settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
+            return float("nan"), (f"no height: {failure}"[:LONGEST_REMARK],)
+        raise DeviceError(f"the antenna height could not be measured: {failure}") from failure
+
+    def _check_sweep(self, sweep: Sweep) -> None:
+        frequency_hz = sweep.frequency_hz
+        if not np.array_equal(frequency_hz, self._frequencies_hz):
+            first_hz, last_hz = float(frequency_hz[0]), float(frequency_hz[-1])
+            measured = SweepSettings(first_hz, last_hz, len(frequency_hz))
+            raise DeviceError(
+                f"the VNA measured {measured} instead of {self._plan.parameters.sweep_settings}; "
+                "nobody else may set it up during a survey"
+            )
+
+
+def _check_position(point: SurveyPoint, position: Position) -> None:
+    planned = Position(point.x_mm, point.y_mm, point.z_deg)
+    if position != planned:
+        raise DeviceError(
+            f"the axes stand at {position} instead of {planned} before the sweep at point "
+            f"{point.index}; nobody else may move them during a survey"
+        )

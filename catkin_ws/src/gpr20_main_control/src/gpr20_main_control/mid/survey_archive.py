@@ -1,0 +1,162 @@
+"""One survey at the storage: its folder, its traces, its report and its end."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import PurePosixPath
+from typing import Callable, Optional, Tuple
+
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.mid.instruments import AnalyzerState
+from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
+from gpr20_main_control.mid.robot import Robot, SurveyRecord
+from gpr20_main_control.mid.storage_queue import StorageQueue
+from gpr20_main_control.mid.survey_plan import SurveyPlan
+from gpr20_main_control.mid.survey_report import SurveyReport
+from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
+from gpr20_survey.trace import utc_time
+
+Check = Callable[[], None]
+
+
+class SurveyArchive:
+    """Keeps what a survey measures, and how much of it is durable.
+
+    Where a method takes a `check`, it is called again and again while the storage is waited
+    for; what it raises ends the wait.
+
+    Attributes:
+        coverage: What became of each planned sample.
+        queue: The traces that are not durable yet.
+        folder: The survey's folder; empty before it is made.
+    """
+
+    def __init__(self, plan: SurveyPlan, robot: Robot, status: SurveyStatus, clock: Clock) -> None:
+        """Begin, or continue, the report of a survey.
+
+        Raises:
+            SurveyError: The report of the survey that is resumed cannot be read.
+        """
+        self._plan = plan
+        self._storage, self._calls = robot.storage, robot.storage_calls
+        self._status = status
+        self._clock = clock
+        reopened = plan.reopened
+        self.folder = "" if reopened is None else reopened.folder
+        self.coverage = Coverage(plan.total_points, plan.stored_indices)
+        self._report = SurveyReport(self.coverage, "" if reopened is None else reopened.report_json)
+        # Only now: what was measured before is no change.
+        self.coverage.on_change = status.show_coverage
+        self._closing_report = ""
+        self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
+        self._remaining = RemainingTime(plan.pending_durations_s)
+        self._measuring_since_s: Optional[float] = None
+        self._measured_s = 0.0
+        self.queue = StorageQueue(robot.storage, clock, self._note_stored)
+
+    def open(self, analyzer: AnalyzerState, check: Check) -> str:
+        """Make the survey's folder and begin its recordings, or see that they are still open.
+
+        The storage may have been restarted since; opening an open survey changes nothing.
+
+        Args:
+            analyzer: What is recorded of the analyzer.
+            check: Ends the wait.
+
+        Returns:
+            Folder of another survey that was still open and was closed; else empty.
+
+        Raises:
+            DeviceError: There is no room, or the folder cannot be made.
+        """
+        if self.folder:
+            self.reopen(check)
+            return ""
+        record = self._record_with(analyzer)
+        opened = self._calls.call(lambda: self._storage.open(record), check)
+        self.folder = opened.folder
+        return opened.interrupted
+
+    def reopen(self, check: Check) -> None:
+        """See that the survey is still open at the storage."""
+        name = PurePosixPath(self.folder).name
+        self._calls.call(lambda: self._storage.reopen(name), check)
+
+    def start_timing(self) -> None:
+        """Count the time from now on as time that is spent on measuring."""
+        self._measuring_since_s = self._clock.now_s()
+
+    def stop_timing(self) -> None:
+        """Count the time no longer."""
+        self._measured_s = self._elapsed_s()
+        self._measuring_since_s = None
+
+    def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
+        """Keep how far a point that was measured again is from its stored trace."""
+        self._report.note_repeat(repeat, utc_time.now_us())
+        self._send_report(self._report.to_json(), check)
+
+    def close(self, outcome: str, reason: str, check: Check) -> int:
+        """End the survey and return how many traces its folder holds."""
+        report_json = self._report.to_json()
+        if report_json != self._closing_report:
+            self._send_report(report_json, check)
+        # Not twice: a survey that was closed by a call whose answer was lost takes no report.
+        self._closing_report = report_json
+        survey_id = self._plan.survey_id
+        return self._calls.call(lambda: self._storage.close(survey_id, outcome, reason), check)
+
+    def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
+        # The same again if the answer to the first call was lost: the storage knows it by that.
+        if self._record is None or self._record[0] != analyzer:
+            self._record = analyzer, survey_record(self._plan, analyzer)
+        return self._record[1]
+
+    def _send_report(self, report_json: str, check: Check) -> None:
+        survey_id = self._plan.survey_id
+        self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
+
+    def _note_stored(self, stored: int, index: int) -> None:
+        self.coverage.note_stored(index)
+        visited = len(self._plan.stored_indices) + stored
+        self._status.set_progress(visited, self._remaining.remaining_s(stored, self._elapsed_s()))
+
+    def _elapsed_s(self) -> float:
+        since_s = self._measuring_since_s
+        if since_s is None:
+            return self._measured_s
+        return self._measured_s + self._clock.now_s() - since_s
+
+
+def interruption_remark(interrupted: str) -> str:
+    """Return what is said of a survey that was still open when another began, if any."""
+    if not interrupted:
+        return ""
+    return (
+        f"; survey {interrupted} was still open and is closed as interrupted; resume_survey "
+        "goes on with it later"
+    )
+
+
+def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
+    """Return what is recorded of a survey when it begins."""
+    metadata = {
+        "simulated": plan.config.simulated,
+        "parameters": asdict(plan.parameters),
+        "planned_traces": plan.total_points,
+        "estimated_duration_s": plan.duration_s,
+        "instrument": {
+            "identity": analyzer.identity,
+            "address": plan.parameters.vna_address,
+            "calibration_status": int(analyzer.calibration),
+            "calibration": analyzer.calibration.meaning,
+            "sweep": asdict(analyzer.settings),
+        },
+        "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
+        "settings": asdict(plan.settings),
+    }
+    size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)
+    return SurveyRecord(plan.survey_id, utc_time.now_us(), json.dumps(metadata), size)

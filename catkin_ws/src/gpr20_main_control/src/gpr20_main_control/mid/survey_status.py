@@ -1,0 +1,139 @@
+"""What the control says of itself, in one place."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, replace
+from typing import Callable, Optional
+
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_state import SurveyState, check_transition
+
+
+@dataclass(frozen=True)
+class Status:
+    """A snapshot of the control.
+
+    Attributes:
+        state: What it is doing.
+        message: The same for people, or what went wrong and what to do.
+        survey_id: The current or last survey; empty before the first.
+        target: The point that is being visited; None while no survey runs.
+        total_points: Traces of the plan.
+        visited_points: Traces that are durable.
+        remaining_s: Time to the end [s].
+        missing: Nodes that do not answer, in a sentence; empty if all do.
+    """
+
+    state: SurveyState = SurveyState.IDLE
+    message: str = "set the parameters of a survey"
+    survey_id: str = ""
+    target: Optional[SurveyPoint] = None
+    total_points: int = 0
+    visited_points: int = 0
+    remaining_s: float = 0.0
+    missing: str = ""
+
+    @property
+    def text(self) -> str:
+        """The message, and which nodes are missing."""
+        if not self.missing or self.missing in self.message:
+            return self.message
+        return f"{self.message}; {self.missing}"
+
+    @property
+    def completion_percent(self) -> float:
+        """Part of the plan that is durable [%]."""
+        return 100.0 * self.visited_points / self.total_points if self.total_points else 0.0
+
+
+class SurveyStatus:
+    """Holds the status, lets only legal transitions pass, and announces every change."""
+
+    def __init__(
+        self,
+        on_change: Callable[[Status, Status], None],
+        on_parameters: Callable[[SurveyParameters], None],
+        on_coverage: Callable[[Coverage, str], None],
+    ) -> None:
+        """Begin idle.
+
+        Args:
+            on_change: Called with the status before and after each change.
+            on_parameters: Called with the parameters of the next or present survey when they
+                change.
+            on_coverage: Called with the coverage of the present survey at every change of it,
+                and the survey's id.
+        """
+        self._on_change = on_change
+        self._on_parameters = on_parameters
+        self._on_coverage = on_coverage
+        self._lock = threading.RLock()
+        self._status = Status()
+
+    @property
+    def status(self) -> Status:
+        """The status now."""
+        return self._status
+
+    def enter(self, state: SurveyState, message: str) -> None:
+        """Go to another state.
+
+        Raises:
+            TransitionError: It cannot follow the present one.
+        """
+        with self._lock:
+            check_transition(self._status.state, state)
+            target = self._status.target if state.running else None
+            self._change(replace(self._status, state=state, message=message, target=target))
+
+    def set_message(self, message: str) -> None:
+        """Change the message in the same state."""
+        with self._lock:
+            self._change(replace(self._status, message=message))
+
+    def set_missing(self, missing: str) -> None:
+        """Say which nodes do not answer; empty if all do."""
+        with self._lock:
+            self._change(replace(self._status, missing=missing))
+
+    def begin_survey(
+        self, survey_id: str, total_points: int, visited_points: int, planned_s: float
+    ) -> None:
+        """Begin to count a survey, of which some points may be stored already."""
+        with self._lock:
+            self._change(
+                replace(
+                    self._status,
+                    survey_id=survey_id,
+                    total_points=total_points,
+                    visited_points=visited_points,
+                    remaining_s=planned_s,
+                )
+            )
+
+    def set_target(self, target: SurveyPoint) -> None:
+        """Note the point that is being visited."""
+        with self._lock:
+            self._change(replace(self._status, target=target))
+
+    def set_progress(self, visited_points: int, remaining_s: float) -> None:
+        """Note how far the survey is."""
+        with self._lock:
+            self._change(
+                replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
+            )
+
+    def show_parameters(self, parameters: SurveyParameters) -> None:
+        """Announce the parameters of the next or present survey."""
+        self._on_parameters(parameters)
+
+    def show_coverage(self, coverage: Coverage) -> None:
+        """Announce what became of each sample of the present survey."""
+        self._on_coverage(coverage, self._status.survey_id)
+
+    def _change(self, status: Status) -> None:
+        before, self._status = self._status, status
+        self._on_change(before, status)

@@ -1,0 +1,146 @@
+"""The steps of a survey, listed; nothing carries them out."""
+
+import json
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from survey_examples import AXES, PARAMETERS
+
+from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_main_control.mid.survey_plan import plan_resumption, plan_survey
+from gpr20_main_control.mid.survey_steps import (
+    Check,
+    Checkpoint,
+    Finish,
+    Home,
+    Measure,
+    Move,
+    Open,
+    Repeat,
+    Store,
+    SurveyProgress,
+    survey_steps,
+)
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.trace import Trace
+
+CONFIG = RobotConfig(AXES, simulated=True)
+PLAN = plan_survey(PARAMETERS, CONFIG, SurveySettings())
+TOTAL = 24
+
+
+def trace_of(index):
+    return Trace(
+        frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
+        s21_real=np.ones(5),
+        s21_imag=np.ones(5),
+        sweep_started_us=1_800_000_000_000_000,
+        sweep_ended_us=1_800_000_000_000_000,
+        quality=(),
+        survey_id="5ec1a5d2-0000-4000-8000-000000000000",
+        sample_id="1",
+        index=index,
+        timestamp_us=1_800_000_000_000_000,
+        x_coord_mm=0.0,
+        y_coord_mm=0.0,
+        z_coord_deg=0.0,
+        antennae_height_m=0.2,
+    )
+
+
+def resumed_plan(stored):
+    metadata = {
+        "simulated": True,
+        "parameters": asdict(PARAMETERS),
+        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
+    }
+    reopened = ReopenedSurvey(
+        "5ec1a5d2-0000-4000-8000-000000000000",
+        "/data/survey",
+        json.dumps(metadata),
+        "",
+        tuple(stored),
+        trace_of(max(stored)) if stored else None,
+    )
+    return plan_resumption(reopened, CONFIG, SurveySettings())
+
+
+def steps_of(plan, progress=None):
+    return list(survey_steps(plan, progress or SurveyProgress.at_start(plan)))
+
+
+def indices(steps, kind):
+    return [step.point.index for step in steps if isinstance(step, kind)]
+
+
+def test_a_survey_checks_and_homes_before_anything_moves_and_finishes_at_its_end():
+    steps = steps_of(PLAN)
+    assert steps[:3] == [Check(), Open(), Home(every_axis=False)]
+    assert steps[-1] == Finish()
+    assert steps.count(Check()) == steps.count(Open()) == steps.count(Finish()) == 1
+
+
+def test_each_point_is_moved_to_measured_and_stored_in_the_order_of_the_plan():
+    points = steps_of(PLAN)[3:-1]
+    assert points == [
+        step
+        for point in PLAN.points
+        for step in (Checkpoint(), Move(point), Measure(point), Store(point))
+    ]
+
+
+def test_the_antennas_rotate_once_at_each_stop():
+    rotations = [step.point.z_deg for step in steps_of(PLAN) if isinstance(step, Measure)]
+    assert rotations == [0.0, 90.0, 90.0, 0.0] * (TOTAL // 4)
+
+
+def test_every_third_polarization_is_visited_too():
+    plan = plan_survey(
+        replace(PARAMETERS, polarizations_deg=(0.0, 45.0, 90.0)), CONFIG, SurveySettings()
+    )
+    rotations = [step.point.z_deg for step in steps_of(plan) if isinstance(step, Measure)]
+    assert rotations[:6] == [0.0, 45.0, 90.0, 90.0, 45.0, 0.0]
+
+
+@pytest.mark.parametrize("stored", [[], [0], [0, 2, 5, 23], list(range(TOTAL))])
+def test_a_survey_from_the_disk_repeats_its_last_point_first_and_then_measures_what_is_missing(
+    stored,
+):
+    steps = steps_of(resumed_plan(stored))
+    missing = [index for index in range(TOTAL) if index not in stored]
+    assert steps[2] == Home(every_axis=True)
+    assert indices(steps, Repeat) == ([max(stored)] if stored else [])
+    if stored:
+        assert isinstance(steps[3], Repeat)
+    for kind in (Move, Measure, Store):
+        assert indices(steps, kind) == missing
+
+
+def test_an_interrupted_survey_continues_where_it_was_and_measures_nothing_twice():
+    progress = SurveyProgress.at_start(PLAN)
+    progress.note_homed(any_axis=True)
+    measured = []
+    for step in survey_steps(PLAN, progress):
+        if isinstance(step, Store):
+            progress.note_measured(trace_of(step.point.index))
+            measured.append(step.point.index)
+        if len(measured) == 7:
+            break
+    rest = steps_of(PLAN, progress)
+    assert rest[:4] == [Check(), Open(), Home(every_axis=False), Checkpoint()]
+    assert measured + indices(rest, Store) == list(range(TOTAL))
+
+
+@pytest.mark.parametrize("homed", [False, True])
+def test_the_last_point_is_repeated_only_if_an_axis_had_to_be_homed(homed):
+    progress = SurveyProgress.at_start(PLAN)
+    progress.note_measured(trace_of(0))
+    steps = []
+    for step in survey_steps(PLAN, progress):
+        steps.append(step)
+        if isinstance(step, Home):
+            progress.note_homed(any_axis=homed)
+    assert indices(steps, Repeat) == ([0] if homed else [])
+    assert indices(steps, Measure) == list(range(1, TOTAL))

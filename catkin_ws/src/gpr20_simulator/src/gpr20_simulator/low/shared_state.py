@@ -1,0 +1,171 @@
+"""The true state of the simulated robot, shared by the processes that simulate its parts.
+
+A small file in shared memory holds one 64-bit word per fact. Each word has one writer, so
+a reader sees a new value as soon as the writer has stored it, without any message.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import fcntl
+import mmap
+import os
+import tempfile
+import time
+from pathlib import Path
+from typing import Mapping, Optional
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_survey.axes.axis_id import AxisId
+
+LAYOUT = 0x47505232_00000003
+INDEX = {axis: index for index, axis in enumerate(AxisId)}
+AXES_WITH_ENDSTOP = (AxisId.X, AxisId.Y)
+
+
+class SharedStateError(Gpr20Error, OSError):
+    """The shared state cannot be used."""
+
+
+class EndstopFault(enum.IntEnum):
+    """What is wrong with an endstop."""
+
+    NONE = 0
+    STUCK_OPEN = 1
+    STUCK_CLOSED = 2
+
+
+class AdcFault(enum.IntEnum):
+    """What is wrong with the analogue-to-digital converter of the height sensor."""
+
+    NONE = 0
+    STUCK = 1
+    OUT_OF_RANGE = 2
+
+
+class _Words(ctypes.Structure):
+    """The layout of the file; a store of an aligned word is never seen half done."""
+
+    _PerAxis = ctypes.c_int64 * len(INDEX)
+    _fields_ = (
+        ("layout", ctypes.c_int64),
+        ("steps", _PerAxis),
+        ("last_pulse_ns", _PerAxis),
+        ("pin_levels", _PerAxis),
+        ("endstop_fault", _PerAxis),
+        ("adc_fault", ctypes.c_int64),
+        ("vna_port", ctypes.c_int64),
+    )
+
+
+class SharedState:
+    """The shared words, by name. Made by `open_shared_state`."""
+
+    def __init__(self, words: _Words) -> None:
+        self._words = words
+
+    def steps(self, axis: AxisId) -> int:
+        """Return where the axis is [motor steps from coordinate zero]."""
+        return self._words.steps[INDEX[axis]]
+
+    def set_steps(self, axis: AxisId, steps: int) -> None:
+        """Put the axis somewhere [motor steps] and note when."""
+        self._words.steps[INDEX[axis]] = steps
+        self._words.last_pulse_ns[INDEX[axis]] = time.monotonic_ns()
+
+    def last_pulse_ns(self, axis: AxisId) -> int:
+        """Return when the axis last moved [ns of time.monotonic_ns()]; 0 if it never did."""
+        return self._words.last_pulse_ns[INDEX[axis]]
+
+    def pins_low(self, axis: AxisId) -> bool:
+        """Return whether the step and direction pins of the axis are both low."""
+        return self._words.pin_levels[INDEX[axis]] == 0
+
+    def set_pin_levels(self, axis: AxisId, step_high: bool, dir_high: bool) -> None:
+        """Note the levels of the step and direction pins of the axis."""
+        self._words.pin_levels[INDEX[axis]] = step_high | dir_high << 1
+
+    def endstop_fault(self, axis: AxisId) -> EndstopFault:
+        """Return the fault of the axis's endstop; an axis without endstop has none."""
+        return EndstopFault(self._words.endstop_fault[INDEX[axis]])
+
+    def set_endstop_fault(self, axis: AxisId, fault: EndstopFault) -> None:
+        """Break or repair the endstop of the x or y axis."""
+        if axis not in AXES_WITH_ENDSTOP:
+            raise SharedStateError(f"the {axis.value} axis has no endstop that could fail")
+        self._words.endstop_fault[INDEX[axis]] = fault
+
+    @property
+    def adc_fault(self) -> AdcFault:
+        """The fault of the height sensor's converter."""
+        return AdcFault(self._words.adc_fault)
+
+    @adc_fault.setter
+    def adc_fault(self, fault: AdcFault) -> None:
+        self._words.adc_fault = fault
+
+    @property
+    def vna_port(self) -> int:
+        """TCP port of the simulated VNA's core channel on loopback; 0 until it listens."""
+        return int(self._words.vna_port)
+
+    @vna_port.setter
+    def vna_port(self, port: int) -> None:
+        self._words.vna_port = port
+
+
+def open_shared_state(
+    path: Path, start_steps: Optional[Mapping[AxisId, int]] = None
+) -> SharedState:
+    """Open the shared state, making it if it is not there yet.
+
+    Whichever process comes first makes it; all of them pass the same start.
+
+    Args:
+        path: The file, in memory-backed storage such as /dev/shm.
+        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if it
+            is left out.
+
+    Raises:
+        SharedStateError: The file cannot be made, or is something else.
+    """
+    try:
+        memory = _map(path, start_steps or {})
+        while memory is None:
+            memory = _map(path, start_steps or {})
+    except (OSError, ValueError) as error:
+        raise SharedStateError(f"the simulated robot's {path} cannot be opened: {error}") from error
+    if len(memory) == ctypes.sizeof(_Words):
+        words = _Words.from_buffer(memory)
+        if words.layout == LAYOUT:
+            return SharedState(words)
+    raise SharedStateError(f"{path} is no simulated robot of this version; remove it")
+
+
+def _map(path: Path, start_steps: Mapping[AxisId, int]) -> Optional[mmap.mmap]:
+    """Map the file, which is made if it is missing; None if it was cleared away meanwhile."""
+    _make(path, start_steps)
+    with path.open("r+b") as file:
+        # Kept by the map until the process ends: `remove_stale_states` leaves the file alone.
+        fcntl.flock(file.fileno(), fcntl.LOCK_SH)
+        if not os.fstat(file.fileno()).st_nlink:
+            return None
+        return mmap.mmap(file.fileno(), 0)
+
+
+def _make(path: Path, start_steps: Mapping[AxisId, int]) -> None:
+    if path.exists():
+        return
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    words = _Words(layout=LAYOUT)
+    for axis, steps in start_steps.items():
+        words.steps[INDEX[axis]] = steps
+    with tempfile.NamedTemporaryFile(dir=path.parent) as complete:
+        complete.write(bytes(words))
+        complete.flush()
+        try:
+            # A link is made whole or not at all, so nobody opens a half-written state.
+            os.link(complete.name, path)
+        except FileExistsError:
+            return

@@ -1,0 +1,56 @@
+"""Events from topics and services, until nobody wants them any more."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any, Callable, List
+
+import rospy
+
+
+class RosEvents:
+    """Base of the clients: subscriptions, and a listener that may be gone after `close`.
+
+    Args:
+        listener: Called with each event, from threads of ROS and of the client.
+    """
+
+    def __init__(self, listener: Callable[[Any], None]) -> None:
+        self._listener = listener
+        self._telling = threading.Lock()
+        self._closed = False
+        self._subscribers: List[rospy.Subscriber] = []
+
+    def close(self) -> None:
+        """Tell the listener nothing more, whatever is still on its way."""
+        with self._telling:
+            self._closed = True
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        self._subscribers.clear()
+
+    def _subscribe(
+        self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
+    ) -> None:
+        """Tell an event for each message of a topic; `queue_size` None lets any number wait."""
+        self._subscribe_raw(
+            name, message_class, lambda message: self._tell(convert(message)), queue_size
+        )
+
+    def _subscribe_raw(
+        self, name: str, message_class: Any, heard: Callable[[Any], None], queue_size: Any
+    ) -> None:
+        """Call a function for each message of a topic; it may `_tell` as often as it likes."""
+        self._subscribers.append(
+            rospy.Subscriber(name, message_class, heard, queue_size=queue_size)
+        )
+
+    def _tell(self, event: Any) -> None:
+        with self._telling:
+            if not self._closed:
+                self._listener(event)
+
+
+def in_background(work: Callable[[], None]) -> None:
+    """Do something in a thread that, if it never ends, does not keep the process alive."""
+    threading.Thread(target=work, daemon=True).start()

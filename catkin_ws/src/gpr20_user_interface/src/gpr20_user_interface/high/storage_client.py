@@ -1,0 +1,87 @@
+"""The storage's topics and services, and the plan and coverage of a survey, as events."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import rospy
+from std_msgs.msg import String
+
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_msgs.msg import SurveyCoverage
+from gpr20_msgs.srv import ListSurveys, ReadSurvey, ReadTraces
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import trace_message
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.mid.trace_events import ReadingFailed, TraceEvent
+
+LIST_TIMEOUT_S = 20.0
+READ_TIMEOUT_S = 20.0
+SURVEYS_PER_PAGE = 20
+# A page is converted at once in the window's process and must not make it stutter.
+TRACES_PER_PAGE = 50
+# Beyond this a window that is too slow loses traces; it reads them again from the storage.
+TRACE_QUEUE = 200
+
+
+class StorageClient(RosEvents):
+    """Tells a listener everything about traces; asks the storage without waiting."""
+
+    def __init__(self, listener: Callable[[TraceEvent], None]) -> None:
+        super().__init__(listener)
+        self._list = ServiceClient("list_surveys", ListSurveys)
+        self._survey = ServiceClient("read_survey", ReadSurvey)
+        self._traces = ServiceClient("read_traces", ReadTraces)
+
+    def listen(self) -> None:
+        """Subscribe to plan, coverage and traces."""
+        self._subscribe("survey_metadata", String, conversions.survey_described, 1)
+        self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
+        # As it was sent: the converter of traces reads these bytes.
+        self._subscribe_raw("trace", rospy.AnyMsg, self._on_trace, TRACE_QUEUE)
+
+    def list_surveys(self, before: str) -> None:
+        """Ask for the surveys older than a folder; empty: for the newest."""
+        self._ask(
+            lambda: self._list.call(LIST_TIMEOUT_S, before=before, max_surveys=SURVEYS_PER_PAGE),
+            lambda response: conversions.surveys_listed(before, response),
+        )
+
+    def read_survey(self, folder: str) -> None:
+        """Ask what a past survey was to measure."""
+        self._ask(
+            lambda: self._survey.call(READ_TIMEOUT_S, survey=folder),
+            lambda response: conversions.survey_read(folder, response),
+        )
+
+    def read_traces(self, survey: str, first_index: int) -> None:
+        """Ask for a page of stored traces of a survey, by its id."""
+        self._ask(
+            lambda: self._traces.call(
+                READ_TIMEOUT_S,
+                survey=survey,
+                first_index=first_index,
+                max_traces=TRACES_PER_PAGE,
+            ),
+            lambda response: conversions.traces_read(first_index, response),
+        )
+
+    def _on_trace(self, message: rospy.AnyMsg) -> None:
+        try:
+            trace = trace_message.decode(message._buff, message._connection_header["md5sum"])
+        except TraceRefusedError as error:
+            rospy.logwarn("not shown: %s", error)
+        else:
+            self._tell(trace)
+
+    def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
+        in_background(lambda: self._tell(self._answer(call, convert)))
+
+    @staticmethod
+    def _answer(call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> TraceEvent:
+        try:
+            response = call()
+        except ServiceUnavailableError as error:
+            return ReadingFailed(str(error))
+        return convert(response) if response.success else ReadingFailed(response.message)

@@ -1,1 +1,0 @@
-"""The CONTROL tab: parameters, what the survey will be, START and PAUSE."""

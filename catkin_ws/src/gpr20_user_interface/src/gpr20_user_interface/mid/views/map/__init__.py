@@ -1,1 +1,0 @@
-"""The MAP tab: planned stops and what became of each."""

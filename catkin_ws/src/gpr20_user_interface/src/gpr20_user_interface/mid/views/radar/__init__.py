@@ -1,1 +1,0 @@
-"""The RADAR tab: A-, B- and C-scan."""

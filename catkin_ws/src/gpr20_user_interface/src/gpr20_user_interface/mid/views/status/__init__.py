@@ -1,1 +1,0 @@
-"""The STATUS tab: what the robot does and how its parts are."""

@@ -1,0 +1,131 @@
+"""Keys on the screen: digits for a parameter, letters for a name."""
+
+from __future__ import annotations
+
+from typing import Callable, Sequence
+
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
+
+from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.style import new_button, set_look, set_wrong
+
+DIGITS = ("789", "456", "123", "-0.", ", ")
+LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
+MAX_LENGTH = 40
+
+# Tells what is allowed in place of a wrong text; empty if the text is right.
+Judge = Callable[[str], str]
+
+
+class KeyPad(Overlay):
+    """A text, keys that write it, and what is allowed, while it is written."""
+
+    def __init__(self, window: QWidget, rows: Sequence[str]) -> None:
+        super().__init__(window)
+        self._judge: Judge = lambda _text: ""
+        self._strict = True
+        self._hint = ""
+        self._deliver: Callable[[str], None] = lambda _text: None
+        self.title = QLabel()
+        self.title.setObjectName("title")
+        self.hint = QLabel()
+        self.hint.setWordWrap(True)
+        self.edit = QLineEdit()
+        self.edit.setMaxLength(MAX_LENGTH)
+        self.edit.textChanged.connect(self._on_text)
+        self.edit.returnPressed.connect(self._accept)
+        self.erase = self._button("⌫", self.edit.backspace)
+        self.erase.setAutoRepeat(True)
+        self.clear = self._button("", self.edit.clear)
+        self.cancel = self._button("", self.hide)
+        self.accept_button = self._button("", self._accept)
+        self.keys = [self._key(character) for row in rows for character in row]
+        self._lay_out(rows)
+
+    def ask(
+        self,
+        deliver: Callable[[str], None],
+        title: str,
+        hint: str,
+        text: str,
+        judge: Judge,
+        strict: bool,
+    ) -> None:
+        """Open with a text, all of it marked: the first key replaces it.
+
+        Args:
+            deliver: Told the text when it is accepted.
+            title: What is asked for.
+            hint: What is allowed.
+            text: What stands there at first.
+            judge: Tells what is allowed in place of a wrong text, while it is written.
+            strict: Whether a wrong text cannot be accepted.
+        """
+        self._deliver = deliver
+        self._judge = judge
+        self._strict = strict
+        self.clear.setText(self.tr("Clear"))
+        self.cancel.setText(self.tr("Cancel"))
+        self.accept_button.setText(self.tr("OK"))
+        self.title.setText(title)
+        self._hint = hint
+        self.edit.setText(text)
+        self.edit.selectAll()
+        self._on_text(text)
+        self.open()
+        self.edit.setFocus()
+
+    def press(self, character: str) -> None:
+        """Press one of the keys."""
+        next(key for key in self.keys if key.property("character") == character).click()
+
+    def _accept(self) -> None:
+        if self.accept_button.isEnabled():
+            self.hide()
+            self._deliver(self.edit.text())
+
+    def _on_text(self, text: str) -> None:
+        problem = self._judge(text)
+        self.hint.setText(problem or self._hint)
+        set_wrong(self.edit, bool(problem))
+        set_look(self.hint, "level", "wrong" if problem else "")
+        self.accept_button.setEnabled(not (problem and self._strict))
+
+    def _key(self, character: str) -> QPushButton:
+        key = self._button(
+            "␣" if character == " " else character, lambda: self.edit.insert(character)
+        )
+        key.setObjectName("key")
+        key.setProperty("character", character)
+        return key
+
+    def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
+        button = new_button(act, text)
+        # The text keeps the focus, and with it the mark.
+        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        return button
+
+    def _lay_out(self, rows: Sequence[str]) -> None:
+        top = QHBoxLayout()
+        top.addWidget(self.title)
+        top.addWidget(self.hint, 1)
+        line = QHBoxLayout()
+        line.addWidget(self.edit, 1)
+        line.addWidget(self.erase)
+        line.addWidget(self.clear)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(12, 8, 12, 8)
+        grid.setSpacing(6)
+        width = max(len(row) for row in rows)
+        grid.addLayout(top, 0, 0, 1, width)
+        grid.addLayout(line, 1, 0, 1, width)
+        keys = iter(self.keys)
+        for row, characters in enumerate(rows, 2):
+            for column in range(len(characters)):
+                grid.addWidget(next(keys), row, column)
+            grid.setRowStretch(row, 1)
+        last = QHBoxLayout()
+        last.addWidget(self.cancel)
+        last.addWidget(self.accept_button)
+        grid.addLayout(last, len(rows) + 2, 0, 1, width)

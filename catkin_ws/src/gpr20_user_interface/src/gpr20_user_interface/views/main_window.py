@@ -1,0 +1,241 @@
+"""The frame of the window: the top bar, the tabs, and what lies over them."""
+
+from __future__ import annotations
+
+import enum
+from typing import Callable, Dict, Optional
+
+from PyQt5.QtCore import QTimer
+from PyQt5.QtWidgets import QTabWidget, QVBoxLayout, QWidget
+
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.events import Answer
+from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.control_view import ControlView, PadRequest
+from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.map_view import MapView
+from gpr20_user_interface.views.notice import Notice, NoticeKind
+from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.profiles_view import ProfilesView
+from gpr20_user_interface.views.radar_view import RadarView
+from gpr20_user_interface.views.status_view import StatusView
+from gpr20_user_interface.views.style import STYLE_SHEET, new_button
+from gpr20_user_interface.views.top_bar import TopBar
+from gpr20_user_interface.views.translation import Languages, TranslatedWidget
+
+WIDTH_PX = 800
+HEIGHT_PX = 480
+# Topics come at up to 50 Hz; nobody reads figures that change more often than this.
+REFRESH_MS = 100
+# A trace must be seen within a second; drawing more often than this costs a core and shows no more.
+DRAW_MS = 250
+# A robot may be started, or restarted with other limits, after the window; and whether the
+# master answers is seen by it.
+LIMITS_MS = 2000
+
+
+class TabName(enum.Enum):
+    """The tabs, in their order."""
+
+    CONTROL = "control"
+    STATUS = "status"
+    MAP = "map"
+    RADAR = "radar"
+    SURVEYS = "surveys"
+
+
+class MainWindow(TranslatedWidget):
+    """Shows what its presenters know and tells them what the operator wants.
+
+    Args:
+        survey: Knows the survey that runs, and asks main_control.
+        traces: Knows the traces, and asks the storage.
+        profiles: Parameters that are kept under a name.
+        languages: Languages of the window.
+    """
+
+    def __init__(
+        self,
+        survey: WindowPresenter,
+        traces: TracePresenter,
+        profiles: Profiles,
+        languages: Languages,
+    ) -> None:
+        super().__init__()
+        self.setStyleSheet(STYLE_SHEET)
+        self.survey = survey
+        self.traces = traces
+        self._languages = languages
+        self._shown = traces.shown
+        self.top_bar = TopBar()
+        self.tabs = QTabWidget()
+        self.control = ControlView()
+        self.status = StatusView()
+        self.map = MapView(traces.shown.map, traces.shown.radar)
+        self.radar = RadarView(traces.shown.radar)
+        self.past = PastSurveysView(traces.past)
+        self.language_button = new_button(languages.use_next)
+        self._pages: Dict[TabName, QWidget] = {
+            TabName.CONTROL: self.control,
+            TabName.STATUS: self.status,
+            TabName.MAP: self.map,
+            TabName.RADAR: self.radar,
+            TabName.SURVEYS: self.past,
+        }
+        self.number_pad = KeyPad(self, DIGITS)
+        self.profiles = ProfilesView(self, profiles)
+        self.notice = Notice(self)
+        self._timers = [
+            self._timer(REFRESH_MS, self.refresh),
+            self._timer(DRAW_MS, self.draw),
+            self._timer(LIMITS_MS, survey.read_axis_limits),
+        ]
+        self._lay_out()
+        self._connect()
+        self.retranslate()
+        self.resize(WIDTH_PX, HEIGHT_PX)
+
+    def begin(self) -> None:
+        """Keep the window up to date from now on."""
+        self.survey.read_axis_limits()
+        self.refresh()
+        self._on_parameters(self.control.parameters)
+        for timer in self._timers:
+            timer.start()
+
+    def end(self) -> None:
+        """Leave the window as it is."""
+        for timer in self._timers:
+            timer.stop()
+        self.survey.end()
+
+    def on_event(self, event: object) -> None:
+        """Take note of an event; tell the operator at once what was refused."""
+        refusal = self.survey.on_event(event)
+        if refusal is not None:
+            self.notice.show_notice(NoticeKind[refusal.request.name], refusal.reason)
+        if isinstance(event, Answer):
+            self.refresh()
+        self.traces.on_event(event)
+        self._show_opened()
+        self.past.refresh()
+
+    def refresh(self) -> None:
+        """Show what is known of the robot and the survey now."""
+        snapshot = self.survey.refresh()
+        self.traces.note_state(snapshot)
+        self.map.set_carriage(self.traces.carriage_mm)
+        self.past.refresh()
+        self.show_snapshot(snapshot)
+        self.control.preview.show_preview(self.survey.preview)
+
+    def draw(self) -> None:
+        """Ask for the traces that lack and draw what is new."""
+        self.traces.refresh()
+        self.map.refresh()
+        self.radar.refresh()
+
+    def show_snapshot(self, snapshot: Snapshot) -> None:
+        """Show what is known at a moment."""
+        self.top_bar.refresh(snapshot)
+        self.control.refresh(snapshot)
+        self.status.refresh(snapshot)
+        if snapshot.fields_locked:
+            # What was being entered would stand in the fields in place of the survey's parameters.
+            for overlay in (self.number_pad, self.profiles.name_pad, self.profiles):
+                overlay.hide()
+
+    def show_tab(self, name: TabName) -> None:
+        """Bring a tab to the front."""
+        self.tabs.setCurrentWidget(self._pages[name])
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.setWindowTitle(self.tr("GPR-20"))
+        titles = {
+            TabName.CONTROL: self.tr("CONTROL"),
+            TabName.STATUS: self.tr("STATUS"),
+            TabName.MAP: self.tr("MAP"),
+            TabName.RADAR: self.tr("RADAR"),
+            TabName.SURVEYS: self.tr("SURVEYS"),
+        }
+        for name, page in self._pages.items():
+            self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
+        # The language that a touch leads to, in its own words.
+        self.language_button.setText(self._languages.language.next.own_name)
+
+    def _lay_out(self) -> None:
+        for page in self._pages.values():
+            self.tabs.addTab(page, "")
+        self.tabs.setCornerWidget(self.language_button)
+        self.tabs.tabBar().setExpanding(False)
+        # Not by the style sheet, whose bold letters the tabs do not measure.
+        font = self.tabs.tabBar().font()
+        font.setBold(True)
+        self.tabs.tabBar().setFont(font)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.top_bar)
+        layout.addWidget(self.tabs, 1)
+
+    def _connect(self) -> None:
+        survey, control = self.survey, self.control
+        self.top_bar.stop_pressed.connect(lambda: self._ask(survey.stop))
+        control.start_pressed.connect(lambda fields: self._ask(lambda: survey.start(fields)))
+        control.pause_pressed.connect(lambda: self._ask(survey.pause))
+        control.resume_pressed.connect(lambda: self._ask(survey.resume))
+        control.parameters_changed.connect(self._on_parameters)
+        control.pad_wanted.connect(self._on_pad_wanted)
+        control.profiles_pressed.connect(lambda: self.profiles.show_profiles(control.parameters))
+        self.profiles.loaded.connect(control.show_parameters)
+        self.profiles.failed.connect(
+            lambda reason: self.notice.show_notice(NoticeKind.PROFILE, reason)
+        )
+        self.past.page_requested.connect(self.traces.source.list_surveys)
+        self.past.open_requested.connect(self.traces.source.read_survey)
+        self.past.resume_requested.connect(lambda folder: self._ask(lambda: survey.resume(folder)))
+        self.radar.back_to_live_requested.connect(self._on_back_to_live)
+
+    def _ask(self, ask: Callable[[], None]) -> None:
+        ask()
+        self.refresh()
+
+    def _on_parameters(self, parameters: Optional[SurveyParameters]) -> None:
+        self.survey.set_parameters(parameters)
+        self.control.preview.show_preview(self.survey.preview)
+
+    def _on_pad_wanted(self, request: PadRequest) -> None:
+        # A wrong value may stand while another field is corrected; START stays locked.
+        self.number_pad.ask(
+            request.edit.setText,
+            request.title,
+            request.hint,
+            request.edit.text(),
+            request.judge,
+            strict=False,
+        )
+
+    def _on_back_to_live(self) -> None:
+        self.traces.show_live()
+        self._show_opened()
+
+    def _show_opened(self) -> None:
+        """Follow another survey if another one was opened, or the running one again."""
+        shown, folder = self.traces.shown, self.traces.opened_folder
+        if shown is self._shown:
+            return
+        self._shown = shown
+        self.map.show_models(shown.map, shown.radar)
+        self.radar.show_model(shown.radar, folder)
+        if folder:
+            self.show_tab(TabName.RADAR)
+
+    def _timer(self, period_ms: int, slot: Callable[[], None]) -> QTimer:
+        timer = QTimer(self)
+        timer.setInterval(period_ms)
+        timer.timeout.connect(slot)
+        return timer

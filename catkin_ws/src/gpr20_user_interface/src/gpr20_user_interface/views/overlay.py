@@ -1,0 +1,47 @@
+"""A sheet over the tabs that leaves the top bar, and with it STOP, free."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import QEvent, QObject, Qt
+from PyQt5.QtWidgets import QFrame, QWidget
+
+from gpr20_user_interface.views.top_bar import HEIGHT_PX
+
+
+class Overlay(QFrame):
+    """Covers its window below the top bar while it is open; closed at first.
+
+    A dialog of its own could cover STOP, or be lost behind the window.
+    """
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setObjectName("sheet")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.hide()
+        window.installEventFilter(self)
+
+    def open(self) -> None:
+        """Cover the tabs."""
+        self._cover()
+        self.show()
+        self.raise_()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: something happens to the window."""
+        if event.type() == QEvent.Type.Resize and self.isVisible():
+            self._cover()
+        return super().eventFilter(watched, event)
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Qt: something about the widget has changed."""
+        if event.type() == QEvent.Type.LanguageChange:
+            self.retranslate()
+        super().changeEvent(event)
+
+    def retranslate(self) -> None:
+        """Write the texts that stay while it is open in the language of the application."""
+
+    def _cover(self) -> None:
+        window = self.parentWidget()
+        self.setGeometry(0, HEIGHT_PX, window.width(), window.height() - HEIGHT_PX)

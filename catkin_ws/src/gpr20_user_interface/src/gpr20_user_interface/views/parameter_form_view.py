@@ -1,0 +1,215 @@
+"""The fields of the parameters."""
+
+from __future__ import annotations
+
+from typing import Dict, List, Mapping, Optional
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QMouseEvent
+from PyQt5.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QSizePolicy,
+    QWidget,
+)
+
+from gpr20_user_interface.mid.parameter_form import ADDRESS, FIELDS, ROTATIONS
+from gpr20_user_interface.views.style import TOUCH_PX, set_wrong
+from gpr20_user_interface.views.translation import TranslatedWidget
+
+# More characters than any parameter needs.
+MAX_LENGTH = 40
+REPEAT_DELAY_MS = 400
+REPEAT_MS = 120
+OCTETS = 4
+ROWS = (
+    ("start_frequency_hz", "stop_frequency_hz", "frequency_points"),
+    ("x_start_mm", "x_stop_mm", "x_points"),
+    ("y_start_mm", "y_stop_mm", "y_points"),
+)
+
+
+class TouchEdit(QLineEdit):
+    """A line that tells when it is tapped; a keyboard can write in it as usual."""
+
+    tapped = pyqtSignal()
+
+    def __init__(self, name: str, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self.setObjectName(name)
+        self.setMaxLength(MAX_LENGTH)
+        self.setMinimumWidth(TOUCH_PX)
+        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        """Qt: a finger or a mouse button leaves the field."""
+        super().mouseReleaseEvent(event)
+        if self.rect().contains(event.pos()):
+            self.tapped.emit()
+
+    def show_problem(self, problem: str) -> None:
+        """Mark the field as wrong; an empty problem as right."""
+        set_wrong(self, bool(problem))
+        self.setToolTip(problem)
+
+
+class NumberField(QWidget):
+    """An edit between two arrows."""
+
+    # Carries +1 or -1.
+    stepped = pyqtSignal(int)
+
+    def __init__(self, name: str, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self.edit = TouchEdit(name)
+        self.down = self._arrow("▼", -1)
+        self.up = self._arrow("▲", +1)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.down)
+        layout.addWidget(self.edit, 1)
+        layout.addWidget(self.up)
+
+    def _arrow(self, text: str, direction: int) -> QPushButton:
+        button = QPushButton(text)
+        button.setObjectName("arrow")
+        button.setAutoRepeat(True)
+        button.setAutoRepeatDelay(REPEAT_DELAY_MS)
+        button.setAutoRepeatInterval(REPEAT_MS)
+        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        button.clicked.connect(lambda: self.stepped.emit(direction))
+        return button
+
+
+class ParameterFormView(TranslatedWidget):
+    """Shows the parameters as texts and tells when one changes."""
+
+    changed = pyqtSignal()
+    # Carries the parameter's name and +1 or -1.
+    stepped = pyqtSignal(str, int)
+    # Carries the edit.
+    tapped = pyqtSignal(object)
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._octets: List[TouchEdit] = []
+        self._edits: Dict[str, TouchEdit] = {}
+        self._fields: Dict[str, NumberField] = {}
+        self._row_titles = [QLabel() for _ in range(1 + len(ROWS))]
+        self._column_titles = [QLabel() for _ in ROWS[0]]
+        self._rotation_title = QLabel()
+        self._lay_out()
+        for field in FIELDS:
+            self.show_text(field.name, field.default)
+        for edit in self.edits():
+            edit.textChanged.connect(self.changed)
+        self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        titles = (self.tr("VNA"), self.tr("MHz"), self.tr("X mm"), self.tr("Y mm"))
+        for label, title in zip(self._row_titles, titles):
+            label.setText(title)
+        columns = (self.tr("Start"), self.tr("Stop"), self.tr("Points"))
+        for label, title in zip(self._column_titles, columns):
+            label.setText(title)
+        self._rotation_title.setText(self.tr("Antennas °"))
+
+    def texts(self) -> Dict[str, str]:
+        """Return the text of every field by the name of its parameter."""
+        found = {name: edit.text() for name, edit in self._edits.items()}
+        found[ADDRESS] = ".".join(octet.text() for octet in self._octets)
+        return found
+
+    def texts_with(self, edit: TouchEdit, text: str) -> Dict[str, str]:
+        """Return what the texts would be with another one in one of the edits."""
+        found = self.texts()
+        if edit in self._octets:
+            octets = [text if one is edit else one.text() for one in self._octets]
+            found[ADDRESS] = ".".join(octets)
+        else:
+            found[edit.objectName()] = text
+        return found
+
+    def show_text(self, name: str, text: str) -> None:
+        """Put a text into the field of a parameter."""
+        if name != ADDRESS:
+            self._edits[name].setText(text)
+            return
+        parts = text.split(".", OCTETS - 1)
+        for octet, part in zip(self._octets, parts + [""] * OCTETS):
+            octet.setText(part)
+
+    def edit(self, name: str) -> QLineEdit:
+        """Return the field of a parameter; of the address its first."""
+        return self._octets[0] if name == ADDRESS else self._edits[name]
+
+    def octet(self, number: int) -> QLineEdit:
+        """Return a field of the address, from 0."""
+        return self._octets[number]
+
+    def field(self, name: str) -> NumberField:
+        """Return the field of a parameter with its arrows."""
+        return self._fields[name]
+
+    def edits(self) -> List[TouchEdit]:
+        """Return every field that can be tapped."""
+        return [*self._octets, *self._edits.values()]
+
+    def name_of(self, edit: TouchEdit) -> str:
+        """Return the parameter to which an edit belongs."""
+        return ADDRESS if edit in self._octets else edit.objectName()
+
+    def show_problems(self, problems: Mapping[str, str]) -> None:
+        """Mark the fields that are wrong, by the name of their parameter."""
+        for edit in self.edits():
+            edit.show_problem(problems.get(self.name_of(edit), ""))
+
+    def _lay_out(self) -> None:
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setSpacing(4)
+        grid.addWidget(self._row_titles[0], 0, 0)
+        grid.addLayout(self._address_and_rotations(), 0, 1, 1, len(ROWS[0]))
+        for column, label in enumerate(self._column_titles, 1):
+            label.setObjectName("quiet")
+            grid.addWidget(label, 1, column)
+            grid.setColumnStretch(column, 1)
+        for row, names in enumerate(ROWS):
+            grid.addWidget(self._row_titles[row + 1], row + 2, 0)
+            for column, name in enumerate(names, 1):
+                grid.addWidget(self._number_field(name), row + 2, column)
+
+    def _address_and_rotations(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setSpacing(2)
+        for number in range(OCTETS):
+            if number:
+                row.addWidget(QLabel("."))
+            octet = self._touch_edit(f"octet{number}")
+            self._octets.append(octet)
+            row.addWidget(octet, 2)
+        row.addSpacing(12)
+        row.addWidget(self._rotation_title)
+        self._edits[ROTATIONS] = self._touch_edit(ROTATIONS)
+        row.addWidget(self._edits[ROTATIONS], 4)
+        return row
+
+    def _number_field(self, name: str) -> NumberField:
+        field = NumberField(name)
+        field.stepped.connect(lambda direction: self.stepped.emit(name, direction))
+        field.edit.tapped.connect(lambda: self.tapped.emit(field.edit))
+        self._fields[name] = field
+        self._edits[name] = field.edit
+        return field
+
+    def _touch_edit(self, name: str) -> TouchEdit:
+        edit = TouchEdit(name)
+        edit.tapped.connect(lambda: self.tapped.emit(edit))
+        return edit

@@ -1,0 +1,162 @@
+"""The list of past surveys: what became of each, go on with one, look at one."""
+
+from __future__ import annotations
+
+from typing import Optional, Tuple
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QShowEvent
+from PyQt5.QtWidgets import (
+    QAbstractItemView,
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
+from gpr20_user_interface.views.robot_text import robot_text
+from gpr20_user_interface.views.style import TOUCH_PX, new_button
+from gpr20_user_interface.views.translation import TranslatedWidget
+
+WHEN, VERDICT, TRACES = range(3)
+
+
+class PastSurveysView(TranslatedWidget):
+    """Shows PastSurveys and tells what the operator wants."""
+
+    # Empty: the first page. Else the folder before which the next page begins.
+    page_requested = pyqtSignal(str)
+    # The name of a folder.
+    open_requested = pyqtSignal(str)
+    resume_requested = pyqtSignal(str)
+
+    def __init__(self, surveys: PastSurveys, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._surveys = surveys
+        self._revision = -1
+        # As in the rows of the table.
+        self._shown: Tuple[PastSurvey, ...] = ()
+        self.table = QTableWidget(0, 3)
+        self.details = QLabel()
+        self.open = new_button(self._on_open)
+        self.resume = new_button(self._on_resume)
+        self.older = new_button(lambda: self.page_requested.emit(self._surveys.next_before))
+        self.again = new_button(lambda: self.page_requested.emit(""))
+        self._lay_out()
+        self.table.itemSelectionChanged.connect(self._show_choice)
+        self.retranslate()
+
+    @property
+    def chosen(self) -> Optional[PastSurvey]:
+        """The survey that the operator touched."""
+        rows = {index.row() for index in self.table.selectedIndexes()}
+        return self._shown[rows.pop()] if rows and max(rows) < len(self._shown) else None
+
+    def refresh(self) -> None:
+        """Show the list as it is now, if it has changed; somebody who looks at it wants it new."""
+        if self._surveys.outdated and self.isVisible():
+            self._ask_again()
+        if self._surveys.revision != self._revision:
+            self._revision = self._surveys.revision
+            self._show_list()
+
+    def _ask_again(self) -> None:
+        self._surveys.outdated = False
+        self.page_requested.emit("")
+
+    def _show_list(self) -> None:
+        # The choice stays, wherever its survey is in the new list.
+        chosen = self.chosen
+        self._shown = self._surveys.surveys
+        self.table.setRowCount(len(self._shown))
+        for row, survey in enumerate(self._shown):
+            self._show_row(row, survey)
+            if chosen is not None and survey.folder == chosen.folder:
+                self.table.selectRow(row)
+        self._show_choice()
+
+    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
+        """Ask for the list again whenever somebody wants to see it."""
+        super().showEvent(event)
+        self._ask_again()
+
+    def _show_row(self, row: int, survey: PastSurvey) -> None:
+        counted = f"{survey.stored_traces} / {survey.planned_traces}"
+        texts = {
+            WHEN: survey.day_and_time,
+            VERDICT: self._word(survey),
+            TRACES: "—" if survey.problem else counted,
+        }
+        for column, text in texts.items():
+            self.table.setItem(row, column, QTableWidgetItem(text))
+
+    def _word(self, survey: PastSurvey) -> str:
+        word = {
+            Verdict.COMPLETE: self.tr("complete"),
+            Verdict.INCOMPLETE: self.tr("INCOMPLETE"),
+            Verdict.RUNNING: self.tr("running"),
+            Verdict.UNREADABLE: self.tr("CANNOT BE READ"),
+        }[self._surveys.verdict(survey)]
+        return f"{word} ({self.tr('simulated')})" if survey.simulated else word
+
+    def _show_choice(self) -> None:
+        chosen = self.chosen
+        self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
+        self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
+        self.older.setEnabled(self._surveys.more)
+        if self._surveys.problem:
+            text = robot_text(self._surveys.problem)
+        elif chosen is None:
+            text = self.tr("Touch a survey.")
+        else:
+            text = f"{chosen.folder}: {self._sentence(chosen)}"
+        self.details.setText(text)
+
+    def _sentence(self, survey: PastSurvey) -> str:
+        if self._surveys.verdict(survey) is Verdict.RUNNING:
+            return self.tr("It is on its way.")
+        told = robot_text(survey.problem) or robot_text(survey.verdict)
+        return told or self.tr("It has not ended properly.")
+
+    def _on_open(self) -> None:
+        if self.chosen is not None:
+            self.open_requested.emit(self.chosen.folder)
+
+    def _on_resume(self) -> None:
+        if self.chosen is not None:
+            self.resume_requested.emit(self.chosen.folder)
+
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
+        titles = [self.tr("Started (UTC)"), self.tr("Coverage"), self.tr("Traces")]
+        self.table.setHorizontalHeaderLabels(titles)
+        self.open.setText(self.tr("Show in RADAR"))
+        self.resume.setText(self.tr("Resume"))
+        self.older.setText(self.tr("Older"))
+        self.again.setText(self.tr("Refresh"))
+        self._show_list()
+
+    def _lay_out(self) -> None:
+        table = self.table
+        table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        table.verticalHeader().hide()
+        table.verticalHeader().setDefaultSectionSize(TOUCH_PX)
+        table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
+        table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.details.setWordWrap(True)
+        self.details.setTextFormat(Qt.TextFormat.PlainText)
+        buttons = QHBoxLayout()
+        for button in (self.open, self.resume, self.older, self.again):
+            buttons.addWidget(button)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(4, 4, 4, 4)
+        column.setSpacing(4)
+        column.addWidget(table, 1)
+        column.addWidget(self.details)
+        column.addLayout(buttons)

@@ -1,0 +1,118 @@
+"""The list of profiles: load one, save the fields as one, delete one."""
+
+from __future__ import annotations
+
+from typing import Callable, Optional
+
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidget
+
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.errors import ProfileError
+from gpr20_user_interface.mid.profiles import MAX_NAME_LENGTH, Profiles, is_name
+from gpr20_user_interface.views.key_pad import LETTERS, KeyPad
+from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.style import new_button
+
+
+class ProfilesView(Overlay):
+    """Shows the profiles and does with them what the operator wants."""
+
+    # Carries the SurveyParameters of a profile.
+    loaded = pyqtSignal(object)
+    # Carries the reason why a profile cannot be used.
+    failed = pyqtSignal(str)
+
+    def __init__(self, window: QWidget, profiles: Profiles) -> None:
+        super().__init__(window)
+        self._profiles = profiles
+        self._parameters: Optional[SurveyParameters] = None
+        self.name_pad = KeyPad(window, LETTERS)
+        self.title = QLabel()
+        self.title.setObjectName("title")
+        self.names = QListWidget()
+        self.load = new_button(lambda: self._try(self._load))
+        self.save = new_button(lambda: self._try(self._ask_name))
+        self.delete = new_button(lambda: self._try(self._delete))
+        self.close_button = new_button(self.hide)
+        self.names.currentRowChanged.connect(lambda _row: self._show_buttons())
+        row = QHBoxLayout()
+        for button in (self.load, self.save, self.delete, self.close_button):
+            row.addWidget(button, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(16, 10, 16, 10)
+        layout.addWidget(self.title)
+        layout.addWidget(self.names, 1)
+        layout.addLayout(row)
+        self.retranslate()
+
+    def show_profiles(self, parameters: Optional[SurveyParameters]) -> None:
+        """Open with the names of all profiles.
+
+        Args:
+            parameters: What the fields hold and can be saved; None: nothing that can.
+        """
+        self._parameters = parameters
+        self._try(self._list)
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.title.setText(self.tr("Profiles of parameters"))
+        self.load.setText(self.tr("LOAD"))
+        self.save.setText(self.tr("SAVE AS"))
+        self.close_button.setText(self.tr("CLOSE"))
+        self._show_buttons()
+
+    def _show_buttons(self) -> None:
+        chosen = self.names.currentItem() is not None
+        self.load.setEnabled(chosen)
+        self.delete.setEnabled(chosen)
+        self.delete.setProperty("asked", False)
+        self.delete.setText(self.tr("DELETE"))
+        self.save.setEnabled(self._parameters is not None)
+
+    def _list(self) -> None:
+        names = self._profiles.names()
+        self.names.clear()
+        self.names.addItems(names)
+        self._show_buttons()
+        self.open()
+
+    def _load(self) -> None:
+        self.hide()
+        self.loaded.emit(self._profiles.load(self.names.currentItem().text()))
+
+    def _delete(self) -> None:
+        # One touch may be an accident.
+        if not self.delete.property("asked"):
+            self.delete.setProperty("asked", True)
+            self.delete.setText(self.tr("SURE?"))
+            return
+        self._profiles.remove(self.names.currentItem().text())
+        self._list()
+
+    def _ask_name(self) -> None:
+        taken = self._profiles.names()
+        hint = self.tr(
+            "a new name of at most {most} letters a to z, digits, blanks, - and _; "
+            "first a letter or digit, no blank last"
+        ).format(most=MAX_NAME_LENGTH)
+
+        def judge(name: str) -> str:
+            return "" if is_name(name) and name not in taken else hint
+
+        def deliver(name: str) -> None:
+            self._try(lambda: self._save(name))
+
+        self.name_pad.ask(deliver, self.tr("Save profile as"), hint, "", judge, strict=True)
+
+    def _save(self, name: str) -> None:
+        if self._parameters is not None:
+            self._profiles.save(name, self._parameters)
+        self._list()
+
+    def _try(self, act: Callable[[], None]) -> None:
+        try:
+            act()
+        except ProfileError as error:
+            self.failed.emit(str(error))

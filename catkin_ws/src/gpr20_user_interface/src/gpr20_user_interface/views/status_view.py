@@ -1,0 +1,227 @@
+"""The STATUS tab: what the robot does, how far it is, where its antennas are."""
+
+from __future__ import annotations
+
+import math
+from typing import Dict, Optional, Tuple
+
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPlainTextEdit,
+    QProgressBar,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_user_interface.mid.displays import time_parts
+from gpr20_user_interface.mid.events import ControlState, CurrentPosition, Progress, TargetPosition
+from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.views.health_panel import HealthPanel
+from gpr20_user_interface.views.robot_text import robot_text, state_title
+from gpr20_user_interface.views.translation import TranslatedWidget
+
+UNKNOWN = "—"
+# The progress bar counts in thousandths.
+FULL = 1000
+HEIGHT_COLUMN = 4
+
+
+class MessagePanel(TranslatedWidget):
+    """A title for the state and the message below it, however long."""
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._shown: Optional[ControlState] = None
+        self._title = QLabel(UNKNOWN)
+        self._title.setObjectName("title")
+        self._message = QPlainTextEdit()
+        self._message.setObjectName("status_message")
+        self._message.setReadOnly(True)
+        self._message.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        layout.addWidget(self._title)
+        layout.addWidget(self._message)
+
+    @property
+    def title(self) -> str:
+        """The title that is shown."""
+        return self._title.text()
+
+    @property
+    def message(self) -> str:
+        """The message that is shown."""
+        return self._message.toPlainText()
+
+    def show_state(self, state: Optional[ControlState]) -> None:
+        """Show what main_control said last; nothing if it never spoke."""
+        # Written only when it changes, so that whoever reads keeps the place.
+        if state != self._shown:
+            self._shown = state
+            self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        message = "" if self._shown is None else robot_text(self._shown.message)
+        if message != self._message.toPlainText():
+            self._message.setPlainText(message)
+        self._title.setText(UNKNOWN if self._shown is None else state_title(self._shown.code))
+
+
+class ProgressPanel(TranslatedWidget):
+    """A bar with the percentage; below it traces and remaining time."""
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._progress: Optional[Progress] = None
+        self._bar = QProgressBar()
+        self._bar.setRange(0, FULL)
+        self._text = QLabel()
+        self._remaining = QLabel()
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        for widget in (self._bar, self._text, self._remaining):
+            layout.addWidget(widget)
+        self.show_progress(None)
+
+    @property
+    def thousandths(self) -> int:
+        """How full the bar is."""
+        return self._bar.value()
+
+    @property
+    def texts(self) -> str:
+        """The two lines below the bar."""
+        return f"{self._text.text()}\n{self._remaining.text()}"
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.show_progress(self._progress)
+
+    def show_progress(self, progress: Optional[Progress]) -> None:
+        """Show the progress; None shows that there is none."""
+        self._progress = progress
+        if progress is None or progress.total_points == 0:
+            self._bar.setValue(0)
+            self._bar.setFormat(self.tr("no survey"))
+            self._text.clear()
+            self._remaining.clear()
+            return
+        # Rounded down: only a complete survey is shown as 100 %.
+        self._bar.setValue(math.floor(progress.completion_percent * FULL / 100.0))
+        self._bar.setFormat(
+            self.tr("{percent} %").format(
+                percent=f"{math.floor(progress.completion_percent * 10.0) / 10.0:.1f}"
+            )
+        )
+        self._text.setText(
+            self.tr("{visited} of {total} traces, {remaining} to go").format(
+                visited=progress.visited_points,
+                total=progress.total_points,
+                remaining=progress.total_points - progress.visited_points,
+            )
+        )
+        self._remaining.setText(self._remaining_text(progress))
+
+    def _remaining_text(self, progress: Progress) -> str:
+        parts = time_parts(progress.remaining_s)
+        if progress.visited_points == 0:
+            text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (by the plan)")
+        else:
+            text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (measured)")
+        return text.format(d=parts.days, h=parts.hours, m=parts.minutes, s=parts.seconds)
+
+
+class PositionPanel(TranslatedWidget):
+    """X, Y and Z, now and as the target, and the height over the ground."""
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._cells: Dict[Tuple[str, int], QLabel] = {}
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setSpacing(4)
+        self._titles = [self._label("") for _ in range(HEIGHT_COLUMN)]
+        for column, label in enumerate(self._titles, 1):
+            label.setObjectName("quiet")
+            grid.addWidget(label, 0, column)
+        self._rows = [QLabel(), QLabel()]
+        for row, (name, columns) in enumerate((("current", HEIGHT_COLUMN), ("target", 3)), 1):
+            grid.addWidget(self._rows[row - 1], row, 0)
+            for column in range(1, columns + 1):
+                self._cells[name, column] = self._label(UNKNOWN)
+                self._cells[name, column].setObjectName("figure")
+                grid.addWidget(self._cells[name, column], row, column)
+        self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        titles = (self.tr("X mm"), self.tr("Y mm"), self.tr("Z °"), self.tr("Height m"))
+        for label, title in zip(self._titles, titles):
+            label.setText(title)
+        for label, title in zip(self._rows, (self.tr("Now"), self.tr("Target"))):
+            label.setText(title)
+
+    def cell(self, row: str, column: int) -> str:
+        """Return the text of a cell: row "current" or "target", column from 1."""
+        return self._cells[row, column].text()
+
+    def show_current(self, position: Optional[CurrentPosition]) -> None:
+        """Show where the axes are; None if that is not known now."""
+        self._show("current", position)
+
+    def show_target(self, position: Optional[TargetPosition]) -> None:
+        """Show where the axes go; None if nowhere."""
+        self._show("target", position)
+
+    def show_height(self, height_m: Optional[float]) -> None:
+        """Show the height [m]; None if it is not known now."""
+        self._cells["current", HEIGHT_COLUMN].setText(
+            UNKNOWN if height_m is None else f"{height_m:.3f}"
+        )
+
+    def _show(self, row: str, position: object) -> None:
+        for column, name in enumerate(("x_mm", "y_mm", "z_deg"), 1):
+            text = UNKNOWN if position is None else f"{getattr(position, name):.2f}"
+            self._cells[row, column].setText(text)
+
+    @staticmethod
+    def _label(text: str) -> QLabel:
+        label = QLabel(text)
+        flags = Qt.Alignment() | Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        label.setAlignment(flags)
+        return label
+
+
+class StatusView(QWidget):
+    """What the robot does, how far it is, and how its parts are."""
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self.message = MessagePanel()
+        self.progress = ProgressPanel()
+        self.positions = PositionPanel()
+        self.health = HealthPanel()
+        left = QVBoxLayout()
+        left.addWidget(self.message, 1)
+        left.addWidget(self.progress)
+        left.addWidget(self.positions)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 6)
+        layout.setSpacing(12)
+        layout.addLayout(left, 1)
+        layout.addWidget(self.health, 1)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now."""
+        self.message.show_state(snapshot.state)
+        self.progress.show_progress(snapshot.progress)
+        self.positions.show_current(snapshot.current)
+        self.positions.show_target(snapshot.target)
+        self.positions.show_height(snapshot.height_m)
+        self.health.show_health(snapshot.health)

@@ -1,0 +1,162 @@
+"""The top of the window, seen from every tab: state, alarms, STOP."""
+
+from __future__ import annotations
+
+import math
+from typing import Optional
+
+from PyQt5.QtCore import QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
+from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.views.robot_text import robot_text, state_title
+from gpr20_user_interface.views.translation import TranslatedWidget
+
+HEIGHT_PX = 64
+ALARM_LINES = 1.7
+UNKNOWN = "—"
+
+
+class TopBar(TranslatedWidget):
+    """Says what the robot does, and stops it."""
+
+    stop_pressed = pyqtSignal()
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._snapshot: Optional[Snapshot] = None
+        self.title = QLabel(UNKNOWN)
+        self.title.setObjectName("title")
+        self.message = ElidedLabel()
+        self.alarm = QLabel()
+        self.alarm.setObjectName("alarm")
+        self.alarm.setWordWrap(True)
+        self.alarm.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.alarm.hide()
+        self.simulated = QLabel()
+        self.simulated.setObjectName("simulated")
+        self.simulated.hide()
+        self.stop = QPushButton()
+        self.stop.setObjectName("stop")
+        self.stop.setFixedHeight(HEIGHT_PX - 4)
+        # A key that is pressed by accident must not reach it; a finger always does.
+        self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.stop.setEnabled(False)
+        self.stop.pressed.connect(self.stop_pressed)
+        self._lay_out()
+        self.setFixedHeight(HEIGHT_PX)
+        self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.stop.setText(self.tr("STOP"))
+        self.simulated.setText(self.tr("SIMULATED"))
+        if self._snapshot is not None:
+            self.refresh(self._snapshot)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now."""
+        self._snapshot = snapshot
+        self.title.setText(self._title(snapshot))
+        self.message.show_text("" if snapshot.state is None else robot_text(snapshot.state.message))
+        self.simulated.setVisible(snapshot.simulated)
+        self.alarm.setVisible(snapshot.alarm is not None)
+        self.message.setVisible(snapshot.alarm is None)
+        if snapshot.alarm is not None:
+            self._show_alarm(self._alarm_text(snapshot.alarm))
+        self.stop.setEnabled(snapshot.can_stop)
+
+    def _title(self, snapshot: Snapshot) -> str:
+        if snapshot.state is None:
+            return UNKNOWN
+        title = state_title(snapshot.state.code)
+        if not snapshot.running or snapshot.progress is None:
+            return title
+        # Rounded down: only a complete survey is shown as 100 %.
+        percent = math.floor(snapshot.progress.completion_percent * 10.0) / 10.0
+        return f"{title}  {percent:.1f} %"
+
+    def _show_alarm(self, text: str) -> None:
+        # Two lines, less what a line break inside a word may waste; STATUS tells the whole.
+        room_px = int(ALARM_LINES * self.alarm.width())
+        metrics = self.alarm.fontMetrics()
+        self.alarm.setText(metrics.elidedText(text, Qt.TextElideMode.ElideRight, room_px))
+        self.alarm.setToolTip(text)
+
+    def _alarm_text(self, alarm: Alarm) -> str:
+        texts = {
+            AlarmKind.MASTER_GONE: self.tr(
+                "The ROS master does not answer: the robot may still move. Waiting for it."
+            ),
+            AlarmKind.CONTROL_NEVER_HEARD: self.tr(
+                "main_control is not heard. It starts with: roslaunch gpr20 survey.launch"
+            ),
+            AlarmKind.CONTROL_SILENT: self.tr(
+                "main_control not heard for {seconds} s: the robot may still move. Waiting for it."
+            ).format(seconds=int(alarm.silent_s)),
+            AlarmKind.SURVEY_INTERRUPTED: self.tr(
+                "main_control was started anew: the survey is INTERRUPTED. SURVEYS resumes it."
+            ),
+            AlarmKind.ANALYZER_GONE: self.tr("The VNA is in trouble: {detail}").format(
+                detail=robot_text(alarm.detail)
+            ),
+        }
+        return texts[alarm.kind]
+
+    def _lay_out(self) -> None:
+        words = QVBoxLayout()
+        words.setSpacing(0)
+        for widget in (self.title, self.message, self.alarm):
+            words.addWidget(widget)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(8, 2, 4, 2)
+        layout.addLayout(words, 1)
+        layout.addWidget(self.simulated)
+        layout.addWidget(self.stop)
+
+
+class ElidedLabel(QLabel):
+    """One line that ends with … where there is no room; the whole stands in the tool tip."""
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self._whole = ""
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+
+    @property
+    def whole(self) -> str:
+        """The text without anything left out."""
+        return self._whole
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether some of the text has no room."""
+        return self.text() != _one_line(self._whole)
+
+    def show_text(self, text: str) -> None:
+        """Show as much of a text as fits."""
+        self._whole = text
+        self.setToolTip(text)
+        self._elide()
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it may be as narrow as it must."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: there is more or less room."""
+        super().resizeEvent(event)
+        self._elide()
+
+    def _elide(self) -> None:
+        metrics = self.fontMetrics()
+        room_px = self.width() - 2
+        text = metrics.elidedText(_one_line(self._whole), Qt.TextElideMode.ElideRight, room_px)
+        self.setText(text)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

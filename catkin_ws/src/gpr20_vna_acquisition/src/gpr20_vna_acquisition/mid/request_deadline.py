@@ -1,0 +1,52 @@
+"""How long a request may take, and the end of all requests."""
+
+from __future__ import annotations
+
+import threading
+
+from gpr20_common.low.clock import Clock
+from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
+
+
+class RequestDeadline:
+    """Bounds a request as a whole: an instrument that is slow at every step is one that hangs."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._closed = threading.Event()
+        self._limit_s = 0.0
+        self._begun_s = self._deadline_s = clock.now_s()
+
+    def begin(self, limit_s: float) -> None:
+        """Begin a request that may take `limit_s` [s]."""
+        self._limit_s = limit_s
+        self._begun_s = self._clock.now_s()
+        self._deadline_s = self._begun_s + limit_s
+
+    def close(self) -> None:
+        """End the running request at its next step, and every later one at its first."""
+        self._closed.set()
+
+    def since_begin_s(self) -> float:
+        """Return how long ago [s] the last request began."""
+        return self._clock.now_s() - self._begun_s
+
+    def now_s(self) -> float:
+        """Return the time [s] since some fixed moment."""
+        return self._clock.now_s()
+
+    def check(self) -> None:
+        """Do nothing, unless the request must end.
+
+        Raises:
+            VnaClosedError: The driver is being shut down.
+            VnaTimeoutError: The request takes too long.
+        """
+        self.pause_s(0.0)
+
+    def pause_s(self, duration_s: float) -> None:
+        """Wait [s], unless the request must end; raise as `check` does."""
+        if self._clock.wait_s(self._closed, duration_s):
+            raise VnaClosedError("the driver is being shut down")
+        if self._clock.now_s() > self._deadline_s:
+            raise VnaTimeoutError(f"it takes longer than {self._limit_s:g} s in all")

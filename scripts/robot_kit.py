@@ -1,0 +1,170 @@
+"""The simulated robot under a ROS master of its own: start it, find and kill its processes, end it.
+
+For the scripts and benchmarks that launch a whole robot; needs the ROS environment.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, Dict, Iterator, Optional
+
+import psutil
+
+MASTER = "rosmaster"
+# As roslaunch names the log files of the nodes, which stand in their command lines.
+NODES = (
+    "x_axis-axis_driver",
+    "y_axis-axis_driver",
+    "z_axis-axis_driver",
+    "height_sensor",
+    "vna_acquisition",
+    "vna_processing",
+    "main_control",
+    "simulator",
+    "rosout",
+)
+START_LIMIT_S = 60.0
+END_LIMIT_S = 60.0
+
+
+def free_port() -> int:
+    """Return a port of loopback on which nobody listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+class LaunchedRobot:
+    """The processes of one launch; this process and those that it starts use its master.
+
+    Args:
+        folder: Where the surveys (`data`) and the log of the launch are kept.
+        arguments: Arguments of the launch file.
+        launch: How roslaunch finds the launch file.
+    """
+
+    def __init__(
+        self, folder: Path, *arguments: str, launch: str = "gpr20 survey.launch ui:=false"
+    ) -> None:
+        self.data = folder / "data"
+        self._log = (folder / "launch.log").open("ab")
+        self._command = [*launch.split(), f"data:={self.data}", *arguments]
+        self._launch: Optional[subprocess.Popen] = None
+
+    def start(self) -> None:
+        """Launch on a free port; return when every process is there.
+
+        Raises:
+            RuntimeError: The robot does not start.
+        """
+        port = free_port()
+        os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
+        self._launch = self.run(["roslaunch", "-p", str(port), *self._command])
+        deadline_s = time.monotonic() + START_LIMIT_S
+        while not {*NODES, MASTER} <= set(self.processes()):
+            if time.monotonic() > deadline_s:
+                self.stop()
+                raise RuntimeError(f"the robot does not start; see {self._log.name}")
+            time.sleep(0.1)
+
+    def run(self, command: list) -> subprocess.Popen:
+        """Start a process that writes into the log; a Ctrl-C in the terminal does not reach it."""
+        return subprocess.Popen(
+            command, stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True
+        )
+
+    def client(self, *options: str, **streams: Any) -> subprocess.Popen:
+        """Start the terminal client; `streams` are those of `Popen`."""
+        return subprocess.Popen(
+            ["rosrun", "gpr20_user_interface", "run_survey", *options], **streams
+        )
+
+    def processes(self) -> Dict[str, psutil.Process]:
+        """Return the processes that run now, by the names of `NODES` and `MASTER`."""
+        found = {}
+        for child in self._children():
+            with contextlib.suppress(psutil.NoSuchProcess):  # ended meanwhile
+                line = " ".join(child.cmdline())
+                words = {MASTER: MASTER, **{name: f"/{name}-" for name in NODES}}
+                found.update({name: child for name, word in words.items() if word in line})
+        return found
+
+    def kill(self, name: str) -> bool:
+        """Kill a node or the master; return whether it was there to be killed."""
+        process = self.processes().get(name)
+        if process is None:
+            return False
+        process.kill()
+        return True
+
+    def kill_all(self) -> None:
+        """Kill everything at once, as when the power fails."""
+        assert self._launch is not None
+        launch = psutil.Process(self._launch.pid)
+        # Stopped first, so that nothing is started again meanwhile.
+        launch.suspend()
+        for process in [*launch.children(recursive=True), launch]:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                process.kill()
+        self._launch.wait()
+
+    def stop(self) -> None:
+        """End everything, as Ctrl-C does."""
+        end(self._launch, signal.SIGINT)
+        self._launch = None
+
+    def _children(self) -> list:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            return psutil.Process(self._launch.pid).children() if self._launch else []
+        return []
+
+
+def end(process: Optional[subprocess.Popen], number: signal.Signals) -> None:
+    """End a process that leads a session, unless it has ended; kill the session if it does not."""
+    if process is None or process.poll() is not None:
+        return
+    process.send_signal(number)
+    try:
+        process.wait(END_LIMIT_S)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+@contextlib.contextmanager
+def running(
+    *command: str, end_by: signal.Signals = signal.SIGINT, **options: Any
+) -> Iterator[subprocess.Popen]:
+    """Run a process, and end it in the end; `options` are those of `Popen`."""
+    process = subprocess.Popen(
+        command, start_new_session=True, stdout=subprocess.DEVNULL, **options
+    )
+    try:
+        yield process
+    finally:
+        end(process, end_by)
+
+
+def resident_mib(pid: Optional[int] = None, with_children: bool = False) -> float:
+    """Return the memory that a process has in use [MiB]; None: this process."""
+    process = psutil.Process(pid)
+    family = [process, *(process.children(recursive=True) if with_children else [])]
+    return float(sum(one.memory_info().rss for one in family)) / 2**20
+
+
+@contextlib.contextmanager
+def simulated_robot(*arguments: str) -> Iterator[LaunchedRobot]:
+    """Launch a robot with arguments of survey.launch; its folder is removed in the end."""
+    with tempfile.TemporaryDirectory(prefix="gpr20_robot_") as folder:
+        robot = LaunchedRobot(Path(folder), *arguments)
+        try:
+            robot.start()
+            yield robot
+        finally:
+            robot.stop()

@@ -1,0 +1,67 @@
+"""The contracts on imports (pyproject.toml) cover every package and refuse what they should."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = sorted((ROOT / "catkin_ws/src").glob("*/src/*/__init__.py"))
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """Return the folder of a copy of all packages."""
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    for source in SOURCES:
+        skipped = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(source.parent, tmp_path / source.parent.name, ignore=skipped)
+    return tmp_path
+
+
+def broken(folder):
+    """Return what lint-imports says of a folder; empty if all contracts are kept."""
+    ended = subprocess.run(
+        ["lint-imports", "--no-cache", "--no-logo"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(folder), "COLUMNS": "1000"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return "" if ended.returncode == 0 else ended.stdout
+
+
+def test_every_package_is_covered():
+    contracts = (ROOT / "pyproject.toml").read_text()
+    roots = contracts.split("root_packages = [")[1].split("]")[0]
+    assert re.findall(r'"(\w+)"', roots) == [one.parent.name for one in SOURCES]
+
+
+def test_the_packages_keep_the_contracts(copy):
+    assert broken(copy) == ""
+
+
+@pytest.mark.parametrize(
+    "file, line",
+    [
+        ("gpr20_common/mid/checks.py", "import gpr20_common.high.node"),
+        ("gpr20_common/low/clock.py", "import gpr20_common.mid.checks"),
+        ("gpr20_common/errors.py", "import gpr20_survey.errors"),
+        ("gpr20_survey/errors.py", "import rospy"),
+        ("gpr20_main_control/mid/robot.py", "from sensor_msgs.msg import Range"),
+        ("gpr20_main_control/high/__init__.py", "import gpr20_axis_driver.errors"),
+        ("gpr20_axis_driver/high/__init__.py", "import gpr20_simulator.errors"),
+        ("gpr20_simulator/high/__init__.py", "import gpr20_main_control.errors"),
+        ("gpr20_height_sensor/high/__init__.py", "from PyQt5.QtCore import QObject"),
+    ],
+)
+def test_an_import_that_is_not_allowed_is_refused(copy, file, line):
+    with (copy / file).open("a") as source:
+        source.write(f"{line}\n")
+    assert "BROKEN" in broken(copy)
