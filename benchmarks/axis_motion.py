@@ -23,7 +23,7 @@ from std_srvs.srv import Trigger
 
 from gpr20_axis_driver.axis_exceptions import MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.process_engine import ProcessEngine
+from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus, CurrentCoordinate, SurveyParameters
 from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
 from gpr20_simulator.high.simulated_robot import shared_state_path
@@ -174,22 +174,24 @@ def measure_steps(quick: bool) -> None:
     with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
         path = Path(folder) / "state"
         state = open_shared_state(path, {AxisId.X: 800})
-        engine = ProcessEngine(SimulatedHardware(X, path, AxisId.X, X_AXIS, 200.0, None))
-        driver = AxisDriver(X, engine)
-        driver.home(lambda: False)
+        pulses = PulseClient(SimulatedHardware(X, path, AxisId.X, X_AXIS, 200.0, None))
+        driver = AxisDriver(X, pulses)
+        driver.homing()
         begin_s = time.monotonic()
         for _ in range(moves):
             target_mm = chance.randrange(0, 2001) / 100
             deadline_s = time.monotonic() + chance.uniform(0.0, 0.02)
             try:
-                driver.move_to(target_mm, lambda limit_s=deadline_s: time.monotonic() > limit_s)
+                driver.move_to_coordinate(
+                    target_mm, lambda limit_s=deadline_s: time.monotonic() > limit_s
+                )
             except MotionStopped:
                 stopped += 1
             else:
-                wrong += driver.coordinate != target_mm
-            wrong += round(driver.coordinate * 100) != state.steps(AxisId.X)
+                wrong += driver.current_coord != target_mm
+            wrong += round(driver.current_coord * 100) != state.steps(AxisId.X)
         took_s = time.monotonic() - begin_s
-        engine.close()
+        pulses.close()
     print(f"{moves} random moves, {stopped} of them stopped: {wrong} wrong, {took_s:.0f} s")
 
 

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from gpr20_survey.axes.errors import AxisException, AxisParameterError, TravelError
+from gpr20_common.errors import Gpr20Error
 
-__all__ = [
-    "AxisBusyError",
-    "AxisException",
-    "AxisParameterError",
-    "EndstopError",
-    "MotionStopped",
-    "NodeHungError",
-    "NotHomedError",
-    "PositionLostError",
-    "PulseProcessError",
-    "StepMemoryError",
-    "TravelError",
-    "ZeroUnknownError",
-]
+
+class AxisException(Gpr20Error):
+    """An axis refused or failed to do what was asked; `message` says why and what to do."""
+
+
+class TravelError(AxisException, ValueError):
+    """A target lies outside the axis."""
 
 
 class NotHomedError(AxisException, RuntimeError):
@@ -48,9 +41,13 @@ class ZeroUnknownError(AxisException, RuntimeError):
     """An axis without endstop does not remember where its zero is."""
 
 
-class StepMemoryError(AxisException, OSError):
+class StepCounterError(AxisException, OSError):
     """The file that holds an axis's step count cannot be used."""
 
 
 class PulseProcessError(AxisException, OSError):
     """The process that makes the pulses could not be started, or has ended."""
+
+
+class PinLibraryError(AxisException, OSError):
+    """The pins of this computer cannot be used."""

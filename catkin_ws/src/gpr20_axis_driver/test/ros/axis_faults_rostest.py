@@ -12,7 +12,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from axis_under_test import LIMIT_S, Axis, exists, killed_client, start_client, wait_until
 
-from gpr20_axis_driver.high.goal_clients import SILENCE_LIMIT_S
+from gpr20_axis_driver.high.goals import SILENCE_LIMIT_S
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp

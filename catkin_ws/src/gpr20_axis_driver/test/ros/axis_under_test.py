@@ -1,4 +1,4 @@
-"""One axis as the tests of its faults see it: client, processes, and the truth beside it."""
+"""One axis as its tests see it: client, processes, and the truth beside it."""
 
 import subprocess
 import sys
@@ -34,16 +34,19 @@ class Axis:
     def __init__(self, name):
         self.name = name
         self.group = f"{name.value}_axis"
-        self.world = open_shared_state(shared_state_path("/"))
         self.last = None
+        self.readings = []
         self.heard = threading.Event()
         self.subscriber = rospy.Subscriber(
             f"{self.group}/current_coord", CurrentCoordinate, self._hear
         )
         self.connect()
+        # Only now: who opens it first says where the carriage begins.
+        self.world = open_shared_state(shared_state_path("/"))
 
     def _hear(self, message):
         self.last = message
+        self.readings.append(message)
         self.heard.set()
 
     def connect(self):
@@ -102,10 +105,16 @@ class Axis:
         return child
 
     def begin_move(self, target):
-        """Begin a move and return when the axis has moved by some steps."""
+        """Begin a move; return when the axis has moved by some steps and the client knows of it.
+
+        The carriage can be ahead of the client. A goal that is cancelled before its client has
+        heard that it is active ends as LOST there: a status that was sent before the goal came
+        does not name it.
+        """
         before = self.steps
         self.client.send_goal(AxisGoal(target_coordinate=target))
         wait_until(lambda: abs(self.steps - before) > 10)
+        wait_until(lambda: self.client.gh.get_comm_state() == actionlib.CommState.ACTIVE)
 
 
 def start_client(axis, *what):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import List, Optional, Tuple
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.motion import Ending
-from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
+from gpr20_axis_driver.mid.pulse_loop import PulseLoop
+from gpr20_axis_driver.motion import Ending, LateLimits
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
@@ -115,7 +115,7 @@ class Count:
         self.trusted = True
 
 
-class DirectEngine:
+class DirectPulses:
     """Makes the pulses here and now, with no process in between."""
 
     def __init__(self, runner, count):
@@ -154,18 +154,13 @@ class Axis:
         self.clock = SteppedClock()
         self.machine = Machine(parameters, self.clock, start_steps)
         count = Count()
-        limits = late_limits(parameters)
-        loop = pulse_loop_on_pins(self.machine, parameters, self.clock, limits, count)
-        self.engine = DirectEngine(loop, count)
-        self.driver = AxisDriver(parameters, self.engine)
+        limits = LateLimits.of(parameters)
+        loop = PulseLoop(self.machine, parameters, self.clock, limits, count)
+        self.pulses = DirectPulses(loop, count)
+        self.driver = AxisDriver(parameters, self.pulses)
 
     @property
     def pauses_s(self) -> List[float]:
         """Half of the time between one pulse and the next [s]."""
         times = [time_s for time_s, _direction in self.machine.pulses]
         return [(later - earlier) / 2 for earlier, later in zip(times, times[1:])]
-
-
-def never() -> bool:
-    """No stop is requested."""
-    return False

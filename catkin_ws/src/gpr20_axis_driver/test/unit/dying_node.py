@@ -3,12 +3,12 @@
 import sys
 from pathlib import Path
 
-from axis_machine import never
 from simulated_axis import SimulatedAxis
 
+from gpr20_axis_driver.motion import never
 from gpr20_survey.axes.axis_id import AxisId
 
 axis = SimulatedAxis(Path(sys.argv[1]), AxisId.Z, time_scale=1.0)
-axis.driver.home(never)
-print(axis.engine.process_id, flush=True)
-axis.driver.move_to(90.0, never)
+axis.driver.homing(never)
+print(axis.pulses.process_id, flush=True)
+axis.driver.move_to_coordinate(90.0, never)

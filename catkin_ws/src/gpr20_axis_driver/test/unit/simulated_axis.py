@@ -8,7 +8,7 @@ from pathlib import Path
 from axis_machine import X_PARAMETERS, Z_PARAMETERS
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.process_engine import ProcessEngine
+from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS, Z_AXIS
@@ -19,23 +19,24 @@ PARAMETERS = {AxisId.X: X_PARAMETERS, AxisId.Z: Z_PARAMETERS}
 MECHANICS = {AxisId.X: X_AXIS, AxisId.Z: Z_AXIS}
 
 
+def simulated_hardware(folder: Path, axis: AxisId, time_scale: float) -> SimulatedHardware:
+    """Return what an axis of a simulated robot in this folder is wired to."""
+    path = folder / "world"
+    world = open_shared_state(path, {AxisId.X: 200})
+    return SimulatedHardware(
+        PARAMETERS[axis], path, axis, MECHANICS[axis], time_scale, world.steps(axis)
+    )
+
+
 class SimulatedAxis:
-    """The driver, its engine, and the truth beside them."""
+    """The driver, its pulses, and the truth beside them."""
 
     def __init__(self, folder: Path, axis: AxisId, time_scale: float) -> None:
         self.axis = axis
-        self.path = folder / "world"
-        self.world = open_shared_state(self.path, {AxisId.X: 200})
-        self.hardware = SimulatedHardware(
-            PARAMETERS[axis],
-            self.path,
-            axis,
-            MECHANICS[axis],
-            time_scale,
-            self.world.steps(axis),
-        )
-        self.engine = ProcessEngine(self.hardware)
-        self.driver = AxisDriver(PARAMETERS[axis], self.engine)
+        self.hardware = simulated_hardware(folder, axis, time_scale)
+        self.world = open_shared_state(self.hardware.state_path)
+        self.pulses = PulseClient(self.hardware)
+        self.driver = AxisDriver(PARAMETERS[axis], self.pulses)
 
     @property
     def true_steps(self) -> int:

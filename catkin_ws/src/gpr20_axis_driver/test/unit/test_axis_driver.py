@@ -1,11 +1,12 @@
 """Moves of one axis: where they end and what ends them."""
 
 import contextlib
+import math
 import random
 import threading
 
 import pytest
-from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis, never
+from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
 
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
@@ -14,12 +15,13 @@ from gpr20_axis_driver.axis_exceptions import (
     NotHomedError,
     TravelError,
 )
+from gpr20_axis_driver.motion import never
 
 
 @pytest.fixture
 def axis():
     axis = Axis(X_PARAMETERS)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     axis.machine.pulses.clear()
     return axis
 
@@ -32,55 +34,56 @@ def stop_after(pulses, machine):
 def test_an_axis_that_is_not_homed_does_not_move():
     axis = Axis(X_PARAMETERS)
     with pytest.raises(NotHomedError, match="home it"):
-        axis.driver.move_to(10.0, never)
+        axis.driver.move_to_coordinate(10.0, never)
     assert axis.machine.pulses == []
 
 
 def test_a_move_ends_at_its_target(axis):
-    axis.driver.move_to(12.34, never)
-    assert axis.driver.coordinate == 12.34
+    axis.driver.move_to_coordinate(12.34, never)
+    assert axis.driver.current_coord == 12.34
     assert axis.machine.steps == 1234
 
 
-def test_a_target_outside_the_axis_moves_nothing(axis):
-    with pytest.raises(TravelError):
-        axis.driver.move_to(650.01, never)
+@pytest.mark.parametrize("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])
+def test_a_target_outside_the_axis_is_refused_and_moves_nothing(axis, target):
+    with pytest.raises(TravelError, match="outside the axis, 0 to 650 mm"):
+        axis.driver.move_to_coordinate(target, never)
     assert axis.machine.pulses == []
 
 
 def test_a_move_to_where_the_axis_stands_makes_no_pulse(axis):
-    axis.driver.move_to(0.0, never)
+    axis.driver.move_to_coordinate(0.0, never)
     assert axis.machine.pulses == []
 
 
 def test_a_short_move_is_a_triangle_not_a_crawl(axis):
-    axis.driver.move_to(0.20, never)
+    axis.driver.move_to_coordinate(0.20, never)
     assert min(axis.pauses_s) == pytest.approx(0.0050 - 9 * 0.0001)
 
 
 def test_a_long_move_reaches_the_top_speed(axis):
-    axis.driver.move_to(10.0, never)
+    axis.driver.move_to_coordinate(10.0, never)
     assert min(axis.pauses_s) == pytest.approx(0.0015)
     assert axis.clock.time_s > 0
 
 
 def test_a_stopped_move_slows_down_and_keeps_an_exact_coordinate(axis):
     with pytest.raises(MotionStopped, match="before the target 10 mm"):
-        axis.driver.move_to(10.0, stop_after(200, axis.machine))
+        axis.driver.move_to_coordinate(10.0, stop_after(200, axis.machine))
     assert axis.machine.steps == 200 + 35
-    assert axis.driver.coordinate == 2.35
+    assert axis.driver.current_coord == 2.35
     # The pause of the last pulse follows it, so the one before it is the last that shows.
     assert axis.pauses_s[-1] == pytest.approx(0.0049)
     steps_s = [abs(b - a) for a, b in zip(axis.pauses_s, axis.pauses_s[1:])]
     assert max(steps_s) <= 0.0001 + 1e-9
-    axis.driver.move_to(0.0, never)
+    axis.driver.move_to_coordinate(0.0, never)
     assert axis.machine.steps == 0
 
 
 def test_a_stop_at_any_step_never_loses_the_count():
     chance = random.Random(20)
     axis = Axis(X_PARAMETERS)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     for _ in range(300):
         target = chance.randrange(0, 1500) / 100
         axis.machine.pulses.clear()
@@ -88,35 +91,38 @@ def test_a_stop_at_any_step_never_loses_the_count():
             never if chance.random() < 0.3 else stop_after(chance.randrange(1, 500), axis.machine)
         )
         with contextlib.suppress(MotionStopped):
-            axis.driver.move_to(target, stop)
-        assert round(axis.driver.coordinate * 100) == axis.machine.steps
+            axis.driver.move_to_coordinate(target, stop)
+        assert round(axis.driver.current_coord * 100) == axis.machine.steps
 
 
 def test_a_stop_while_already_slowing_down_ends_at_the_target(axis):
-    axis.driver.move_to(1.0, stop_after(90, axis.machine))
+    axis.driver.move_to_coordinate(1.0, stop_after(90, axis.machine))
     assert axis.machine.steps == 100
 
 
 @pytest.mark.parametrize("target, pressed", [(0.0, "14.99 mm"), (40.0, "25.01 mm")])
 def test_the_endstop_pressed_during_a_move_ends_it_and_clears_homed(axis, target, pressed):
-    axis.driver.move_to(20.0, never)
+    axis.driver.move_to_coordinate(20.0, never)
 
     def press_after_5_mm():
         axis.machine.stuck = abs(axis.machine.steps - 2000) >= 500 or None
         return False
 
     with pytest.raises(EndstopError, match=f"pressed at {pressed}"):
-        axis.driver.move_to(target, press_after_5_mm)
-    assert not axis.driver.homed
+        axis.driver.move_to_coordinate(target, press_after_5_mm)
+    assert not axis.driver.homing_done
     with pytest.raises(NotHomedError):
-        axis.driver.move_to(5.0, never)
+        axis.driver.move_to_coordinate(5.0, never)
 
 
 def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_failure(axis):
     refused = []
 
     def try_another():
-        for motion in (lambda: axis.driver.move_to(1.0, never), lambda: axis.driver.home(never)):
+        for motion in (
+            lambda: axis.driver.move_to_coordinate(1.0, never),
+            lambda: axis.driver.homing(never),
+        ):
             try:
                 motion()
             except AxisBusyError as error:
@@ -130,28 +136,28 @@ def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_fai
         raise RuntimeError("a fault in the middle of a move")
 
     with pytest.raises(RuntimeError):
-        axis.driver.move_to(5.0, from_another_thread)
+        axis.driver.move_to_coordinate(5.0, from_another_thread)
     assert len(refused) == 2
     assert not axis.driver.moving
-    axis.driver.move_to(5.0, never)
+    axis.driver.move_to_coordinate(5.0, never)
     assert axis.machine.steps == 500
 
 
 def test_the_antennas_turn_by_whole_steps_without_an_endstop():
     axis = Axis(Z_PARAMETERS, start_steps=0)
     axis.driver.set_zero()
-    axis.driver.move_to(90.0, never)
+    axis.driver.move_to_coordinate(90.0, never)
     assert axis.machine.steps == 50
-    axis.driver.move_to(-90.0, never)
+    axis.driver.move_to_coordinate(-90.0, never)
     assert axis.machine.steps == -50
-    assert axis.driver.coordinate == -90.0
+    assert axis.driver.current_coord == -90.0
 
 
 def test_closing_in_the_middle_of_a_pulse_leaves_the_pins_low_and_released(axis):
-    axis.driver.move_to(1.0, never)
+    axis.driver.move_to_coordinate(1.0, never)
     axis.machine.levels[15] = axis.machine.HIGH
     axis.driver.close(timeout_s=1.0)
     assert axis.machine.levels[15] == axis.machine.levels[13] == axis.machine.LOW
     assert sorted(axis.machine.released) == [13, 15, 16]
     with pytest.raises(AxisBusyError):
-        axis.driver.move_to(2.0, never)
+        axis.driver.move_to_coordinate(2.0, never)

@@ -1,29 +1,30 @@
 """Homing: success, and every way in which it fails."""
 
 import pytest
-from axis_machine import X_PARAMETERS, Axis, never
+from axis_machine import X_PARAMETERS, Axis
 
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
+from gpr20_axis_driver.motion import never
 
 
 @pytest.mark.parametrize("start_steps", [500, 0, -99, -100, -150, 65000])
 def test_homing_finds_the_same_zero_from_everywhere(start_steps):
     axis = Axis(X_PARAMETERS, start_steps)
-    axis.driver.home(never)
-    assert axis.driver.homed
-    assert axis.driver.coordinate == 0.0
+    axis.driver.homing(never)
+    assert axis.driver.homing_done
+    assert axis.driver.current_coord == 0.0
     assert axis.machine.steps == 0
 
 
 def test_homing_never_exceeds_the_lowest_speed():
     axis = Axis(X_PARAMETERS)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     assert min(axis.pauses_s) == pytest.approx(X_PARAMETERS.max_step)
 
 
 def test_the_endstop_is_touched_twice():
     axis = Axis(X_PARAMETERS, start_steps=0)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     turns = [direction for _time, direction in axis.machine.pulses]
     assert turns == [-1] * 100 + [1] * 100 + [-1] * 100 + [1] * 100
 
@@ -32,8 +33,8 @@ def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
     axis = Axis(X_PARAMETERS)
     axis.machine.stuck = False
     with pytest.raises(EndstopError, match="not reached within .*stuck open"):
-        axis.driver.home(never)
-    assert not axis.driver.homed
+        axis.driver.homing(never)
+    assert not axis.driver.homing_done
     assert len(axis.machine.pulses) <= 65000 * 1.06
 
 
@@ -41,15 +42,15 @@ def test_an_endstop_stuck_closed_is_an_error():
     axis = Axis(X_PARAMETERS)
     axis.machine.stuck = True
     with pytest.raises(EndstopError, match="stuck closed"):
-        axis.driver.home(never)
-    assert not axis.driver.homed
+        axis.driver.homing(never)
+    assert not axis.driver.homing_done
 
 
 def test_a_motor_that_does_not_turn_is_not_taken_for_success():
     axis = Axis(X_PARAMETERS, start_steps=-100)
     axis.machine.lose_steps = True
     with pytest.raises(EndstopError, match="motor does not turn"):
-        axis.driver.home(never)
+        axis.driver.homing(never)
 
 
 def test_an_endstop_that_switches_at_another_place_the_second_time_is_an_error():
@@ -62,25 +63,25 @@ def test_an_endstop_that_switches_at_another_place_the_second_time_is_an_error()
         return False
 
     with pytest.raises(EndstopError, match="does not switch at one place"):
-        axis.driver.home(slip)
-    assert not axis.driver.homed
+        axis.driver.homing(slip)
+    assert not axis.driver.homing_done
 
 
 def test_homing_can_be_stopped_at_any_step():
     axis = Axis(X_PARAMETERS)
     with pytest.raises(MotionStopped, match="not homed"):
-        axis.driver.home(lambda: len(axis.machine.pulses) >= 50)
+        axis.driver.homing(lambda: len(axis.machine.pulses) >= 50)
     assert len(axis.machine.pulses) == 50
-    assert not axis.driver.homed
+    assert not axis.driver.homing_done
 
 
 def test_an_axis_that_fails_homing_is_no_longer_homed():
     axis = Axis(X_PARAMETERS)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     axis.machine.stuck = False
     with pytest.raises(EndstopError):
-        axis.driver.home(never)
-    assert not axis.driver.homed
+        axis.driver.homing(never)
+    assert not axis.driver.homing_done
 
 
 def test_an_endstop_that_stays_pressed_after_the_first_touch_is_an_error():
@@ -91,5 +92,5 @@ def test_an_endstop_that_stays_pressed_after_the_first_touch_is_an_error():
         return False
 
     with pytest.raises(EndstopError, match="still pressed 1 mm away"):
-        axis.driver.home(stick)
-    assert not axis.driver.homed
+        axis.driver.homing(stick)
+    assert not axis.driver.homing_done

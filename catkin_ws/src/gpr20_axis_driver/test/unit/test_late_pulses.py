@@ -3,11 +3,12 @@
 import itertools
 
 import pytest
-from axis_machine import X_PARAMETERS, Axis, never
+from axis_machine import X_PARAMETERS, Axis
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_axis_driver.axis_exceptions import NotHomedError, PositionLostError
+from gpr20_axis_driver.motion import never
 from gpr20_survey.axes.ramp import Ramp
 
 LATE_S = X_PARAMETERS.late_limit_s
@@ -18,7 +19,7 @@ ROUNDING_S = 1e-9
 
 def homed_axis():
     axis = Axis(X_PARAMETERS, start_steps=0)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     axis.machine.pulses.clear()
     axis.machine.edges_s.clear()
     return axis
@@ -32,7 +33,7 @@ def oversleep(axis, delays_s):
 
 def move(axis, steps, delays_s):
     oversleep(axis, delays_s)
-    axis.driver.move_to(steps / 100, never)
+    axis.driver.move_to_coordinate(steps / 100, never)
     axis.clock.oversleep_s = lambda: 0.0
 
 
@@ -71,7 +72,7 @@ def test_lateness_below_the_limit_does_not_delay_the_rest(delays_s):
     begin_s = axis.clock.time_s
     move(axis, 200, delays_s)
     assert axis.clock.time_s - begin_s == pytest.approx(RAMP.duration_s(200))
-    assert axis.driver.last_lateness.slowed == 0
+    assert axis.driver.last_motion.lateness.slowed == 0
 
 
 def test_one_late_pulse_shifts_the_rest_and_slows_it_down():
@@ -80,8 +81,8 @@ def test_one_late_pulse_shifts_the_rest_and_slows_it_down():
     move(axis, 300, at(200, 0.004))
     pauses_s = axis.pauses_s
     assert pauses_s[98:103] == pytest.approx([0.0015, 0.0035, 0.0034, 0.0033, 0.0032])
-    assert axis.driver.last_lateness.slowed == 1
-    assert axis.driver.last_lateness.max_s == pytest.approx(0.004)
+    assert axis.driver.last_motion.lateness.slowed == 1
+    assert axis.driver.last_motion.lateness.max_s == pytest.approx(0.004)
     assert axis.machine.steps == 300
 
 
@@ -96,12 +97,12 @@ def test_a_gap_at_speed_ends_the_move_and_the_position_is_no_longer_trusted(edge
     axis = homed_axis()
     with pytest.raises(PositionLostError, match="60 ms late .* home the axis"):
         move(axis, 300, at(edge, 0.06))
-    assert not axis.driver.homed
-    assert not axis.engine.trusted
+    assert not axis.driver.homing_done
+    assert not axis.pulses.trusted
     assert len(axis.machine.pulses) in (100, 101)
     assert axis.machine.levels[X_PARAMETERS.step_pin] == axis.machine.LOW
     with pytest.raises(NotHomedError):
-        axis.driver.move_to(0.0, never)
+        axis.driver.move_to_coordinate(0.0, never)
 
 
 def test_two_delays_of_one_step_add_up_to_a_gap():
@@ -114,13 +115,13 @@ def test_a_gap_at_the_lowest_speed_loses_nothing():
     axis = homed_axis()
     move(axis, 300, at(2, 1.0))
     assert axis.machine.steps == 300
-    assert axis.driver.homed
+    assert axis.driver.homing_done
 
 
 def test_the_lateness_of_the_pulses_is_reported():
     axis = homed_axis()
     move(axis, 100, [0.0001, 0.0] * 60 + [0.0004])
-    lateness = axis.driver.last_lateness
+    lateness = axis.driver.last_motion.lateness
     assert lateness.pulses == 100
     assert lateness.median_s == pytest.approx(0.0001)
     assert lateness.p99_s == pytest.approx(0.0001)

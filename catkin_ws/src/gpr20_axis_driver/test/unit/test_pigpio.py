@@ -4,17 +4,21 @@ import contextlib
 import random
 
 import pytest
-from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, DirectEngine, SteppedClock, never
+from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, DirectPulses, SteppedClock
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded_pigpio import OUTPUT, PUD_UP, RecordedPigpio
 
-from gpr20_axis_driver.axis_exceptions import MotionStopped, PositionLostError, PulseProcessError
+from gpr20_axis_driver.axis_exceptions import (
+    MotionStopped,
+    PinLibraryError,
+    PositionLostError,
+    PulseProcessError,
+)
 from gpr20_axis_driver.low.pigpio_waves import GPIO_OF_BOARD, lock_wave_transmitter
-from gpr20_axis_driver.low.pins import PinLibraryError
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.motion import Ending, Motion
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
+from gpr20_axis_driver.motion import Ending, Motion, never
 from gpr20_survey.axes.axis_parameters import BOARD_PINS
 from gpr20_survey.axes.ramp import Ramp
 
@@ -33,7 +37,7 @@ class Axis:
         self.count = Count()
         self.lock = lock_wave_transmitter(folder / "lock")
         self.runner = WaveRunner(self.daemon, self.lock, parameters, self.clock, self.count)
-        self.driver = AxisDriver(parameters, DirectEngine(self.runner, self.count))
+        self.driver = AxisDriver(parameters, DirectPulses(self.runner, self.count))
         # Where the last motion began: edges until then, and the motor's step.
         self._began = (0, 0)
         self._set_direction = self.runner._waves.set_direction
@@ -73,14 +77,14 @@ def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(axis):
 
 
 def test_homing_finds_the_zero(axis):
-    axis.driver.home(never)
-    assert (axis.driver.coordinate, axis.steps) == (0.0, 0)
+    axis.driver.homing(never)
+    assert (axis.driver.current_coord, axis.steps) == (0.0, 0)
 
 
 def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):
-    axis.driver.home(never)
+    axis.driver.homing(never)
     before = len(axis.edges_s)
-    axis.driver.move_to(5.0, never)
+    axis.driver.move_to_coordinate(5.0, never)
     edges_s = axis.edges_s[before:]
     pauses_s = [(later - earlier) / 2 for earlier, later in zip(edges_s, edges_s[1:])]
     assert len(edges_s) == 500
@@ -89,13 +93,15 @@ def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):
 
 def test_the_count_is_exact_whatever_is_stopped_when(axis):
     chance = random.Random(5)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     for _ in range(60):
         polls = chance.randrange(0, 300)
         countdown = iter([False] * polls)
         with contextlib.suppress(MotionStopped):
-            axis.driver.move_to(chance.randrange(0, 2000) / 100, lambda c=countdown: next(c, True))
-        assert round(axis.driver.coordinate * 100) == axis.steps
+            axis.driver.move_to_coordinate(
+                chance.randrange(0, 2000) / 100, lambda c=countdown: next(c, True)
+            )
+        assert round(axis.driver.current_coord * 100) == axis.steps
         assert axis.daemon.level(STEP) == 0
 
 
@@ -103,22 +109,22 @@ def test_the_count_is_exact_whatever_is_stopped_when(axis):
 @settings(max_examples=30, deadline=None)
 def test_a_stop_takes_effect_within_its_limit_and_the_ramp(tmp_path_factory, request_s):
     axis = Axis(tmp_path_factory.mktemp("lock"))
-    axis.driver._engine.place(0)
-    axis.driver._homed = True
+    axis.driver._pulses.place(0)
+    axis.driver._homing_done = True
     begin_s = axis.clock.now_s()
     with contextlib.suppress(MotionStopped):
-        axis.driver.move_to(100.0, lambda: axis.clock.now_s() >= begin_s + request_s)
+        axis.driver.move_to_coordinate(100.0, lambda: axis.clock.now_s() >= begin_s + request_s)
     ramp_s = RAMP.duration_s(2 * RAMP.braking_steps(RAMP.min_pause_s)) / 2.0
     assert axis.clock.now_s() - begin_s - request_s < ramp_s + STOP_S
     axis.lock.close()
 
 
 def test_a_daemon_left_without_waves_slows_the_rest_down(axis):
-    axis.driver.home(never)
+    axis.driver.homing(never)
     oversleep(axis, 200, 0.08)
-    axis.driver.move_to(10.0, never)
+    axis.driver.move_to_coordinate(10.0, never)
     assert axis.steps == 1000
-    assert axis.driver.last_lateness.slowed == 1
+    assert axis.driver.last_motion.lateness.slowed == 1
     edges_s = axis.edges_s[-1000:]
     pauses_s = [(later - earlier) / 2 for earlier, later in zip(edges_s, edges_s[1:])]
     for earlier_s, later_s in zip(pauses_s, pauses_s[1:]):
@@ -127,25 +133,25 @@ def test_a_daemon_left_without_waves_slows_the_rest_down(axis):
 
 
 def test_a_daemon_left_without_waves_for_long_ends_the_move(axis):
-    axis.driver.home(never)
+    axis.driver.homing(never)
     oversleep(axis, 200, 0.5)
     with pytest.raises(PositionLostError):
-        axis.driver.move_to(10.0, never)
-    assert not axis.driver.homed
+        axis.driver.move_to_coordinate(10.0, never)
+    assert not axis.driver.homing_done
     assert not axis.count.trusted
 
 
 def test_a_wave_that_the_daemon_dropped_makes_the_position_unknown(axis):
-    axis.driver.home(never)
+    axis.driver.homing(never)
     axis.daemon.lost_after = len(axis.daemon.sendings) + 5
     with pytest.raises(PositionLostError):
-        axis.driver.move_to(10.0, never)
+        axis.driver.move_to_coordinate(10.0, never)
     assert not axis.count.trusted
 
 
 def test_the_endstop_pressed_in_a_move_ends_it(axis):
-    axis.driver.home(never)
-    axis.driver.move_to(10.0, never)
+    axis.driver.homing(never)
+    axis.driver.move_to_coordinate(10.0, never)
     axis.daemon.inputs = lambda gpio: int(axis.steps > 500)
     report = axis.runner.run(Motion(False, 1000, RAMP, guarded=True), never)
     assert report.ending is Ending.PRESSED
@@ -155,10 +161,10 @@ def test_the_endstop_pressed_in_a_move_ends_it(axis):
 
 
 def test_a_dead_daemon_is_an_error_that_names_it(axis):
-    axis.driver.home(never)
+    axis.driver.homing(never)
     axis.daemon.running = False
     with pytest.raises(PulseProcessError, match="pigpiod"):
-        axis.driver.move_to(1.0, never)
+        axis.driver.move_to_coordinate(1.0, never)
 
 
 def test_a_daemon_that_does_not_run_is_an_error_at_the_start(tmp_path):
@@ -179,8 +185,8 @@ def test_only_one_axis_gets_the_transmitter(tmp_path):
 
 
 def test_closing_leaves_the_pins_low_and_the_transmitter_free(axis, tmp_path):
-    axis.driver.home(never)
-    axis.driver.move_to(1.0, never)
+    axis.driver.homing(never)
+    axis.driver.move_to_coordinate(1.0, never)
     axis.runner.close()
     assert axis.daemon.levels == {DIR: 0, STEP: 0}
     lock_wave_transmitter(tmp_path / "lock").close()

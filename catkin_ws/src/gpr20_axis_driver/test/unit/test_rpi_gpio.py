@@ -1,11 +1,12 @@
 """The pins of the real robot over RPi.GPIO."""
 
 import pytest
-from axis_machine import X_PARAMETERS, Count, SteppedClock, never
+from axis_machine import X_PARAMETERS, Count, SteppedClock
 from recorded_rpi_gpio import HIGH, IN, LOW, OUT, PUD_OFF, PUD_UP, RecordedRpiGpio
 
-from gpr20_axis_driver.mid.motion import Ending, Motion, Until
-from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
+from gpr20_axis_driver.low.pins import StepperInterface
+from gpr20_axis_driver.mid.pulse_loop import PulseLoop
+from gpr20_axis_driver.motion import Ending, LateLimits, Motion, Until, never
 from gpr20_survey.axes.ramp import Ramp
 
 SLOW = Ramp(0.005, 0.005, 0.001)
@@ -18,8 +19,7 @@ def gpio():
 
 @pytest.fixture
 def loop(gpio):
-    limits = late_limits(X_PARAMETERS)
-    return pulse_loop_on_pins(gpio, X_PARAMETERS, SteppedClock(), limits, Count())
+    return PulseLoop(gpio, X_PARAMETERS, SteppedClock(), LateLimits.of(X_PARAMETERS), Count())
 
 
 def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(gpio, loop):
@@ -35,8 +35,17 @@ def test_the_direction_is_there_before_the_first_step(gpio, loop, forward, level
     report = loop.run(Motion(forward, 2, SLOW), never)
     assert (report.ending, report.steps_made) == (Ending.COMPLETE, 2)
     pulse = [("output", 15, HIGH), ("output", 15, LOW)]
-    # The pin is driven low once more when the motion ends, whatever ended it.
-    assert gpio.calls == [("output", 13, level), *pulse, *pulse, ("output", 15, LOW)]
+    assert gpio.calls == [("output", 13, level), *pulse, *pulse]
+
+
+def test_a_fault_in_the_middle_of_a_pulse_leaves_the_step_pin_low(gpio):
+    def fail():
+        raise RuntimeError("a fault while the pin is high")
+
+    stepper = StepperInterface(gpio, dir_pin=13, step_pin=15)
+    with pytest.raises(RuntimeError):
+        stepper.step(fail)
+    assert gpio.calls[-2:] == [("output", 15, HIGH), ("output", 15, LOW)]
 
 
 def test_a_low_sensor_pin_is_a_pressed_endstop(gpio, loop):

@@ -1,7 +1,7 @@
 """The zero of an axis that has no endstop."""
 
 import pytest
-from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis, never
+from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
 
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
@@ -10,39 +10,40 @@ from gpr20_axis_driver.axis_exceptions import (
     PositionLostError,
     ZeroUnknownError,
 )
+from gpr20_axis_driver.motion import never
 
 
 def test_homing_is_refused_while_nobody_knows_the_rotation():
     axis = Axis(Z_PARAMETERS, start_steps=50)
     with pytest.raises(ZeroUnknownError, match="to their mark and call the service set_zero"):
-        axis.driver.home(never)
+        axis.driver.homing(never)
     assert axis.machine.pulses == []
-    assert not axis.driver.homed
+    assert not axis.driver.homing_done
 
 
 def test_homing_turns_back_by_what_is_remembered():
     axis = Axis(Z_PARAMETERS, start_steps=50)
-    axis.engine.place(50)
-    axis.driver.home(never)
+    axis.pulses.place(50)
+    axis.driver.homing(never)
     assert axis.machine.steps == 0
-    assert (axis.driver.homed, axis.driver.coordinate) == (True, 0.0)
+    assert (axis.driver.homing_done, axis.driver.current_coord) == (True, 0.0)
 
 
 def test_homing_twice_does_not_take_the_rotation_of_a_measurement_for_zero():
     axis = Axis(Z_PARAMETERS, start_steps=0)
     axis.driver.set_zero()
-    axis.driver.move_to(90.0, never)
-    axis.driver.home(never)
+    axis.driver.move_to_coordinate(90.0, never)
+    axis.driver.homing(never)
     assert axis.machine.steps == 0
 
 
 def test_a_homing_that_was_stopped_is_not_homed_and_goes_on_later():
     axis = Axis(Z_PARAMETERS, start_steps=50)
-    axis.engine.place(50)
+    axis.pulses.place(50)
     with pytest.raises(MotionStopped):
-        axis.driver.home(lambda: len(axis.machine.pulses) >= 10)
-    assert not axis.driver.homed
-    axis.driver.home(never)
+        axis.driver.homing(lambda: len(axis.machine.pulses) >= 10)
+    assert not axis.driver.homing_done
+    axis.driver.homing(never)
     assert axis.machine.steps == 0
 
 
@@ -52,11 +53,11 @@ def test_after_a_gap_the_zero_must_be_set_again():
     sleeps = iter([0.0] * 40 + [0.2])
     axis.clock.oversleep_s = lambda: next(sleeps, 0.0)
     with pytest.raises(PositionLostError, match="to their mark and call the service set_zero"):
-        axis.driver.move_to(90.0, never)
+        axis.driver.move_to_coordinate(90.0, never)
     with pytest.raises(ZeroUnknownError):
-        axis.driver.home(never)
+        axis.driver.homing(never)
     axis.driver.set_zero()
-    assert axis.driver.homed
+    assert axis.driver.homing_done
 
 
 def test_the_zero_is_not_set_in_the_middle_of_a_turn():
@@ -71,9 +72,9 @@ def test_the_zero_is_not_set_in_the_middle_of_a_turn():
             refused.append(raised)
         return False
 
-    axis.driver.move_to(90.0, set_zero)
+    axis.driver.move_to_coordinate(90.0, set_zero)
     assert refused
-    assert axis.driver.coordinate == 90.0
+    assert axis.driver.current_coord == 90.0
 
 
 def test_an_axis_with_an_endstop_takes_its_zero_from_there_alone():

@@ -8,6 +8,11 @@ class Gpr20Error(Exception):
     this class in one place and hand its text to the operator.
     """
 
+    @property
+    def message(self) -> str:
+        """What was refused or failed, why, and what to do."""
+        return str(self)
+
 
 class InvalidValueError(Gpr20Error, ValueError):
     """A value that came from outside is not allowed."""

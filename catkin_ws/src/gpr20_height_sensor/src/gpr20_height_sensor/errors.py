@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.errors import Gpr20Error
 
 
 class HeightError(Gpr20Error):
     """The height could not be measured."""
-
-
-class HeightParameterError(HeightError, InvalidValueError):
-    """A parameter of the height sensor is not allowed."""
 
 
 class SpiError(HeightError, OSError):

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import pytest
 
-from gpr20_height_sensor.errors import HeightParameterError, SpiError
-from gpr20_height_sensor.low.adc_interface import AdcInterface
-from gpr20_height_sensor.low.spi_bus import open_spi_bus
+from gpr20_common.errors import InvalidValueError
+from gpr20_height_sensor.errors import SpiError
+from gpr20_height_sensor.low.adc_interface import AdcInterface, open_spi_bus
 
 
 class FakeSpi:
@@ -62,7 +62,7 @@ def test_a_failing_bus_is_our_error():
 
 @pytest.mark.parametrize("channel", [-1, 8])
 def test_refuses_a_channel_that_does_not_exist(channel):
-    with pytest.raises(HeightParameterError, match=f"is {channel}; it must lie between 0 and 7"):
+    with pytest.raises(InvalidValueError, match=f"is {channel}; it must lie between 0 and 7"):
         AdcInterface(FakeSpi([0, 0, 0]), channel)
 
 

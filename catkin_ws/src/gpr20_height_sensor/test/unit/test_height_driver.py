@@ -73,7 +73,7 @@ def driver_with(codes, parameters=PARAMETERS):
 @pytest.mark.parametrize("distance_m", [0.11, 0.15, 0.20, 0.30, 0.50, 0.75])
 def test_measures_the_distance_within_the_converters_resolution(distance_m):
     driver, _ = driver_with([code_at(distance_m)] * 5)
-    measured = driver.measure()
+    measured = driver.take_measurement()
     assert measured.height_m == pytest.approx(distance_m, abs=0.0005 + 0.008 * distance_m**2)
     assert (measured.spread_m, measured.samples, measured.measured_us) == (0.0, 5, NOW_US)
 
@@ -81,13 +81,13 @@ def test_measures_the_distance_within_the_converters_resolution(distance_m):
 def test_the_offset_between_sensor_and_antennas_is_added():
     parameters = HeightParameters(height_offset_m=-0.05)
     driver, _ = driver_with([code_at(0.25)] * 5, parameters)
-    assert driver.measure().height_m == pytest.approx(0.20, abs=0.001)
+    assert driver.take_measurement().height_m == pytest.approx(0.20, abs=0.001)
 
 
 def test_every_reading_is_of_another_period_that_began_after_the_request():
     driver, adc = driver_with([code_at(0.2)] * 5)
     requested_s = adc.clock.time_s
-    driver.measure()
+    driver.take_measurement()
     period_s = PARAMETERS.update_period_s
     assert adc.times_s[0] - requested_s >= 2 * period_s - 1e-9
     assert (np.diff(adc.times_s) >= period_s - 1e-9).all()
@@ -97,13 +97,13 @@ def test_every_reading_is_of_another_period_that_began_after_the_request():
 def test_one_bad_reading_does_not_move_the_height(bad):
     good = code_at(0.2)
     driver, _ = driver_with([good, good, bad, good, good])
-    assert driver.measure().height_m == pytest.approx(0.2, abs=0.001)
+    assert driver.take_measurement().height_m == pytest.approx(0.2, abs=0.001)
 
 
 def test_readings_of_zero_in_the_minority_are_outvoted():
     good = code_at(0.2)
     driver, _ = driver_with([good, 0, good, 0, good])
-    assert driver.measure().height_m == pytest.approx(0.2, abs=0.001)
+    assert driver.take_measurement().height_m == pytest.approx(0.2, abs=0.001)
 
 
 @pytest.mark.parametrize("rail", [0, 1023])
@@ -111,20 +111,20 @@ def test_readings_of_zero_in_the_minority_are_outvoted():
 def test_a_reading_stuck_at_a_rail_is_no_height(rail, others):
     driver, _ = driver_with([rail] * (5 - others) + [code_at(0.2)] * others)
     with pytest.raises(SensorStuckError, match="stuck"):
-        driver.measure()
+        driver.take_measurement()
 
 
 @pytest.mark.parametrize("distance_m", [0.085, 0.09, 0.85, 1.6])
 def test_a_distance_that_the_sensor_cannot_measure_is_no_height(distance_m):
     driver, _ = driver_with([code_at(distance_m)] * 5)
     with pytest.raises(SensorRangeError, match="it measures from 0.1 to 0.8 m"):
-        driver.measure()
+        driver.take_measurement()
 
 
 def test_scattered_readings_are_no_height_however_few_agree():
     driver, _ = driver_with([code_at(d) for d in (0.15, 0.2, 0.3, 0.45, 0.6)])
     with pytest.raises(SensorNoiseError, match="scatter"):
-        driver.measure()
+        driver.take_measurement()
 
 
 def test_two_heights_in_one_measurement_are_refused():
@@ -132,7 +132,7 @@ def test_two_heights_in_one_measurement_are_refused():
         [code_at(0.2), code_at(0.3)] * 3, HeightParameters(samples=6, max_spread_m=0.01)
     )
     with pytest.raises(SensorNoiseError):
-        driver.measure()
+        driver.take_measurement()
 
 
 def test_the_spread_of_normal_noise_is_its_standard_deviation():
@@ -141,7 +141,7 @@ def test_the_spread_of_normal_noise_is_its_standard_deviation():
     distances_m = 0.2 + random.normal(0.0, 0.004, samples)
     parameters = HeightParameters(samples=samples)
     driver, _ = driver_with([code_at(d) for d in distances_m], parameters)
-    measured = driver.measure()
+    measured = driver.take_measurement()
     assert measured.spread_m == pytest.approx(0.004, rel=0.1)
     assert measured.height_m == pytest.approx(0.2, abs=0.0005)
 
@@ -153,24 +153,24 @@ def test_the_very_same_code_for_ever_is_no_height_and_another_code_ends_that():
     good = code_at(0.2)
     driver, _ = driver_with([good] * 35 + [good + 1] + [good] * 4, FROZEN)
     for _ in range(5):
-        driver.measure()
+        driver.take_measurement()
     for count in (30, 35):
         with pytest.raises(SensorStuckError, match=f"last {count} readings .* hold a hand"):
-            driver.measure()
-    assert driver.measure().height_m == pytest.approx(0.2, abs=0.001)
+            driver.take_measurement()
+    assert driver.take_measurement().height_m == pytest.approx(0.2, abs=0.001)
 
 
 def test_readings_with_the_least_noise_are_never_stuck():
     good = code_at(0.2)
     driver, _ = driver_with([good, good, good, good, good + 1] * 40, FROZEN)
     for _ in range(40):
-        driver.measure()
+        driver.take_measurement()
 
 
 def test_the_check_for_the_same_code_can_be_switched_off():
     driver, _ = driver_with([code_at(0.2)] * 1000, HeightParameters(samples=5, frozen_readings=0))
     for _ in range(200):
-        driver.measure()
+        driver.take_measurement()
 
 
 def test_a_usual_sensor_under_a_still_robot_is_never_taken_for_stuck():
@@ -179,20 +179,20 @@ def test_a_usual_sensor_under_a_still_robot_is_never_taken_for_stuck():
     codes = np.round(code_at(0.2) + random.normal(0.0, 1.0 / 3.2, 50_000)).astype(int)
     driver, _ = driver_with(codes.tolist())
     for _ in range(10_000):
-        driver.measure()
+        driver.take_measurement()
 
 
 def test_a_converter_that_does_not_answer_is_no_height():
     driver, _ = driver_with([code_at(0.2), SpiError("nothing there")])
     with pytest.raises(SpiError):
-        driver.measure()
+        driver.take_measurement()
 
 
 @given(st.lists(st.integers(0, 1023), min_size=5, max_size=5))
 def test_any_readings_give_a_height_in_range_or_our_error(codes):
     driver, _ = driver_with(codes)
     try:
-        measured = driver.measure()
+        measured = driver.take_measurement()
     except HeightError:
         return
     assert 0.10 <= measured.height_m <= 0.80
@@ -213,7 +213,7 @@ def test_a_shutdown_ends_a_measurement_and_gives_the_bus_back():
 
     def measure():
         try:
-            driver.measure()
+            driver.take_measurement()
         except HeightStoppedError as error:
             errors.append(error)
 
@@ -236,7 +236,8 @@ def test_two_measurements_at_once_do_not_wait_for_each_other():
     driver = HeightDriver(MeetingAdc(), PARAMETERS, FakeClock(), lambda: NOW_US)
     heights = []
     threads = [
-        threading.Thread(target=lambda: heights.append(driver.measure().height_m)) for _ in range(2)
+        threading.Thread(target=lambda: heights.append(driver.take_measurement().height_m))
+        for _ in range(2)
     ]
     for thread in threads:
         thread.start()

@@ -50,7 +50,9 @@ def test_the_output_falls_on_both_sides_of_its_peak():
 
 @pytest.mark.parametrize("height_m", [0.12, 0.20, 0.30, 0.40])
 def test_the_driver_finds_the_true_height_within_5_mm(height_m):
-    assert driver_of(sensor_at(height_m)).measure().height_m == pytest.approx(height_m, abs=0.005)
+    assert driver_of(sensor_at(height_m)).take_measurement().height_m == pytest.approx(
+        height_m, abs=0.005
+    )
 
 
 def test_the_noise_has_the_level_of_the_scene_and_can_be_repeated():
@@ -63,12 +65,12 @@ def test_the_noise_has_the_level_of_the_scene_and_can_be_repeated():
 
 def test_a_stuck_converter_is_noticed():
     with pytest.raises(SensorStuckError):
-        driver_of(sensor_at(0.2, AdcFault.STUCK)).measure()
+        driver_of(sensor_at(0.2, AdcFault.STUCK)).take_measurement()
 
 
 def test_a_sensor_out_of_its_range_is_noticed():
     with pytest.raises(SensorRangeError):
-        driver_of(sensor_at(0.2, AdcFault.OUT_OF_RANGE)).measure()
+        driver_of(sensor_at(0.2, AdcFault.OUT_OF_RANGE)).take_measurement()
 
 
 def test_other_channels_are_grounded():

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Callable, Collection, Tuple
+from typing import Callable, Tuple
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
-from gpr20_axis_driver.high.goal_clients import GoalClients
-from gpr20_axis_driver.high.goal_server import GoalServer
+from gpr20_axis_driver.high.goals import GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.process_engine import AxisHardware, ProcessEngine
+from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
+from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.high import diagnostics
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
@@ -33,15 +32,15 @@ class AxisNode:
     An axis without endstop has the service `set_zero` as well.
     """
 
-    def __init__(self, driver: AxisDriver, engine: ProcessEngine, hardware: AxisHardware) -> None:
+    def __init__(self, driver: AxisDriver, pulses: PulseClient, hardware: AxisHardware) -> None:
         self._driver = driver
-        self._engine = engine
+        self._pulses = pulses
         self._unit = hardware.parameters.unit
         self._stops = 0
         self._last_error = ""
         self._ticks = 0
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
-        self._server = GoalServer("axis", AxisAction, execute_cb=self._execute, auto_start=False)
+        self._server = GoalServer("axis", AxisAction, self._execute)
         self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
         self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
         rospy.on_shutdown(self._shut_down)
@@ -55,18 +54,18 @@ class AxisNode:
 
     def _execute(self, goal: AxisGoal) -> None:
         stopped = self._stop_since_now()
-        client_gone = self._goal_clients().watch(self._server.current_goal.get_goal_id().id)
+        client_gone = self._server.watch_sender()
         try:
-            self._driver.move_to(
+            self._driver.move_to_coordinate(
                 goal.target_coordinate,
                 lambda: stopped() or self._server.is_preempt_requested() or client_gone(),
             )
         except MotionStopped as stop:
-            self._finish(self._server.set_preempted, False, str(stop))
+            self._finish(self._server.set_preempted, False, stop.message)
         except AxisException as error:
-            self._last_error = str(error)
+            self._last_error = error.message
             rospy.logwarn("move refused or failed: %s", error)
-            self._finish(self._server.set_aborted, False, str(error))
+            self._finish(self._server.set_aborted, False, error.message)
         else:
             self._last_error = ""
             self._finish(self._server.set_succeeded, True, "")
@@ -77,13 +76,13 @@ class AxisNode:
         # The resting coordinate goes out before the result, so that nobody who has the
         # result still sees the axis moving.
         self._publish()
-        set_state(AxisResult(success, message, self._driver.coordinate), text=message)
+        set_state(AxisResult(success, message, self._driver.current_coord), text=message)
 
     def _home(self, request: TriggerRequest) -> TriggerResponse:
         stopped = self._stop_since_now()
         caller = request._connection_header.get("callerid", "")
-        client_gone = self._goal_clients().watch_node(caller)
-        return self._find_zero(lambda: self._driver.home(lambda: stopped() or client_gone()))
+        client_gone = self._server.watch_node(caller)
+        return self._find_zero(lambda: self._driver.homing(lambda: stopped() or client_gone()))
 
     def _set_zero(self, _request: TriggerRequest) -> TriggerResponse:
         return self._find_zero(self._driver.set_zero)
@@ -92,22 +91,19 @@ class AxisNode:
         try:
             action()
         except AxisException as error:
-            self._last_error = str(error)
+            self._last_error = error.message
             raise
         finally:
             self._publish()
         self._last_error = ""
-        return TriggerResponse(True, f"homed at {self._driver.coordinate:g} {self._unit}")
-
-    def _goal_clients(self) -> GoalClients:
-        return GoalClients(self._server.action_server.goal_sub)
+        return TriggerResponse(True, f"homed at {self._driver.current_coord:g} {self._unit}")
 
     def _stop(self, _request: TriggerRequest) -> TriggerResponse:
         self._stops += 1
         return TriggerResponse(True, "stopping")
 
     def _stop_since_now(self) -> Callable[[], bool]:
-        """Return what tells a motion that begins now whether to stop."""
+        """Return a function that says whether a stop was requested since this call."""
         # A count instead of a flag: nothing has to be cleared, so no request is lost
         # between two motions, and none is left over for the next one.
         stops = self._stops
@@ -121,20 +117,20 @@ class AxisNode:
     def _publish(self) -> None:
         message = CurrentCoordinate()
         message.header.stamp = rospy.Time.now()
-        message.coordinate = self._driver.coordinate
-        message.homed = self._driver.homed
+        message.coordinate = self._driver.current_coord
+        message.homed = self._driver.homing_done
         message.moving = self._driver.moving
         self._publisher.publish(message)
 
     def _health(self) -> diagnostics.Health:
-        lateness = self._driver.last_lateness
+        lateness = self._driver.last_motion.lateness
         values = {
-            f"coordinate [{self._unit}]": self._driver.coordinate,
-            "homed": self._driver.homed,
+            f"coordinate [{self._unit}]": self._driver.current_coord,
+            "homed": self._driver.homing_done,
             "moving": self._driver.moving,
             "last error": self._last_error,
-            "pulses": self._engine.scheduling,
-            "last motion [s]": f"{self._driver.last_duration_s:.6f}",
+            "pulses": self._pulses.scheduling,
+            "last motion [s]": f"{self._driver.last_motion.duration_s:.6f}",
             "lateness median [us]": round(lateness.median_s * 1e6),
             "lateness 99 % [us]": round(lateness.p99_s * 1e6),
             "lateness max [us]": round(lateness.max_s * 1e6),
@@ -147,11 +143,11 @@ class AxisNode:
         error = self._driver.failure or self._last_error
         if error:
             return diagnostics.ERROR, error
-        if not self._driver.homed:
+        if not self._driver.homing_done:
             return diagnostics.WARN, "not homed"
-        if self._engine.unpunctual:
-            return diagnostics.WARN, f"homed; {self._engine.scheduling}"
-        lateness = self._driver.last_lateness
+        if self._pulses.unpunctual:
+            return diagnostics.WARN, f"homed; {self._pulses.scheduling}"
+        lateness = self._driver.last_motion.lateness
         if lateness.slowed:
             return (
                 diagnostics.WARN,
@@ -165,26 +161,18 @@ class AxisNode:
         self._driver.close(SHUTDOWN_LIMIT_S)
 
 
-def build_axis_node(
-    hardware_of: Callable[[AxisParameters], AxisHardware],
-    other_parameters: Collection[str] = (),
-) -> AxisNode:
-    """Read the node's parameters and build an axis from the bottom up.
-
-    Args:
-        hardware_of: Gives what an axis with these parameters is wired to.
-        other_parameters: Parameters of the node that are not the axis's.
+def build_axis_node(hardware: AxisHardware) -> AxisNode:
+    """Build an axis from the bottom up.
 
     Raises:
-        Gpr20Error: A parameter is not allowed, or the pins cannot be used.
+        Gpr20Error: The process of the pulses cannot be started, or the pins cannot be used.
     """
-    hardware = hardware_of(read_parameters(AxisParameters, others=other_parameters))
-    engine = ProcessEngine(hardware)
-    if engine.unpunctual:
-        rospy.logwarn(engine.scheduling)
-    return AxisNode(AxisDriver(hardware.parameters, engine), engine, hardware)
+    pulses = PulseClient(hardware)
+    if pulses.unpunctual:
+        rospy.logwarn(pulses.scheduling)
+    return AxisNode(AxisDriver(hardware.parameters, pulses), pulses, hardware)
 
 
 def main() -> None:
     """Run one axis of the real robot."""
-    run_node("axis_driver", lambda: build_axis_node(RobotHardware))
+    run_device("axis_driver", AxisParameters, lambda own: build_axis_node(RobotHardware(own)))

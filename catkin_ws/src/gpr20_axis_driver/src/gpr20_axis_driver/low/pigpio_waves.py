@@ -13,8 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Iterator, List, Optional, Sequence
 
-from gpr20_axis_driver.axis_exceptions import PulseProcessError
-from gpr20_axis_driver.low.pins import PinLibraryError
+from gpr20_axis_driver.axis_exceptions import PinLibraryError, PulseProcessError
 
 # GPIO numbers, which pigpio uses, of the pins of the 40-pin header (Raspberry Pi 4).
 GPIO_OF_BOARD = {

@@ -1,14 +1,14 @@
-"""The calls of RPi.GPIO that an axis uses, and the real library behind them."""
+"""The pins of an axis: motor driver, endstop, and the library behind them."""
 
 from __future__ import annotations
 
-from typing import Any, List, Optional, Protocol
+from typing import Any, Callable, List, Optional, Protocol
 
-from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_axis_driver.axis_exceptions import PinLibraryError
 
 
 class Pins(Protocol):
-    """What the drivers use of the module RPi.GPIO."""
+    """What an axis uses of the module RPi.GPIO."""
 
     BOARD: int
     OUT: int
@@ -35,8 +35,65 @@ class Pins(Protocol):
         """Make pins inputs again."""
 
 
-class PinLibraryError(AxisException, OSError):
-    """The pins of this computer cannot be used."""
+class StepperInterface:
+    """Turns a motor step by step through a DRV8825 motor driver.
+
+    Attributes:
+        dir_pin: Direction pin [BOARD number], high for increasing coordinates.
+        step_pin: Step pin [BOARD number].
+    """
+
+    def __init__(self, pins: Pins, dir_pin: int, step_pin: int) -> None:
+        self.dir_pin = dir_pin
+        self.step_pin = step_pin
+        self._pins = pins
+        pins.setmode(pins.BOARD)
+        pins.setup(dir_pin, pins.OUT, initial=pins.LOW)
+        pins.setup(step_pin, pins.OUT, initial=pins.LOW)
+
+    def set_direction(self, forward: bool) -> None:
+        """Choose where the next steps lead; forward means increasing coordinates."""
+        self._pins.output(self.dir_pin, self._pins.HIGH if forward else self._pins.LOW)
+
+    def step(self, hold: Callable[[], object]) -> None:
+        """Make one step: the motor moves when the step pin rises.
+
+        Args:
+            hold: Called while the step pin is high. The pin is low on return, whatever it raises.
+        """
+        try:
+            self._pins.output(self.step_pin, self._pins.HIGH)
+            hold()
+        finally:
+            self._pins.output(self.step_pin, self._pins.LOW)
+
+    def close(self) -> None:
+        """Leave both pins low, then release them."""
+        self._pins.output(self.step_pin, self._pins.LOW)
+        self._pins.output(self.dir_pin, self._pins.LOW)
+        self._pins.cleanup([self.step_pin, self.dir_pin])
+
+
+class EndstopInterface:
+    """Reads the switch at the end of an axis.
+
+    Attributes:
+        sensor_pin: The switch's pin [BOARD number]; pulled up, it reads low when pressed.
+    """
+
+    def __init__(self, pins: Pins, sensor_pin: int) -> None:
+        self.sensor_pin = sensor_pin
+        self._pins = pins
+        pins.setmode(pins.BOARD)
+        pins.setup(sensor_pin, pins.IN, pull_up_down=pins.PUD_UP)
+
+    def sample(self) -> bool:
+        """Return whether the switch is pressed now."""
+        return self._pins.input(self.sensor_pin) == self._pins.LOW
+
+    def close(self) -> None:
+        """Release the pin."""
+        self._pins.cleanup([self.sensor_pin])
 
 
 def raspberry_pi_pins() -> Pins:

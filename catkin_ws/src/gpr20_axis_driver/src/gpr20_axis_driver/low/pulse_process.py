@@ -1,8 +1,8 @@
 """A process of its own for what must be punctual.
 
-The parent hands it a motor driver (any object that can be pickled and opened) and then one
-motion at a time. It ends, with the pins low, when the parent closes the connection or dies; a
-parent that hangs ends the motion.
+The parent hands it the axis's hardware (pickled, opened here) and then one motion at a time.
+It ends, with the pins low, when the parent closes the connection or dies; a parent that hangs
+ends the motion.
 It is started as a fresh interpreter: a copy of a process that runs ROS's threads would not work.
 """
 
@@ -15,12 +15,12 @@ import sys
 import threading
 import time
 from multiprocessing.connection import Connection, Pipe
-from typing import Any, Callable, NoReturn, Optional, Protocol, Tuple
+from typing import Callable, NoReturn, Optional
 
 from gpr20_axis_driver.axis_exceptions import PulseProcessError
-from gpr20_axis_driver.low.process_messages import Failure, Ready
-from gpr20_axis_driver.low.scheduling import ordinary_scheduling, realtime_scheduling
-from gpr20_axis_driver.low.step_memory import StepMemory
+from gpr20_axis_driver.low.scheduling import ORDINARY, Scheduling, realtime_scheduling
+from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_axis_driver.motion import AxisHardware, Motion, MotionReport
 from gpr20_common.errors import Gpr20Error
 
 START_LIMIT_S = 20.0
@@ -31,42 +31,23 @@ POLL_S = 0.005
 SILENT_PARENT_S = 2.0
 
 
-class Runner(Protocol):
-    """What runs in the process."""
-
-    def run(self, motion: Any, stop_requested: Callable[[], bool]) -> Any:
-        """Carry out a motion and return its report."""
-
-    def close(self) -> None:
-        """Leave the pins low."""
-
-
-class Opening(Protocol):
-    """What the parent sends; it is pickled."""
-
-    @property
-    def realtime(self) -> bool:
-        """Whether to ask the system for real-time scheduling."""
-
-    def open(self, memory: StepMemory) -> Runner:
-        """Open the hardware."""
-
-
 class PulseProcess:
     """The process as its parent sees it."""
 
-    def __init__(self, opening: Opening, memory: StepMemory, ended: Callable[[str], None]) -> None:
+    def __init__(
+        self, hardware: AxisHardware, counter: StepCounter, ended: Callable[[str], None]
+    ) -> None:
         """Start it and wait until it is ready.
 
         Args:
-            opening: Opens the hardware over there.
-            memory: Where the steps are counted; shared.
+            hardware: Opened over there.
+            counter: Where the steps are counted; shared.
             ended: Called from another thread, with the reason, if it ends unasked.
 
         Raises:
             PulseProcessError: It cannot be started, or the hardware cannot be opened.
         """
-        self._memory = memory
+        self._counter = counter
         self._ended = ended
         self._closing = False
         self._gone = threading.Event()
@@ -74,8 +55,8 @@ class PulseProcess:
         with theirs:
             self._process = self._spawn(theirs.fileno())
         try:
-            self._connection.send(opening)
-            self.sentence, self.realtime = self._wait_ready()
+            self._connection.send(hardware)
+            self._scheduling = self._wait_ready()
         except BaseException:
             self._closing = True
             self._process.kill()
@@ -90,7 +71,12 @@ class PulseProcess:
         """Number of the process."""
         return self._process.pid
 
-    def run(self, motion: Any, poll: Callable[[], None]) -> Any:
+    @property
+    def scheduling(self) -> Scheduling:
+        """How the system lets it run."""
+        return self._scheduling
+
+    def run(self, motion: Motion, poll: Callable[[], None]) -> MotionReport:
         """Have a motion carried out and return its report.
 
         Args:
@@ -100,13 +86,13 @@ class PulseProcess:
         Raises:
             PulseProcessError: The process ended or failed.
         """
-        self._memory.stop_requested = False
+        self._counter.stop_requested = False
         try:
             poll()
             self._connection.send(motion)
             while not self._connection.poll(POLL_S):
                 poll()
-                self._memory.beat()
+                self._counter.beat()
             answer = self._connection.recv()
         except PulseProcessError:
             self.kill()
@@ -117,13 +103,13 @@ class PulseProcess:
         except BaseException:
             self.kill()
             raise
-        if isinstance(answer, Failure):
+        if isinstance(answer, PulseProcessError):
             self._gone.wait(END_LIMIT_S)
-            raise PulseProcessError(answer.message)
+            raise answer
         return answer
 
     def kill(self) -> None:
-        """End it at once; whoever was told of its unasked end is told of this one too."""
+        """End it at once; `ended` is called as for an unasked end."""
         self._process.kill()
         self._gone.wait(END_LIMIT_S)
 
@@ -132,12 +118,12 @@ class PulseProcess:
         self._closing = True
         self._connection.close()
         if not self._gone.wait(END_LIMIT_S):
-            # Killed, it cannot leave the pins low: whoever is told of its end must.
+            # Killed, it cannot leave the pins low: `ended` must.
             self._closing = False
             self.kill()
 
     def _spawn(self, descriptor: int) -> subprocess.Popen:
-        inherited = (descriptor, self._memory.descriptor)
+        inherited = (descriptor, self._counter.descriptor)
         arguments = [*map(str, inherited), str(os.getpid())]
         return subprocess.Popen(
             [sys.executable, "-m", __name__, *arguments],
@@ -147,7 +133,7 @@ class PulseProcess:
             start_new_session=True,
         )
 
-    def _wait_ready(self) -> Tuple[str, bool]:
+    def _wait_ready(self) -> Scheduling:
         if not self._connection.poll(START_LIMIT_S):
             raise PulseProcessError(
                 f"the process that makes the pulses was not ready within {START_LIMIT_S:g} s; "
@@ -158,9 +144,9 @@ class PulseProcess:
         except EOFError:
             self._process.wait()
             raise PulseProcessError(self._death()) from None
-        if isinstance(answer, Failure):
-            raise PulseProcessError(answer.message)
-        return answer.sentence, answer.realtime
+        if isinstance(answer, PulseProcessError):
+            raise answer
+        return answer
 
     def _wait_for_end(self) -> None:
         self._process.wait()
@@ -179,38 +165,37 @@ class PulseProcess:
         return f"the process that makes the pulses {how}; see the log, and home the axis"
 
 
-def serve(connection: Connection, memory: StepMemory, parent: int) -> None:
+def serve(connection: Connection, counter: StepCounter, parent: int) -> None:
     """Carry out the parent's motions until it closes the connection or dies."""
-    opening = connection.recv()
-    scheduling = realtime_scheduling() if opening.realtime else ordinary_scheduling()
-    runner = opening.open(memory)
+    hardware: AxisHardware = connection.recv()
+    scheduling = realtime_scheduling() if hardware.realtime else ORDINARY
+    runner = hardware.open(counter)
     try:
-        connection.send(Ready(scheduling.sentence, scheduling.realtime))
-
+        connection.send(scheduling)
         while True:
             motion = connection.recv()
-            connection.send(runner.run(motion, _Parent(memory, parent).wants_stop))
+            connection.send(runner.run(motion, _Parent(counter, parent).wants_stop))
     finally:
         runner.close()
 
 
 class _Parent:
-    """Tells, during one motion, whether it shall end."""
+    """Says, during one motion, whether to end it."""
 
-    def __init__(self, memory: StepMemory, number: int) -> None:
-        self._memory = memory
+    def __init__(self, counter: StepCounter, number: int) -> None:
+        self._counter = counter
         self._number = number
         self._note()
 
     def _note(self) -> None:
-        self._beats, self._noted_s = self._memory.beats, time.monotonic()
+        self._beats, self._noted_s = self._counter.beats, time.monotonic()
 
     def wants_stop(self) -> bool:
         """Return whether the parent asked for the end, is dead, or hangs."""
         # A dead parent cannot set the flag; its child is then adopted by another process.
-        if self._memory.stop_requested or os.getppid() != self._number:
+        if self._counter.stop_requested or os.getppid() != self._number:
             return True
-        if self._memory.beats != self._beats:
+        if self._counter.beats != self._beats:
             self._note()
         return time.monotonic() - self._noted_s > SILENT_PARENT_S
 
@@ -220,17 +205,18 @@ def main() -> NoReturn:
     # From here on a termination runs through every `finally`, so the pins end low.
     signal.signal(signal.SIGTERM, lambda _signal, _frame: sys.exit(128 + signal.SIGTERM))
     connection = Connection(int(sys.argv[1]))
-    memory = StepMemory(int(sys.argv[2]))
+    counter = StepCounter(int(sys.argv[2]))
     try:
-        serve(connection, memory, int(sys.argv[3]))
+        serve(connection, counter, int(sys.argv[3]))
     except (EOFError, BrokenPipeError, ConnectionResetError):
-        # The parent has closed the connection or is dead; nobody is left to be told.
+        # The parent has closed the connection or is dead; nobody is left to tell.
         sys.exit(0)
     except Gpr20Error as error:
-        connection.send(Failure(str(error)))
+        connection.send(PulseProcessError(error.message))
         sys.exit(1)
     except Exception as error:
-        connection.send(Failure(f"the pulses failed ({type(error).__name__}: {error})"))
+        failure = f"the pulses failed ({type(error).__name__}: {error})"
+        connection.send(PulseProcessError(failure))
         raise
     raise AssertionError("serve() ends by an exception only")
 

@@ -28,9 +28,8 @@ class Scheduling:
     sentence: str
 
 
-def ordinary_scheduling() -> Scheduling:
-    """Leave everything as it is, for a robot whose time is not the real one."""
-    return Scheduling(False, "ordinary scheduling: the simulated robot does not run in real time")
+# Everything is left as it is for a robot whose time is not the real one.
+ORDINARY = Scheduling(False, "ordinary scheduling: the simulated robot does not run in real time")
 
 
 def realtime_scheduling() -> Scheduling:

@@ -12,17 +12,12 @@ from gpr20_axis_driver.axis_exceptions import (
     MotionStopped,
     NotHomedError,
     PositionLostError,
+    TravelError,
     ZeroUnknownError,
 )
 from gpr20_axis_driver.mid.homing import Homing
-from gpr20_axis_driver.mid.motion import (
-    Ending,
-    Lateness,
-    Motion,
-    MotionReport,
-    PulseEngine,
-    StopRequested,
-)
+from gpr20_axis_driver.mid.pulse_client import PulseClient
+from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, never
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
@@ -33,23 +28,23 @@ class AxisDriver:
     Nothing is known about the position until the axis has been homed.
     """
 
-    def __init__(self, parameters: AxisParameters, engine: PulseEngine) -> None:
+    def __init__(self, parameters: AxisParameters, pulses: PulseClient) -> None:
         self._parameters = parameters
-        self._engine = engine
+        self._pulses = pulses
         self._ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
         self._motion = threading.Lock()
-        self._homed = False
-        self._last = MotionReport(Ending.COMPLETE, 0, False)
+        self._homing_done = False
+        self._last_motion = MotionReport(Ending.COMPLETE, 0, False)
 
     @property
-    def coordinate(self) -> float:
-        """Where the axis is [mm or deg]; meaningful only if it is homed."""
-        return self._parameters.coordinate_of(self._engine.steps)
+    def current_coord(self) -> float:
+        """Where the axis is [mm or deg]; meaningful only if `homing_done`."""
+        return self._parameters.coordinate_of(self._pulses.steps)
 
     @property
-    def homed(self) -> bool:
+    def homing_done(self) -> bool:
         """Whether the coordinate is referred to the axis's zero."""
-        return self._homed and not self._engine.failure
+        return self._homing_done and not self._pulses.failure
 
     @property
     def moving(self) -> bool:
@@ -58,21 +53,16 @@ class AxisDriver:
 
     @property
     def failure(self) -> str:
-        """Why the axis cannot move now, whatever it is told; empty if it can."""
-        return self._engine.failure
+        """Why no motion is possible now; empty if one is."""
+        return self._pulses.failure
 
     @property
-    def last_lateness(self) -> Lateness:
-        """How late the pulses of the last motion were."""
-        return self._last.lateness
+    def last_motion(self) -> MotionReport:
+        """What came of the last motion that had steps to make."""
+        return self._last_motion
 
-    @property
-    def last_duration_s(self) -> float:
-        """How long the pulses of the last motion took [s]."""
-        return self._last.duration_s
-
-    def move_to(self, target: float, stop_requested: StopRequested) -> None:
-        """Move to a coordinate and return when the axis stands there.
+    def move_to_coordinate(self, target: float, stop_requested: StopRequested = never) -> None:
+        """Move to a coordinate and return when the axis rests there.
 
         Args:
             target: Coordinate [mm or deg]; the nearest motor step is taken.
@@ -89,11 +79,11 @@ class AxisDriver:
             NodeHungError: This node hung; the coordinate is exact.
         """
         with self._exclusive_motion():
-            if not self.homed:
+            if not self.homing_done:
                 raise NotHomedError("the axis is not homed; home it before moving it")
-            self._go_to(self._parameters.steps_to(target), stop_requested)
+            self._go_to(self._steps_to(target), stop_requested)
 
-    def home(self, stop_requested: StopRequested) -> None:
+    def homing(self, stop_requested: StopRequested = never) -> None:
         """Find the zero of the axis and stand there.
 
         An axis without endstop turns to the zero that it remembers.
@@ -106,17 +96,17 @@ class AxisDriver:
             PulseProcessError: The pulses ended, or cannot begin; the axis is not homed.
         """
         with self._exclusive_motion():
-            self._homed = False
-            self._engine.revive()
+            self._homing_done = False
+            self._pulses.revive()
             if self._parameters.sensor_pin is None:
                 self._turn_to_remembered_zero(stop_requested)
             else:
                 Homing(self._parameters, self._run).run(stop_requested)
-                self._engine.place(self._parameters.distance_steps(self._parameters.min_coord))
-            self._homed = True
+                self._pulses.place(self._parameters.distance_steps(self._parameters.min_coord))
+            self._homing_done = True
 
     def set_zero(self) -> None:
-        """Take the place where an axis without endstop stands as its zero.
+        """Take the present place of an axis without endstop as its zero.
 
         Raises:
             AxisBusyError: A motion is under way.
@@ -126,9 +116,9 @@ class AxisDriver:
         if self._parameters.sensor_pin is not None:
             raise EndstopError("the endstop says where this axis has its zero; home the axis")
         with self._exclusive_motion():
-            self._engine.revive()
-            self._engine.place(0)
-            self._homed = True
+            self._pulses.revive()
+            self._pulses.place(0)
+            self._homing_done = True
 
     def close(self, timeout_s: float) -> None:
         """Release the pins; no motion can begin any more.
@@ -138,7 +128,7 @@ class AxisDriver:
         """
         # Never released: whoever asks for a motion from now on finds the axis busy.
         self._motion.acquire(timeout=timeout_s)
-        self._engine.close()
+        self._pulses.close()
 
     @contextmanager
     def _exclusive_motion(self) -> Iterator[None]:
@@ -149,8 +139,18 @@ class AxisDriver:
         finally:
             self._motion.release()
 
+    def _steps_to(self, target: float) -> int:
+        low, high = self._parameters.min_coord, self._parameters.max_coord
+        # Written so that NaN, which fails every comparison, is refused too.
+        if not low <= target <= high:
+            unit = self._parameters.unit
+            raise TravelError(
+                f"target {target:.12g} {unit} lies outside the axis, {low:g} to {high:g} {unit}"
+            )
+        return self._parameters.distance_steps(target)
+
     def _turn_to_remembered_zero(self, stop_requested: StopRequested) -> None:
-        if not self._engine.trusted:
+        if not self._pulses.trusted:
             raise ZeroUnknownError(
                 "the zero of this axis is not known: it has no endstop, and nothing says where "
                 "it stopped last; turn the antennas to their mark and call the service set_zero"
@@ -158,7 +158,7 @@ class AxisDriver:
         self._go_to(0, stop_requested)
 
     def _go_to(self, target_steps: int, stop_requested: StopRequested) -> None:
-        distance = target_steps - self._engine.steps
+        distance = target_steps - self._pulses.steps
         if distance == 0:
             return
         # Either way: a switch that closes on the way away from it is as broken as its cable.
@@ -167,25 +167,26 @@ class AxisDriver:
         ending = self._run(motion, stop_requested).ending
         unit = self._parameters.unit
         if ending is Ending.PRESSED:
-            self._homed = False
+            self._homing_done = False
             raise EndstopError(
-                f"the endstop was pressed at {self.coordinate:.12g} {unit}, where "
+                f"the endstop was pressed at {self.current_coord:.12g} {unit}, where "
                 "it should be open: steps were lost or the switch is stuck; home the axis"
             )
         if ending is Ending.STOPPED:
             target = self._parameters.coordinate_of(target_steps)
             raise MotionStopped(
-                f"stopped at {self.coordinate:.12g} {unit}, before the target {target:.12g} {unit}"
+                f"stopped at {self.current_coord:.12g} {unit}, "
+                f"before the target {target:.12g} {unit}"
             )
 
     def _run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        report = self._engine.run(motion, stop_requested)
+        report = self._pulses.run(motion, stop_requested)
         if motion.steps > 0:
-            self._last = report
+            self._last_motion = report
         if report.ending is Ending.GAP:
-            self._homed = False
+            self._homing_done = False
             raise PositionLostError(
-                f"a pulse was {report.gap_s * 1e3:.0f} ms late near {self.coordinate:.12g} "
+                f"a pulse was {report.gap_s * 1e3:.0f} ms late near {self.current_coord:.12g} "
                 f"{self._parameters.unit} at a speed at which the motor can lose steps: the "
                 f"position is not trusted; {self._way_back()}"
             )

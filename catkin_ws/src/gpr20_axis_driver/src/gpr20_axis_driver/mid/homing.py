@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Callable
 
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
-from gpr20_axis_driver.mid.motion import Ending, Motion, MotionReport, StopRequested, Until
+from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, Until
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
@@ -33,7 +33,7 @@ class Homing:
         self._run = run
 
     def run(self, stop: StopRequested) -> None:
-        """Carry out the whole homing; the axis then stands at its zero.
+        """Carry out the whole homing; the axis then rests at its zero.
 
         Raises:
             EndstopError: The switch is stuck or cannot be reached.

@@ -1,23 +1,87 @@
-"""Making the pulses of a motion one by one, on pins."""
+"""Making the pulses of a motion one by one, on pins, each edge at its moment."""
 
 from __future__ import annotations
 
+from array import array
 from typing import Optional, Tuple
 
-from gpr20_axis_driver.low.endstop_interface import EndstopInterface
-from gpr20_axis_driver.low.stepper_interface import StepperInterface
-from gpr20_axis_driver.mid.motion import (
+from gpr20_axis_driver.low.pins import EndstopInterface, Pins, StepperInterface
+from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_axis_driver.motion import (
     Ending,
     LateLimits,
     Lateness,
     Motion,
     MotionReport,
-    StepCount,
     StopRequested,
     Until,
 )
-from gpr20_axis_driver.mid.schedule import Schedule
 from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.ramp import Ramp
+
+
+class EdgeSchedule:
+    """Absolute moments of a motion's edges, corrected by when each was really made.
+
+    A delay up to the limit is absorbed: the next edges stay where they were, so a pause
+    can be shorter than its due length by up to that limit, never by more. Beyond the limit the rest
+    is shifted as a whole, and continues at the speed that the gap means: no burst follows.
+    """
+
+    def __init__(self, ramp: Ramp, limits: LateLimits, start_s: float) -> None:
+        """Begin with the slowest pause at `start_s` [s of the clock]."""
+        self.due_s = start_s
+        self.pause_s = ramp.max_pause_s
+        self.lateness_s = array("d")
+        self.slowed = 0
+        self.gap_s = 0.0
+        self._ramp = ramp
+        self._limits = limits
+        self._height = 0
+        self._excess_s = 0.0
+
+    def rise(self, now_s: float, steps_left: int) -> None:
+        """Take note of a rising edge; `due_s` becomes the moment of its falling edge.
+
+        Args:
+            now_s: When it is made [s of the clock].
+            steps_left: How many steps are left, with this one.
+        """
+        late_s = now_s - self.due_s
+        self.lateness_s.append(late_s)
+        if late_s > self._limits.late_s:
+            self._shift(late_s)
+        self._excess_s = 0.0
+        self.pause_s = self._ramp.pause_s(min(self._height, steps_left - 1))
+        self._height += 1
+        self.due_s += self.pause_s
+
+    def fall(self, now_s: float) -> None:
+        """Take note of a falling edge; `due_s` becomes the moment of the next rising edge."""
+        late_s = now_s - self.due_s
+        if late_s > self._limits.late_s:
+            self._shift(late_s)
+        self.due_s += self.pause_s
+
+    def too_late(self, now_s: float) -> bool:
+        """Return whether the motor can have lost its steps while it waited for this edge."""
+        # At the slowest speed the motor may stop and start on any step.
+        if self.pause_s >= self._ramp.max_pause_s:
+            return False
+        gap_s = self._excess_s + now_s - self.due_s
+        if gap_s <= self._limits.gap_s:
+            return False
+        self.gap_s = gap_s
+        return True
+
+    def _shift(self, late_s: float) -> None:
+        self.slowed += 1
+        self.due_s += late_s
+        self._excess_s += late_s
+        # The step took two pauses and the delay: it was as slow as this.
+        pause_s = self.pause_s + self._excess_s / 2.0
+        self._height = min(self._height, self._ramp.height_after(pause_s))
 
 
 class PulseLoop:
@@ -25,36 +89,35 @@ class PulseLoop:
 
     def __init__(
         self,
-        stepper: StepperInterface,
-        endstop: Optional[EndstopInterface],
+        pins: Pins,
+        parameters: AxisParameters,
         clock: Clock,
         limits: LateLimits,
-        count: StepCount,
+        counter: StepCounter,
     ) -> None:
-        self._stepper = stepper
-        self._endstop = endstop
+        """Set up the pins of the axis, step and direction low."""
+        self._stepper = StepperInterface(pins, parameters.dir_pin, parameters.step_pin)
+        self._endstop: Optional[EndstopInterface] = None
+        if parameters.sensor_pin is not None:
+            self._endstop = EndstopInterface(pins, parameters.sensor_pin)
         self._clock = clock
         self._limits = limits
-        self._count = count
+        self._counter = counter
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands.
+        """Carry out a motion and return when the motor rests.
 
         A stop ramps down. The steps are counted at the edge on which the motor moves, so
         nothing that ends the motion loses one.
         """
-        self._count.begin()
+        self._counter.begin()
         self._stepper.set_direction(motion.forward)
         start_s = self._clock.now_s()
-        schedule = Schedule(motion.ramp, self._limits, start_s)
-        try:
-            ending, made = self._step_all(motion, schedule, stop_requested)
-        finally:
-            # Whatever went wrong, the pin does not stay high.
-            self._stepper.lower_step()
+        schedule = EdgeSchedule(motion.ramp, self._limits, start_s)
+        ending, made = self._step_all(motion, schedule, stop_requested)
         if ending is not Ending.GAP:
             self._clock.sleep_until_s(schedule.due_s)
-            self._count.rest()
+            self._counter.rest()
         return MotionReport(
             ending,
             made,
@@ -71,11 +134,20 @@ class PulseLoop:
             self._endstop.close()
 
     def _step_all(
-        self, motion: Motion, schedule: Schedule, stop_requested: StopRequested
+        self, motion: Motion, schedule: EdgeSchedule, stop_requested: StopRequested
     ) -> Tuple[Ending, int]:
         change = 1 if motion.forward else -1
         last = motion.steps
         made = 0
+        fallen_s = 0.0
+
+        def hold() -> None:
+            nonlocal made, fallen_s
+            self._counter.count(change)
+            made += 1
+            self._clock.sleep_until_s(schedule.due_s)
+            fallen_s = self._clock.now_s()
+
         while made < last:
             self._clock.sleep_until_s(schedule.due_s)
             early = self._early_ending(motion)
@@ -91,15 +163,10 @@ class PulseLoop:
             if schedule.too_late(now_s):
                 return Ending.GAP, made
             schedule.rise(now_s, last - made)
-            self._stepper.raise_step()
-            self._count.count(change)
-            made += 1
-            self._clock.sleep_until_s(schedule.due_s)
-            now_s = self._clock.now_s()
-            self._stepper.lower_step()
-            if schedule.too_late(now_s):
+            self._stepper.step(hold)
+            if schedule.too_late(fallen_s):
                 return Ending.GAP, made
-            schedule.fall(now_s)
+            schedule.fall(fallen_s)
         return (Ending.COMPLETE if made == motion.steps else Ending.STOPPED), made
 
     def _early_ending(self, motion: Motion) -> Optional[Ending]:
@@ -112,4 +179,4 @@ class PulseLoop:
         return None
 
     def _pressed(self) -> bool:
-        return self._endstop is not None and self._endstop.is_pressed()
+        return self._endstop is not None and self._endstop.sample()

@@ -9,10 +9,10 @@ from typing import ClassVar, Optional
 
 from gpr20_axis_driver.low.pigpio_waves import WAVE_LOCK, lock_wave_transmitter, pigpio_daemon
 from gpr20_axis_driver.low.pins import raspberry_pi_pins
-from gpr20_axis_driver.low.step_memory import StepMemory
-from gpr20_axis_driver.mid.motion import MotionRunner
-from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
+from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
+from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters, Backend
 
@@ -42,10 +42,10 @@ class RobotHardware:
         pins = f"{self.parameters.dir_pin}-{self.parameters.step_pin}"
         return SHARED_MEMORY / f"gpr20-axis-{os.getuid()}" / f"pins-{pins}"
 
-    def open(self, memory: StepMemory) -> MotionRunner:
+    def open(self, counter: StepCounter) -> MotionRunner:
         """Open the pins; called in the process that makes the pulses."""
         if self.parameters.backend == Backend.PIGPIO.value:
             lock = lock_wave_transmitter(WAVE_LOCK)
-            return WaveRunner(pigpio_daemon(), lock, self.parameters, self.clock, memory)
-        limits = late_limits(self.parameters)
-        return pulse_loop_on_pins(raspberry_pi_pins(), self.parameters, self.clock, limits, memory)
+            return WaveRunner(pigpio_daemon(), lock, self.parameters, self.clock, counter)
+        limits = LateLimits.of(self.parameters)
+        return PulseLoop(raspberry_pi_pins(), self.parameters, self.clock, limits, counter)

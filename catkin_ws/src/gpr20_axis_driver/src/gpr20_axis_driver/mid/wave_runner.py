@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from typing import IO, Any, Deque, List
 
 from gpr20_axis_driver.low.pigpio_waves import StepWaves
-from gpr20_axis_driver.mid.motion import (
+from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_axis_driver.motion import (
     Ending,
     LateLimits,
     Lateness,
     Motion,
     MotionReport,
-    StepCount,
     StopRequested,
     Until,
 )
-from gpr20_axis_driver.mid.pin_hardware import late_limits
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
@@ -44,27 +43,27 @@ class WaveRunner:
         lock: IO[bytes],
         parameters: AxisParameters,
         clock: Clock,
-        count: StepCount,
+        counter: StepCounter,
     ) -> None:
         self._lock = lock
         self._waves = StepWaves(
             pigpio, parameters.dir_pin, parameters.step_pin, parameters.sensor_pin
         )
-        self._limits = late_limits(parameters)
+        self._limits = LateLimits.of(parameters)
         self._clock = clock
-        self._count = count
+        self._counter = counter
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands."""
-        self._count.begin()
+        """Carry out a motion and return when the motor rests."""
+        self._counter.begin()
         self._waves.set_direction(motion.forward)
         start_s = self._clock.now_s()
-        queue = _WaveQueue(motion, self._waves, self._limits, self._clock, self._count)
+        queue = _WaveQueue(motion, self._waves, self._limits, self._clock, self._counter)
         ending = self._feed(motion, queue, stop_requested)
         if ending in (Ending.GAP, Ending.PRESSED):
             self._waves.halt()
         else:
-            self._count.rest()
+            self._counter.rest()
         duration_s = self._clock.now_s() - start_s
         return MotionReport(
             ending,
@@ -115,7 +114,7 @@ class _WaveQueue:
         waves: StepWaves,
         limits: LateLimits,
         clock: Clock,
-        count: StepCount,
+        counter: StepCounter,
     ) -> None:
         self.made = 0
         self.slowed = 0
@@ -129,7 +128,7 @@ class _WaveQueue:
         self._waves = waves
         self._limits = limits
         self._clock = clock
-        self._count = count
+        self._counter = counter
         self._under_way: Deque[_Wave] = deque()
         self._sent = 0
         self._height = 0
@@ -184,7 +183,7 @@ class _WaveQueue:
 
     def _finish_first(self) -> None:
         wave = self._under_way.popleft()
-        self._count.count(self._change * wave.steps)
+        self._counter.count(self._change * wave.steps)
         self.made += wave.steps
         self._waves.delete(wave.number)
 

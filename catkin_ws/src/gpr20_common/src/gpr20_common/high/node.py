@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Callable
+from typing import Any, Callable, Collection, Type, TypeVar
 
 import rosgraph
 import rospy
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.high.parameters import read_parameters
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
+
+Parameters = TypeVar("Parameters")
 
 
 def run_node(name: str, build: Callable[[], Any]) -> None:
@@ -38,6 +41,23 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.spin()
     del kept
+
+
+def run_device(
+    name: str,
+    parameter_class: Type[Parameters],
+    build: Callable[[Parameters], Any],
+    other_parameters: Collection[str] = (),
+) -> None:
+    """Run the node of one device until ROS shuts down.
+
+    Args:
+        name: Default name of the node.
+        parameter_class: Dataclass of the device's parameters, read from the node's own namespace.
+        build: Builds the node from its parameters. What it returns is kept for its life.
+        other_parameters: Parameters of the node that are not the device's.
+    """
+    run_node(name, lambda: build(read_parameters(parameter_class, others=other_parameters)))
 
 
 def _full_name(name: str) -> str:

@@ -24,7 +24,7 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
             return handler(request)
         except Gpr20Error as error:
             rospy.logwarn("%s refused: %s", name, error)
-            return service_class._response_class(success=False, message=str(error))
+            return service_class._response_class(success=False, message=error.message)
         except Exception as error:
             # A fault in our own code must reach the operator as an answer too:
             # a caller that waits for a survey step cannot do anything with a dropped call.

@@ -6,11 +6,13 @@ import threading
 import time
 
 
-class Clock:
-    """Seconds that only go forward, and waiting for them.
+def time_of_day_us() -> int:
+    """Return the time of day [whole microseconds since 1970, UTC], for time stamps alone."""
+    return time.time_ns() // 1000
 
-    Nothing here is the time of day: that is asked where a time stamp is made.
-    """
+
+class Clock:
+    """Seconds that only go forward, and waiting for them; not the time of day."""
 
     def now_s(self) -> float:
         """Return the time [s] since some fixed moment."""

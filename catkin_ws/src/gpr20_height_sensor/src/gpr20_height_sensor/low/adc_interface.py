@@ -1,11 +1,12 @@
-"""The MCP3008, an analogue-to-digital converter of 10 bits and eight channels."""
+"""The MCP3008, an analogue-to-digital converter of 10 bits and eight channels on the SPI bus."""
 
 from __future__ import annotations
 
 import threading
+from typing import List, Protocol
 
-from gpr20_height_sensor.errors import HeightParameterError, SpiError
-from gpr20_height_sensor.low.spi_bus import SpiBus
+from gpr20_common.mid.checks import number_between
+from gpr20_height_sensor.errors import SpiError
 
 CHANNELS = 8
 LARGEST_CODE = 1023
@@ -18,6 +19,16 @@ NULL_BIT = 0x04
 RESULT_HIGH_BITS = 0x03
 
 
+class SpiBus(Protocol):
+    """What the driver uses of an open `spidev.SpiDev`."""
+
+    def xfer2(self, values: List[int]) -> List[int]:
+        """Exchange bytes while the chip stays selected; return as many as were sent."""
+
+    def close(self) -> None:
+        """Give the bus back."""
+
+
 class AdcInterface:
     """Reads one channel of an MCP3008; usable from several threads at once."""
 
@@ -25,12 +36,9 @@ class AdcInterface:
         """Use a channel of the converter on a bus.
 
         Raises:
-            HeightParameterError: There is no such channel.
+            InvalidValueError: There is no such channel.
         """
-        if not 0 <= channel < CHANNELS:
-            raise HeightParameterError(
-                f"channel of the converter is {channel}; it must lie between 0 and {CHANNELS - 1}"
-            )
+        number_between("channel of the converter", channel, 0, CHANNELS - 1)
         self._spi = spi
         self._request = [START, (SINGLE_ENDED | channel) << 4, 0]
         # Held for one exchange of three bytes only, so that no reader waits for another's samples.
@@ -60,3 +68,37 @@ class AdcInterface:
         """Give the bus back."""
         with self._lock:
             self._spi.close()
+
+
+def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
+    """Open the real bus, `/dev/spidev<bus>.<device>`.
+
+    Args:
+        bus: Number of the bus.
+        device: Number of its chip-select line.
+        speed_hz: Clock [Hz].
+
+    Raises:
+        SpiError: The library spidev is missing, or the bus cannot be opened.
+    """
+    try:
+        # Only here, because the library exists and works on the robot alone.
+        import spidev
+    except ImportError as error:
+        raise SpiError(
+            f"the SPI bus cannot be used: {error}; on the robot run scripts/setup.sh --robot, "
+            "elsewhere launch with robot:=simulated"
+        ) from error
+    device_file = f"/dev/spidev{bus}.{device}"
+    spi = spidev.SpiDev()
+    try:
+        spi.open(bus, device)
+        spi.max_speed_hz = speed_hz
+        spi.mode = 0
+    except OSError as error:
+        spi.close()
+        raise SpiError(
+            f"{device_file} cannot be opened: {error}; enable SPI on the robot's computer and "
+            "let this user read and write the file"
+        ) from error
+    return spi

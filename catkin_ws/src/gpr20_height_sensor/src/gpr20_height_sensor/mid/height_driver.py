@@ -8,7 +8,7 @@ from typing import Callable, List
 
 import numpy as np
 
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_height_sensor.errors import (
     HeightStoppedError,
     SensorNoiseError,
@@ -41,26 +41,6 @@ class HeightMeasurement:
     measured_us: int
 
 
-class SameCode:
-    """Counts how many readings in a row were the very same code; usable from any thread."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._code = -1
-        self._count = 0
-
-    @property
-    def count(self) -> int:
-        """How many of the last readings were the same."""
-        return self._count
-
-    def note(self, code: int) -> None:
-        """Take a reading into account."""
-        with self._lock:
-            self._count = self._count + 1 if code == self._code else 1
-            self._code = code
-
-
 class HeightDriver:
     """Takes fresh readings and makes a robust height of them, or says why it cannot.
 
@@ -72,7 +52,7 @@ class HeightDriver:
         adc: AdcInterface,
         parameters: HeightParameters,
         clock: Clock,
-        time_of_day_us: Callable[[], int],
+        now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
         """Make a driver of the sensor behind a converter.
 
@@ -80,13 +60,15 @@ class HeightDriver:
             adc: The converter.
             parameters: The sensor and the estimate.
             clock: Spaces the readings.
-            time_of_day_us: Gives the time [microseconds since 1970, UTC].
+            now_us: Gives the time [microseconds since 1970, UTC].
         """
         self._adc = adc
         self._parameters = parameters
         self._clock = clock
-        self._time_of_day_us = time_of_day_us
-        self._same_code = SameCode()
+        self._now_us = now_us
+        self._lock = threading.Lock()
+        self._last_code = -1
+        self._equal_readings = 0
         self._stop = threading.Event()
 
     @property
@@ -94,18 +76,30 @@ class HeightDriver:
         """The sensor and the estimate."""
         return self._parameters
 
-    def measure(self) -> HeightMeasurement:
+    def take_sample(self) -> int:
+        """Return one reading of the converter made now, 0..1023.
+
+        Raises:
+            SpiError: The converter does not answer.
+        """
+        code = self._adc.read_code()
+        with self._lock:
+            self._equal_readings = self._equal_readings + 1 if code == self._last_code else 1
+            self._last_code = code
+        return code
+
+    def take_measurement(self) -> HeightMeasurement:
         """Return one height from readings that the sensor made after this call.
 
         Raises:
             HeightError: The sensor is stuck, out of its range, too noisy, or does not answer.
         """
-        codes = np.array(self._fresh_codes(), dtype=np.float64)
-        measured_us = self._time_of_day_us()
+        codes = np.array(self._fresh_samples(), dtype=np.float64)
+        measured_us = self._now_us()
         self._check_not_stuck(codes)
         # The converter's result is code / 1024 of its reference (data sheet, equation 4-2).
         voltages_v = codes * (self._parameters.reference_voltage_v / (LARGEST_CODE + 1))
-        distances_m = self._parameters.curve.distances_m(voltages_v)
+        distances_m = self._parameters.distances_m(voltages_v)
         distance_m = float(np.median(distances_m))
         self._check_in_range(distance_m)
         self._check_not_frozen()
@@ -119,15 +113,14 @@ class HeightDriver:
         self._stop.set()
         self._adc.close()
 
-    def _fresh_codes(self) -> List[int]:
+    def _fresh_samples(self) -> List[int]:
         period_s = self._parameters.update_period_s
         next_s = self._clock.now_s() + PERIODS_UNTIL_FRESH * period_s
         codes = []
         for _ in range(self._parameters.samples):
             if self._clock.wait_s(self._stop, max(0.0, next_s - self._clock.now_s())):
                 raise HeightStoppedError("the height sensor's node is being shut down")
-            codes.append(self._adc.read_code())
-            self._same_code.note(codes[-1])
+            codes.append(self.take_sample())
             # From now, not from the plan: a reading that came late must not be followed by
             # one of the same period of the sensor.
             next_s = self._clock.now_s() + period_s
@@ -143,17 +136,17 @@ class HeightDriver:
                 )
 
     def _check_in_range(self, distance_m: float) -> None:
-        curve = self._parameters.curve
-        if not curve.min_distance_m <= distance_m <= curve.max_distance_m:
+        nearest_m, farthest_m = self._parameters.min_distance_m, self._parameters.max_distance_m
+        if not nearest_m <= distance_m <= farthest_m:
             raise SensorRangeError(
                 f"the height sensor reads {distance_m:.3f} m; it measures from "
-                f"{curve.min_distance_m:g} to {curve.max_distance_m:g} m; check that it sees "
-                "the ground and how high the antennas hang"
+                f"{nearest_m:g} to {farthest_m:g} m; check that it sees the ground and how high "
+                "the antennas hang"
             )
 
     def _check_not_frozen(self) -> None:
         # One measurement cannot tell a dead sensor from a still one; the noise of many can.
-        limit, count = self._parameters.frozen_readings, self._same_code.count
+        limit, count = self._parameters.frozen_readings, self._equal_readings
         if 0 < limit <= count:
             raise SensorStuckError(
                 f"the height sensor is stuck: its last {count} readings are the very same, "

@@ -5,20 +5,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
-from gpr20_height_sensor.errors import HeightParameterError
 from gpr20_height_sensor.low.adc_interface import CHANNELS
-from gpr20_height_sensor.mid.range_curve import RangeCurve
 
 FEWEST_FROZEN = 30
 # Buses and chip-select lines beyond this are typing errors.
 MAX_SPI_NUMBER = 31
+# No sensor of this kind sees as far.
+LONGEST_M = 10.0
 
 
 @dataclass(frozen=True)
 class HeightParameters:
     """The sensor, its converter and the estimate.
+
+    A GP2Y0A21YK0F gives distance = scale * (voltage / 1 V) ** -exponent. Sharp's data sheet
+    E4-A00201EN gives as typical values 0.4 V at 0.80 m and 1.9 V more at 0.10 m, so 2.3 V there.
+    The defaults are the power law through these two points: exponent = ln(0.80 / 0.10) /
+    ln(2.3 / 0.4) = 1.188796, scale = 0.80 * 0.4 ** exponent. Single sensors differ (0.25 to
+    0.55 V at 0.80 m): measure two heights with the robot's own and set both parameters.
 
     Attributes:
         spi_bus: Number of the SPI bus.
@@ -27,10 +35,10 @@ class HeightParameters:
             at higher supplies.
         channel: Channel of the converter.
         reference_voltage_v: Reference of the converter [V]; the robot feeds it with 3.3 V.
-        scale_m: See RangeCurve [m].
-        exponent: See RangeCurve.
-        min_distance_m: Shortest valid distance of the sensor [m].
-        max_distance_m: Longest valid distance of the sensor [m].
+        scale_m: Distance at 1 V [m].
+        exponent: How steeply the distance falls with the voltage.
+        min_distance_m: Shortest valid distance [m]; nearer, the voltage falls again.
+        max_distance_m: Longest valid distance [m].
         height_offset_m: Height of the antennas above the sensor [m], negative if they hang
             lower; added to the distance.
         samples: Readings per height.
@@ -52,10 +60,10 @@ class HeightParameters:
     spi_speed_hz: int = 1_000_000
     channel: int = 0
     reference_voltage_v: float = 3.3
-    scale_m: float = RangeCurve.scale_m
-    exponent: float = RangeCurve.exponent
-    min_distance_m: float = RangeCurve.min_distance_m
-    max_distance_m: float = RangeCurve.max_distance_m
+    scale_m: float = 0.269166
+    exponent: float = 1.188796
+    min_distance_m: float = 0.10
+    max_distance_m: float = 0.80
     height_offset_m: float = 0.0
     samples: int = 5
     update_period_s: float = 0.048
@@ -66,32 +74,36 @@ class HeightParameters:
     field_of_view_rad: float = 0.05
 
     def __post_init__(self) -> None:
-        try:
-            number_between("spi_bus", self.spi_bus, 0, MAX_SPI_NUMBER)
-            number_between("spi_device", self.spi_device, 0, MAX_SPI_NUMBER)
-            number_between("channel", self.channel, 0, CHANNELS - 1)
-            # The limits of the MCP3008's data sheet (DS21295).
-            number_between("spi_speed_hz", self.spi_speed_hz, 10_000, 3_600_000, "Hz")
-            number_between("reference_voltage_v", self.reference_voltage_v, 0.25, 5.5, "V")
-            number_between("update_period_s", self.update_period_s, 0.0001, 1.0, "s")
-            number_between("max_spread_m", self.max_spread_m, 0.0001, 1.0, "m")
-            number_between("field_of_view_rad", self.field_of_view_rad, 0.0, math.pi, "rad")
-            number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
-            # With fewer than three readings a single bad one decides.
-            number_between("samples", self.samples, 3, 1000)
-            number_between("frozen_readings", self.frozen_readings, 0, 1_000_000)
-            if 0 < self.frozen_readings < FEWEST_FROZEN:
-                raise InvalidValueError(
-                    f"frozen_readings is {self.frozen_readings}; it must be 0 for no check, or at "
-                    f"least {FEWEST_FROZEN}, because a few readings are equal by chance"
-                )
-            number_between("height_offset_m", self.height_offset_m, -2.0, 2.0, "m")
-        except InvalidValueError as error:
-            raise HeightParameterError(str(error)) from error
-        # A curve that makes no sense stops the node at its start.
-        _ = self.curve
+        number_between("spi_bus", self.spi_bus, 0, MAX_SPI_NUMBER)
+        number_between("spi_device", self.spi_device, 0, MAX_SPI_NUMBER)
+        number_between("channel", self.channel, 0, CHANNELS - 1)
+        # The limits of the MCP3008's data sheet (DS21295).
+        number_between("spi_speed_hz", self.spi_speed_hz, 10_000, 3_600_000, "Hz")
+        number_between("reference_voltage_v", self.reference_voltage_v, 0.25, 5.5, "V")
+        number_between("scale_m", self.scale_m, 0.001, LONGEST_M, "m")
+        number_between("exponent", self.exponent, 0.1, 10.0)
+        number_between("min_distance_m", self.min_distance_m, 0.001, LONGEST_M, "m")
+        number_between("max_distance_m", self.max_distance_m, 0.001, LONGEST_M, "m")
+        if not self.min_distance_m < self.max_distance_m:
+            raise InvalidValueError(
+                f"min_distance_m is {self.min_distance_m:g} m; it must be less than "
+                f"max_distance_m, which is {self.max_distance_m:g} m"
+            )
+        number_between("height_offset_m", self.height_offset_m, -2.0, 2.0, "m")
+        # With fewer than three readings a single bad one decides.
+        number_between("samples", self.samples, 3, 1000)
+        number_between("update_period_s", self.update_period_s, 0.0001, 1.0, "s")
+        number_between("max_spread_m", self.max_spread_m, 0.0001, 1.0, "m")
+        number_between("frozen_readings", self.frozen_readings, 0, 1_000_000)
+        if 0 < self.frozen_readings < FEWEST_FROZEN:
+            raise InvalidValueError(
+                f"frozen_readings is {self.frozen_readings}; it must be 0 for no check, or at "
+                f"least {FEWEST_FROZEN}, because a few readings are equal by chance"
+            )
+        number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
+        number_between("field_of_view_rad", self.field_of_view_rad, 0.0, math.pi, "rad")
 
-    @property
-    def curve(self) -> RangeCurve:
-        """From voltage to distance."""
-        return RangeCurve(self.scale_m, self.exponent, self.min_distance_m, self.max_distance_m)
+    def distances_m(self, voltages_v: np.ndarray) -> np.ndarray:
+        """Return the distances [m] at voltages [V]; infinity at zero volts."""
+        with np.errstate(divide="ignore"):
+            return self.scale_m * np.asarray(voltages_v, dtype=np.float64) ** -self.exponent

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import rospy
 
-from gpr20_common.high.node import run_node
-from gpr20_height_sensor.high.height_node import (
-    HeightNode,
-    build_height_node,
-    read_height_parameters,
-)
+from gpr20_common.high.node import run_device
+from gpr20_height_sensor.high.height_node import HeightNode, build_height_node
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.spi import SimulatedSpi
 from gpr20_simulator.mid.carriage import carriage_position
@@ -17,7 +14,7 @@ from gpr20_simulator.mid.ground import Ground
 from gpr20_simulator.mid.range_sensor import RangeSensor
 
 
-def build_simulated_height() -> HeightNode:
+def build_simulated_height(parameters: HeightParameters) -> HeightNode:
     """Build the real node over a converter that sees the true height of the antennas."""
     part = open_simulated_part(rospy.get_namespace())
     ground = Ground(part.scene)
@@ -27,7 +24,6 @@ def build_simulated_height() -> HeightNode:
         return ground.antenna_height_m(position.x_mm, position.y_mm)
 
     sensor = RangeSensor(part.scene.adc, true_height_m, lambda: part.state.adc_fault)
-    parameters = read_height_parameters(others=SimulatedPart.PARAMETERS)
     return build_height_node(
         parameters, SimulatedSpi(sensor.code), part.clock, "simulated GP2Y0A21YK0F on MCP3008"
     )
@@ -35,4 +31,4 @@ def build_simulated_height() -> HeightNode:
 
 def main() -> None:
     """Run the height sensor of the simulated robot."""
-    run_node("height_sensor", build_simulated_height)
+    run_device("height_sensor", HeightParameters, build_simulated_height, SimulatedPart.PARAMETERS)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Optional
 
-from gpr20_axis_driver.low.step_memory import StepMemory
-from gpr20_axis_driver.mid.motion import LateLimits, MotionRunner
-from gpr20_axis_driver.mid.pin_hardware import late_limits, pulse_loop_on_pins
+from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_axis_driver.mid.pulse_loop import PulseLoop
+from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
@@ -61,10 +61,10 @@ class SimulatedHardware:
         """The steps are forgotten with the shared state, whatever file the robot would have."""
         return self.state_path.with_name(f"{self.state_path.name}_{self.axis.value}_steps")
 
-    def open(self, memory: StepMemory) -> MotionRunner:
+    def open(self, counter: StepCounter) -> MotionRunner:
         """Open the pins; called in the process that makes the pulses."""
         motor = AxisMotor(open_shared_state(self.state_path, {}), self.axis, self.mechanics)
         wiring = WIRING[self.axis]
         pins = SimulatedPins(motor, wiring.dir_pin, wiring.step_pin, wiring.sensor_pin)
-        limits = late_limits(self.parameters) if self.realtime else NO_LIMITS
-        return pulse_loop_on_pins(pins, self.parameters, self.clock, limits, memory)
+        limits = LateLimits.of(self.parameters) if self.realtime else NO_LIMITS
+        return PulseLoop(pins, self.parameters, self.clock, limits, counter)

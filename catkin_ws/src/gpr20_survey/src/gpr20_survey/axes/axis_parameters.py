@@ -10,7 +10,6 @@ from typing import Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_survey.axes.errors import AxisParameterError, TravelError
 
 # Pins of the 40-pin header that carry a GPIO line, in BOARD numbering (Raspberry Pi 4).
 BOARD_PINS = frozenset(
@@ -89,12 +88,9 @@ class AxisParameters:
     backend: str = Backend.RPI_GPIO.value
 
     def __post_init__(self) -> None:
-        try:
-            self._check_pins()
-            self._check_sizes()
-            self._check_pulses()
-        except InvalidValueError as error:
-            raise AxisParameterError(str(error)) from None
+        self._check_pins()
+        self._check_sizes()
+        self._check_pulses()
 
     def _check_pins(self) -> None:
         pins = {"dir_pin": self.dir_pin, "step_pin": self.step_pin}
@@ -157,20 +153,6 @@ class AxisParameters:
     def unit(self) -> str:
         """Unit of the coordinates: mm or deg."""
         return "mm" if self.type == AxisType.LINEAR.value else "deg"
-
-    def steps_to(self, coordinate: float) -> int:
-        """Return the motor step nearest to a coordinate, counted from coordinate zero.
-
-        Raises:
-            TravelError: The coordinate is not a number within the travel.
-        """
-        # Written so that NaN, which fails every comparison, is refused too.
-        if not self.min_coord <= coordinate <= self.max_coord:
-            raise TravelError(
-                f"target {coordinate:.12g} {self.unit} lies outside the axis, "
-                f"{self.min_coord:g} to {self.max_coord:g} {self.unit}"
-            )
-        return self.distance_steps(coordinate)
 
     def distance_steps(self, distance: float) -> int:
         """Return the whole number of steps nearest to a distance."""

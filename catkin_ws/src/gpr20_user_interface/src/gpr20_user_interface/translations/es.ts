@@ -1378,6 +1378,10 @@ lineal</translation>
     <translation>parada a petición</translation>
   </message>
   <message>
+    <source>target {target} {unit} lies outside the axis, {low} to {high} {unit_too}</source>
+    <translation>el destino {target} {unit} está fuera del eje, de {low} a {high} {unit_too}</translation>
+  </message>
+  <message>
     <source>stopping: storing what has been measured</source>
     <translation>parando: se guarda lo medido</translation>
   </message>

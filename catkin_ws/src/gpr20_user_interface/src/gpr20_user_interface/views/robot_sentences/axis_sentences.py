@@ -57,6 +57,10 @@ AXES: Tuple[str, ...] = (
     ),
     QT_TRANSLATE_NOOP(
         "RobotText",
+        "target {target} {unit} lies outside the axis, {low} to {high} {unit_too}",
+    ),
+    QT_TRANSLATE_NOOP(
+        "RobotText",
         "a pulse was {late} ms late near {coordinate} {unit} at a speed at which the motor "
         "can lose steps: the position is not trusted",
     ),

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import threading
 import time
-from pathlib import Path
-from typing import Optional, Protocol
 
 from gpr20_axis_driver.axis_exceptions import AxisException, NodeHungError, PulseProcessError
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
-from gpr20_axis_driver.low.step_memory import StepMemory, open_step_memory
-from gpr20_axis_driver.mid.motion import Ending, Motion, MotionReport, MotionRunner, StopRequested
-from gpr20_common.low.clock import Clock
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
+from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport, StopRequested
 
 # A former node's pulse process ramps down before it lets go of the axis.
 LOCK_LIMIT_S = 5.0
@@ -21,39 +17,8 @@ STALL_LIMIT_S = 5.0
 STALL_STEPS = 10
 
 
-class AxisHardware(Protocol):
-    """What an axis is wired to. It is pickled, so it names things and opens them later."""
-
-    @property
-    def name(self) -> str:
-        """What diagnostics call it."""
-
-    @property
-    def parameters(self) -> AxisParameters:
-        """The axis's parameters."""
-
-    @property
-    def clock(self) -> Clock:
-        """The clock by which the axis moves."""
-
-    @property
-    def realtime(self) -> bool:
-        """Whether the pulses need real-time scheduling."""
-
-    @property
-    def step_file(self) -> Path:
-        """Where the steps are counted."""
-
-    @property
-    def first_steps(self) -> Optional[int]:
-        """Where the motor stands if nothing was ever counted; None if nobody knows."""
-
-    def open(self, memory: StepMemory) -> MotionRunner:
-        """Open the hardware; both pins are low then."""
-
-
-class ProcessEngine:
-    """Starts the process, watches it, and makes the pins safe if it dies; a `PulseEngine`."""
+class PulseClient:
+    """Starts the process, watches it, and makes the pins safe if it dies."""
 
     def __init__(self, hardware: AxisHardware) -> None:
         """Begin; motions are possible on return.
@@ -64,26 +29,26 @@ class ProcessEngine:
         self._hardware = hardware
         parameters = hardware.parameters
         new = not hardware.step_file.exists()
-        self._memory = open_step_memory(hardware.step_file, parameters.step_size, LOCK_LIMIT_S)
+        self._counter = open_step_counter(hardware.step_file, parameters.step_size, LOCK_LIMIT_S)
         if new and hardware.first_steps is not None:
-            self._memory.place(hardware.first_steps)
+            self._counter.place(hardware.first_steps)
         self._lock = threading.Lock()
         self._failure = ""
         try:
             self._process = self._start()
         except BaseException:
-            self._memory.close()
+            self._counter.close()
             raise
 
     @property
     def steps(self) -> int:
         """The count of the steps."""
-        return self._memory.steps
+        return self._counter.steps
 
     @property
     def trusted(self) -> bool:
-        """Whether the count is known to be where the motor stands."""
-        return self._memory.trusted
+        """Whether the count is known to be where the motor rests."""
+        return self._counter.trusted
 
     @property
     def failure(self) -> str:
@@ -94,12 +59,12 @@ class ProcessEngine:
     @property
     def scheduling(self) -> str:
         """How punctual the system lets the pulses be, as a sentence."""
-        return self._process.sentence
+        return self._process.scheduling.sentence
 
     @property
     def unpunctual(self) -> bool:
         """Whether real-time scheduling was asked for and refused."""
-        return self._hardware.realtime and not self._process.realtime
+        return self._hardware.realtime and not self._process.scheduling.realtime
 
     @property
     def process_id(self) -> int:
@@ -107,23 +72,23 @@ class ProcessEngine:
         return self._process.pid
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands.
+        """Carry out a motion and return when the motor rests.
 
         Raises:
             PulseProcessError: The process died or hung; the pins are low.
             NodeHungError: This node hung, so the process ended the motion; the count is exact.
         """
-        watch = _Progress(self._memory, self._hardware)
+        watch = _Progress(self._counter, self._hardware)
 
         def poll() -> None:
             watch.check()
             if stop_requested():
-                self._memory.stop_requested = True
+                self._counter.stop_requested = True
 
         if self.failure:
             raise PulseProcessError(self.failure)
-        report: MotionReport = self._process.run(motion, poll)
-        if report.ending is Ending.STOPPED and not self._memory.stop_requested:
+        report = self._process.run(motion, poll)
+        if report.ending is Ending.STOPPED and not self._counter.stop_requested:
             raise NodeHungError(
                 f"the motion was ended because the axis's node could not have stopped it for "
                 f"{SILENT_PARENT_S:g} s: the node hung; look at what else this computer does"
@@ -131,8 +96,8 @@ class ProcessEngine:
         return report
 
     def place(self, steps: int) -> None:
-        """Say where the motor stands [motor steps]."""
-        self._memory.place(steps)
+        """Set where the motor rests [motor steps]."""
+        self._counter.place(steps)
 
     def revive(self) -> None:
         """Start the process again if it has died.
@@ -151,14 +116,14 @@ class ProcessEngine:
         self._process.close()
 
     def _start(self) -> PulseProcess:
-        return PulseProcess(self._hardware, self._memory, self._on_death)
+        return PulseProcess(self._hardware, self._counter, self._on_death)
 
     def _on_death(self, reason: str) -> None:
         with self._lock:
             self._failure = reason
         try:
             # Opening drives both pins low, wherever the dead process left them.
-            self._hardware.open(self._memory).close()
+            self._hardware.open(self._counter).close()
         except AxisException as error:
             with self._lock:
                 self._failure = f"{reason}; and its pins could not be made low: {error}"
@@ -167,19 +132,19 @@ class ProcessEngine:
 class _Progress:
     """Notices a process that lives but makes no steps."""
 
-    def __init__(self, memory: StepMemory, hardware: AxisHardware) -> None:
-        self._memory = memory
+    def __init__(self, counter: StepCounter, hardware: AxisHardware) -> None:
+        self._counter = counter
         self._clock = hardware.clock
         # A scaled clock can pass any limit while this computer does something else.
         self._limit_s = STALL_LIMIT_S + 2.0 * STALL_STEPS * hardware.parameters.max_step
         self._note()
 
     def _note(self) -> None:
-        self._steps = self._memory.steps
+        self._steps = self._counter.steps
         self._real_s, self._clock_s = time.monotonic(), self._clock.now_s()
 
     def check(self) -> None:
-        if self._memory.steps != self._steps:
+        if self._counter.steps != self._steps:
             self._note()
             return
         real_s, clock_s = time.monotonic() - self._real_s, self._clock.now_s() - self._clock_s

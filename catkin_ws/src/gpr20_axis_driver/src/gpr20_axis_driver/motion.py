@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Callable, Protocol, Sequence
+from pathlib import Path
+from typing import Callable, Optional, Protocol, Sequence
 
+from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_common.low.clock import Clock
+from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
-# Asked at every step: whether the motion shall end now.
+# Asked at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]
+
+
+def never() -> bool:
+    """Request no stop."""
+    return False
 
 
 class Until(enum.Enum):
@@ -60,6 +69,11 @@ class LateLimits:
 
     late_s: float
     gap_s: float
+
+    @classmethod
+    def of(cls, parameters: AxisParameters) -> LateLimits:
+        """Return the limits that the parameters name, for a robot that moves in real time."""
+        return cls(parameters.late_limit_s, parameters.gap_limit_s)
 
 
 @dataclass(frozen=True)
@@ -113,52 +127,42 @@ class MotionReport:
     lateness: Lateness = field(default_factory=Lateness)
 
 
-class StepCount(Protocol):
-    """Where the steps are counted, visible to whoever wants the coordinate."""
-
-    def begin(self) -> None:
-        """Note that a motion begins: until it ends well, the count is not trusted."""
-
-    def count(self, change: int) -> None:
-        """Add to the count [motor steps]."""
-
-    def rest(self) -> None:
-        """Note that the motor stands and that the count is exact."""
-
-
 class MotionRunner(Protocol):
     """Makes the pulses of motions, next to the hardware."""
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands."""
+        """Carry out a motion and return when the motor rests."""
 
     def close(self) -> None:
         """Leave the step and direction pins low and release the hardware."""
 
 
-class PulseEngine(Protocol):
-    """Carries out motions for the axis driver and keeps the count of the steps."""
+class AxisHardware(Protocol):
+    """What an axis is wired to. It is pickled, so it names things and opens them later."""
 
     @property
-    def steps(self) -> int:
-        """The count of the steps."""
+    def name(self) -> str:
+        """What diagnostics call it."""
 
     @property
-    def trusted(self) -> bool:
-        """Whether the count is known to be where the motor stands."""
+    def parameters(self) -> AxisParameters:
+        """The axis's parameters."""
 
     @property
-    def failure(self) -> str:
-        """Why no motion is possible now; empty if one is."""
+    def clock(self) -> Clock:
+        """The clock by which the axis moves."""
 
-    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor stands."""
+    @property
+    def realtime(self) -> bool:
+        """Whether the pulses need real-time scheduling."""
 
-    def place(self, steps: int) -> None:
-        """Say where the motor stands [motor steps]."""
+    @property
+    def step_file(self) -> Path:
+        """Where the steps are counted."""
 
-    def revive(self) -> None:
-        """Make motions possible again after a failure."""
+    @property
+    def first_steps(self) -> Optional[int]:
+        """Where the motor rests if nothing was ever counted; None if that is unknown."""
 
-    def close(self) -> None:
-        """Release the hardware."""
+    def open(self, counter: StepCounter) -> MotionRunner:
+        """Open the hardware; both pins are low then."""

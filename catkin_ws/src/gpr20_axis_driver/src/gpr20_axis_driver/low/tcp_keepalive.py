@@ -1,4 +1,4 @@
-"""How long the other end of a TCP connection has been silent, as Linux's kernel knows it."""
+"""TCP keep-alive: how long the other end of a connection has been silent, as Linux knows it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LAST_RECEIVED = struct.Struct("=II")
 LAST_RECEIVED_OFFSET = 52
 
 
-def probe(connection: socket.socket) -> None:
+def keep_alive(connection: socket.socket) -> None:
     """Have the kernel ask the other end for a sign of life every `PROBE_PERIOD_S`.
 
     Raises:

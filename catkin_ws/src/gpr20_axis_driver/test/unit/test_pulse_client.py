@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from axis_machine import X_PARAMETERS, never
+from axis_machine import X_PARAMETERS
 from simulated_axis import LIMIT_S, SimulatedAxis, exists, wait_until
 
 from gpr20_axis_driver.axis_exceptions import (
@@ -20,13 +20,14 @@ from gpr20_axis_driver.axis_exceptions import (
     MotionStopped,
     PositionLostError,
     PulseProcessError,
-    StepMemoryError,
+    StepCounterError,
     ZeroUnknownError,
 )
 from gpr20_axis_driver.low import pulse_process
-from gpr20_axis_driver.mid import process_engine
-from gpr20_axis_driver.mid.process_engine import ProcessEngine
+from gpr20_axis_driver.mid import pulse_client
+from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
+from gpr20_axis_driver.motion import never
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
@@ -42,7 +43,7 @@ def make(tmp_path):
 
         def make_axis(axis, time_scale=1.0):
             made = SimulatedAxis(tmp_path, axis, time_scale)
-            ending.callback(made.engine.close)
+            ending.callback(made.pulses.close)
             return made
 
         yield make_axis
@@ -59,7 +60,7 @@ class Move(threading.Thread):
 
     def run(self):
         try:
-            self.axis.driver.move_to(self.target, self.stop)
+            self.axis.driver.move_to_coordinate(self.target, self.stop)
         except AxisException as error:
             self.error = error
 
@@ -71,20 +72,22 @@ class Move(threading.Thread):
 
 def test_moves_and_stops_at_random_never_lose_a_step(make):
     axis = make(AxisId.X, time_scale=500.0)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     chance = random.Random(3)
     for _ in range(100):
         polls = chance.randrange(1, 12)
         countdown = iter([False] * polls)
         with contextlib.suppress(MotionStopped):
-            axis.driver.move_to(chance.randrange(0, 3000) / 100, lambda c=countdown: next(c, True))
-        assert round(axis.driver.coordinate * 100) == axis.true_steps
+            axis.driver.move_to_coordinate(
+                chance.randrange(0, 3000) / 100, lambda c=countdown: next(c, True)
+            )
+        assert round(axis.driver.current_coord * 100) == axis.true_steps
 
 
 def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
     axis = make(AxisId.X)
-    axis.engine.place(200)
-    axis.driver._homed = True
+    axis.pulses.place(200)
+    axis.driver._homing_done = True
     requested = threading.Event()
     move = Move(axis, 50.0, requested.is_set)
     wait_until(lambda: axis.true_steps > 300)
@@ -95,15 +98,15 @@ def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
     ramp_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
     took_s = (axis.world.last_pulse_ns(AxisId.X) - requested_ns) * 1e-9
     assert took_s < ramp_s + STOP_S
-    assert axis.true_steps == axis.engine.steps
-    assert axis.driver.homed
+    assert axis.true_steps == axis.pulses.steps
+    assert axis.driver.homing_done
 
 
 def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
     axis = make(AxisId.Z)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     with pytest.raises(MotionStopped):
-        axis.driver.move_to(90.0, lambda: True)
+        axis.driver.move_to_coordinate(90.0, lambda: True)
     assert axis.true_steps == 0
 
 
@@ -112,9 +115,9 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
     make, number
 ):
     axis = make(AxisId.X, time_scale=10.0)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     for _ in range(4):
-        before = axis.engine.process_id
+        before = axis.pulses.process_id
         move = Move(axis, 100.0)
         wait_until(lambda: axis.true_steps > 100)
         os.kill(before, number)
@@ -123,23 +126,23 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
         assert "home the axis" in str(error)
         assert axis.pins_low
         assert not exists(before)
-        assert not axis.driver.homed
-        assert not axis.engine.trusted
-        axis.driver.home(never)
-        assert (axis.driver.coordinate, axis.true_steps) == (0.0, 0)
-        assert axis.engine.process_id != before
+        assert not axis.driver.homing_done
+        assert not axis.pulses.trusted
+        axis.driver.homing(never)
+        assert (axis.driver.current_coord, axis.true_steps) == (0.0, 0)
+        assert axis.pulses.process_id != before
 
 
 def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
     axis = make(AxisId.Z)
-    axis.driver.home(never)
-    process_id = axis.engine.process_id
+    axis.driver.homing(never)
+    process_id = axis.pulses.process_id
     os.kill(process_id, signal.SIGKILL)
     wait_until(lambda: axis.driver.failure)
     assert "ended by SIGKILL" in axis.driver.failure
-    assert not axis.driver.homed
-    axis.driver.home(never)
-    assert axis.driver.homed
+    assert not axis.driver.homing_done
+    axis.driver.homing(never)
+    assert axis.driver.homing_done
     assert not axis.driver.failure
 
 
@@ -149,7 +152,7 @@ def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_pa
         stdout=subprocess.PIPE,
     )
     process_id = int(node.stdout.readline())
-    world = open_shared_state(tmp_path / "world", {})
+    world = open_shared_state(tmp_path / "world")
     wait_until(lambda: world.steps(AxisId.Z) > 10)
     node.kill()
     killed_ns = time.monotonic_ns()
@@ -160,49 +163,49 @@ def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_pa
     # The turn ramps down: at most three steps of 50 ms after one of 20 ms.
     assert world.last_pulse_ns(AxisId.Z) - killed_ns < (STOP_S + 0.2) * 1e9
     axis = make(AxisId.Z)
-    assert not axis.driver.homed
-    axis.driver.home(never)
-    assert (axis.true_steps, axis.driver.coordinate) == (0, 0.0)
+    assert not axis.driver.homing_done
+    axis.driver.homing(never)
+    assert (axis.true_steps, axis.driver.current_coord) == (0, 0.0)
 
 
 def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make):
     axis = make(AxisId.Z)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 10)
-    os.kill(axis.engine.process_id, signal.SIGKILL)
+    os.kill(axis.pulses.process_id, signal.SIGKILL)
     assert isinstance(move.result(), PulseProcessError)
     with pytest.raises(ZeroUnknownError, match="set_zero"):
-        axis.driver.home(never)
+        axis.driver.homing(never)
     axis.driver.set_zero()
-    assert axis.driver.homed
+    assert axis.driver.homing_done
 
 
 def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trusted(make):
     axis = make(AxisId.Z)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 15)
-    os.kill(axis.engine.process_id, signal.SIGSTOP)
+    os.kill(axis.pulses.process_id, signal.SIGSTOP)
     halted = axis.true_steps
     # As long as this process cannot know better, the other one is taken for late.
     time.sleep(0.2)
-    os.kill(axis.engine.process_id, signal.SIGCONT)
+    os.kill(axis.pulses.process_id, signal.SIGCONT)
     error = move.result()
     assert isinstance(error, PositionLostError)
     assert "set_zero" in str(error)
     assert axis.true_steps - halted <= 1
-    assert not axis.driver.homed
+    assert not axis.driver.homing_done
 
 
 def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
-    monkeypatch.setattr(process_engine, "STALL_LIMIT_S", 0.2)
-    monkeypatch.setattr(process_engine, "STALL_STEPS", 1)
+    monkeypatch.setattr(pulse_client, "STALL_LIMIT_S", 0.2)
+    monkeypatch.setattr(pulse_client, "STALL_STEPS", 1)
     axis = make(AxisId.Z)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
-    process_id = axis.engine.process_id
+    process_id = axis.pulses.process_id
     os.kill(process_id, signal.SIGSTOP)
     error = move.result()
     assert isinstance(error, PulseProcessError)
@@ -212,16 +215,16 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
 
 
 def test_a_second_driver_of_the_same_axis_is_refused(make, monkeypatch):
-    monkeypatch.setattr(process_engine, "LOCK_LIMIT_S", 0.05)
+    monkeypatch.setattr(pulse_client, "LOCK_LIMIT_S", 0.05)
     make(AxisId.X)
-    with pytest.raises(StepMemoryError, match="another process drives this axis"):
+    with pytest.raises(StepCounterError, match="another process drives this axis"):
         make(AxisId.X)
 
 
 def test_closing_leaves_no_process_and_the_pins_low(make):
     axis = make(AxisId.X, time_scale=10.0)
-    axis.driver.home(never)
-    process_id = axis.engine.process_id
+    axis.driver.homing(never)
+    process_id = axis.pulses.process_id
     axis.driver.close(timeout_s=1.0)
     assert not exists(process_id)
     assert axis.pins_low
@@ -230,10 +233,10 @@ def test_closing_leaves_no_process_and_the_pins_low(make):
 def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, monkeypatch):
     monkeypatch.setattr(pulse_process, "END_LIMIT_S", 0.2)
     axis = make(AxisId.Z)
-    axis.driver.home(never)
+    axis.driver.homing(never)
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
-    process_id = axis.engine.process_id
+    process_id = axis.pulses.process_id
     os.kill(process_id, signal.SIGSTOP)
     axis.driver.close(timeout_s=0.05)
     assert not exists(process_id)
@@ -244,7 +247,7 @@ def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, mo
 @pytest.mark.skipif(importlib.util.find_spec("RPi") is not None, reason="this is the robot")
 def test_a_missing_library_is_an_error_at_the_start_and_leaves_no_process():
     with pytest.raises(PulseProcessError, match="robot:=simulated"):
-        ProcessEngine(RobotHardware(X_PARAMETERS))
+        PulseClient(RobotHardware(X_PARAMETERS))
     children = Path(f"/proc/self/task/{threading.get_native_id()}/children").read_text().split()
     assert not any("pulse_process" in command_of(child) for child in children)
 
@@ -255,16 +258,16 @@ def command_of(process_id):
 
 def test_pulses_are_punctual_or_say_why_not(make):
     axis = make(AxisId.Z)
-    if axis.engine.unpunctual:
-        assert "refused: " in axis.engine.scheduling
+    if axis.pulses.unpunctual:
+        assert "refused: " in axis.pulses.scheduling
     else:
-        assert "SCHED_FIFO" in axis.engine.scheduling
+        assert "SCHED_FIFO" in axis.pulses.scheduling
 
 
 def test_a_faster_robot_asks_for_no_real_time(make):
     axis = make(AxisId.X, time_scale=10.0)
-    assert not axis.engine.unpunctual
-    assert "ordinary scheduling" in axis.engine.scheduling
+    assert not axis.pulses.unpunctual
+    assert "ordinary scheduling" in axis.pulses.scheduling
 
 
 def test_a_user_without_rights_gets_ordinary_scheduling_and_the_reason():

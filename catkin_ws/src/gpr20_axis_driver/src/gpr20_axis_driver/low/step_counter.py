@@ -14,7 +14,7 @@ import time
 from enum import IntEnum
 from pathlib import Path
 
-from gpr20_axis_driver.axis_exceptions import StepMemoryError
+from gpr20_axis_driver.axis_exceptions import StepCounterError
 
 LAYOUT = 0x47505241_00000001
 WORD_BYTES = 8
@@ -35,11 +35,11 @@ class _Word(IntEnum):
     BEATS = 5
 
 
-class StepMemory:
+class StepCounter:
     """The shared words of one axis. One process at a time may change them."""
 
     def __init__(self, descriptor: int) -> None:
-        """Map the open file; made by `open_step_memory`, or from an inherited descriptor."""
+        """Map the open file; made by `open_step_counter`, or from an inherited descriptor."""
         self._descriptor = descriptor
         self._memory = mmap.mmap(descriptor, FILE_BYTES)
         # Stores of an aligned 64-bit item are single instructions: no reader sees half of one.
@@ -62,7 +62,7 @@ class StepMemory:
 
     @property
     def stop_requested(self) -> bool:
-        """Whether the motion under way shall end."""
+        """Whether to end the motion under way."""
         return self._words[_Word.STOP] != 0
 
     @stop_requested.setter
@@ -79,7 +79,7 @@ class StepMemory:
         self._words[_Word.BEATS] += 1
 
     def begin(self) -> None:
-        """Note that a motion begins; durable before the first pulse."""
+        """Trust the count no more, as a motion begins; durable before the first pulse."""
         self._words[_Word.RESTING] = 0
         self._memory.flush()
 
@@ -88,31 +88,27 @@ class StepMemory:
         self._words[_Word.STEPS] += change
 
     def rest(self) -> None:
-        """Note that the motor stands and that the count is exact; durable on return."""
+        """Note that the motor rests and that the count is exact; durable on return."""
         self._words[_Word.RESTING] = self.steps ^ REST_KEY
         self._memory.flush()
 
     def place(self, steps: int) -> None:
-        """Set the count of a motor that stands [motor steps]."""
+        """Set the count of a motor that rests [motor steps]."""
         # Not trusted in between: no power cut makes a count of two halves.
         self.begin()
         self._words[_Word.STEPS] = steps
         self.rest()
 
-    def forget(self) -> None:
-        """Note that nobody knows where the motor stands."""
-        self.begin()
-
     def check(self, step_size: float) -> None:
         """Forget the count if it was made with steps of another size [mm or deg]."""
         size_nano = round(step_size * NANO)
         if self._words[_Word.STEP_SIZE_NANO] != size_nano:
-            self.forget()
+            self.begin()
             self._words[_Word.STEP_SIZE_NANO] = size_nano
         self.stop_requested = False
 
     def is_one_of_ours(self) -> bool:
-        """Return whether the file is a step memory of this version."""
+        """Return whether the file is a step count of this version."""
         return self._words[_Word.LAYOUT] == LAYOUT
 
     def close(self) -> None:
@@ -122,7 +118,7 @@ class StepMemory:
         os.close(self._descriptor)
 
 
-def open_step_memory(path: Path, step_size: float, lock_limit_s: float) -> StepMemory:
+def open_step_counter(path: Path, step_size: float, lock_limit_s: float) -> StepCounter:
     """Open and lock the file, making it if it is not there yet; a new one is not trusted.
 
     Args:
@@ -131,14 +127,14 @@ def open_step_memory(path: Path, step_size: float, lock_limit_s: float) -> StepM
         lock_limit_s: How long to wait while another process holds the axis [s].
 
     Raises:
-        StepMemoryError: The file is held by another process, is something else, or
+        StepCounterError: The file is held by another process, is something else, or
             cannot be used.
     """
     try:
         _make(path)
         descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError as error:
-        raise StepMemoryError(
+        raise StepCounterError(
             f"the step count cannot be kept in {path}: {error.strerror}; give a memory_file in a "
             "folder that can be written"
         ) from error
@@ -146,18 +142,18 @@ def open_step_memory(path: Path, step_size: float, lock_limit_s: float) -> StepM
         _lock(path, descriptor, lock_limit_s)
         if os.fstat(descriptor).st_size != FILE_BYTES:
             raise _not_ours(path)
-        memory = StepMemory(descriptor)
-        if not memory.is_one_of_ours():
+        counter = StepCounter(descriptor)
+        if not counter.is_one_of_ours():
             raise _not_ours(path)
     except BaseException:
         os.close(descriptor)
         raise
-    memory.check(step_size)
-    return memory
+    counter.check(step_size)
+    return counter
 
 
-def _not_ours(path: Path) -> StepMemoryError:
-    return StepMemoryError(
+def _not_ours(path: Path) -> StepCounterError:
+    return StepCounterError(
         f"{path} is not a step count of this version: move it away, then turn the antennas to "
         "their mark and call the service set_zero"
     )
@@ -171,7 +167,7 @@ def _lock(path: Path, descriptor: int, limit_s: float) -> None:
             return
         except BlockingIOError:
             if time.monotonic() > deadline_s:
-                raise StepMemoryError(
+                raise StepCounterError(
                     f"another process drives this axis (it holds {path}): end the other "
                     "axis_driver of this axis first"
                 ) from None

@@ -9,25 +9,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_height_sensor.errors import HeightParameterError
+from gpr20_common.errors import InvalidValueError
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
-from gpr20_height_sensor.mid.range_curve import RangeCurve
 
 
 @pytest.mark.parametrize("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
 def test_passes_through_the_typical_values_of_the_data_sheet(voltage_v, distance_m):
-    assert RangeCurve().distances_m(np.array([voltage_v]))[0] == pytest.approx(distance_m, 1e-4)
+    assert HeightParameters().distances_m(np.array([voltage_v]))[0] == pytest.approx(
+        distance_m, 1e-4
+    )
 
 
 @given(st.floats(0.01, 3.3), st.floats(0.01, 3.3))
 def test_a_higher_voltage_is_nearer(one_v, other_v):
     low, high = sorted((one_v, other_v))
-    distances_m = RangeCurve().distances_m(np.array([low, high]))
+    distances_m = HeightParameters().distances_m(np.array([low, high]))
     assert distances_m[0] >= distances_m[1]
 
 
 def test_zero_volts_is_infinitely_far():
-    assert RangeCurve().distances_m(np.array([0.0]))[0] == math.inf
+    assert HeightParameters().distances_m(np.array([0.0]))[0] == math.inf
 
 
 @pytest.mark.parametrize(
@@ -59,5 +60,5 @@ def test_zero_volts_is_infinitely_far():
     ],
 )
 def test_parameters_that_make_no_sense_are_refused(name, value):
-    with pytest.raises(HeightParameterError, match=f"{name} is .*; it must "):
+    with pytest.raises(InvalidValueError, match=f"{name} is .*; it must "):
         HeightParameters(**{name: value})

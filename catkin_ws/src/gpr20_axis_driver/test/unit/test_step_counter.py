@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gpr20_axis_driver.axis_exceptions import StepMemoryError
-from gpr20_axis_driver.low.step_memory import FILE_BYTES, open_step_memory
+from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def path(tmp_path):
 
 
 def reopen(path, step_size=1.8):
-    return open_step_memory(path, step_size, lock_limit_s=0.0)
+    return open_step_counter(path, step_size, lock_limit_s=0.0)
 
 
 def test_a_new_file_knows_nothing(path):
@@ -54,7 +54,7 @@ def test_steps_of_another_size_are_not_trusted(path):
 
 def test_two_processes_cannot_drive_one_axis(path):
     memory = reopen(path)
-    with pytest.raises(StepMemoryError, match="another process drives this axis"):
+    with pytest.raises(StepCounterError, match="another process drives this axis"):
         reopen(path)
     memory.close()
     reopen(path)
@@ -64,14 +64,14 @@ def test_two_processes_cannot_drive_one_axis(path):
 def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
     path.parent.mkdir()
     path.write_bytes(content)
-    with pytest.raises(StepMemoryError, match="move it away"):
+    with pytest.raises(StepCounterError, match="move it away"):
         reopen(path)
     assert path.read_bytes() == content
 
 
 def test_a_place_that_cannot_be_written_is_an_error_that_names_it(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(StepMemoryError, match="file/memory"):
+    with pytest.raises(StepCounterError, match="file/memory"):
         reopen(tmp_path / "file" / "memory")
 
 

@@ -6,7 +6,7 @@ import time
 import pytest
 from vanishing_peer import come_back, vanish
 
-from gpr20_axis_driver.low.connection_silence import probe, silence_s
+from gpr20_axis_driver.low.tcp_keepalive import keep_alive, silence_s
 
 LIMIT_S = 20.0
 
@@ -29,7 +29,7 @@ def wait_until(condition):
 
 def test_an_end_that_is_there_is_never_silent_for_long_though_it_sends_nothing(ends):
     ours, _theirs = ends
-    probe(ours)
+    keep_alive(ours)
     end_s = time.monotonic() + 5.0
     longest_s = 0.0
     while time.monotonic() < end_s:
@@ -40,7 +40,7 @@ def test_an_end_that_is_there_is_never_silent_for_long_though_it_sends_nothing(e
 
 def test_an_end_that_vanishes_without_a_word_is_silent_and_found_alive_when_it_comes_back(ends):
     ours, theirs = ends
-    probe(ours)
+    keep_alive(ours)
     vanish(theirs)
     vanished_s = time.monotonic()
     wait_until(lambda: silence_s(ours) > 3.5)
@@ -54,6 +54,6 @@ def test_an_end_that_vanishes_without_a_word_is_silent_and_found_alive_when_it_c
 def test_a_connection_that_was_closed_is_an_error_to_whoever_asks(ends):
     ours, _theirs = ends
     ours.close()
-    for ask in (probe, silence_s):
+    for ask in (keep_alive, silence_s):
         with pytest.raises(OSError):
             ask(ours)

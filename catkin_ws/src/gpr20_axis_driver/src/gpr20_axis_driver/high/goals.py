@@ -1,47 +1,64 @@
-"""Whether the client that sent a goal still lives."""
+"""The goals of an axis: taken in their order, and given up when their sender is gone."""
 
 from __future__ import annotations
 
 import socket
 import time
-from typing import Callable, Dict, Iterator, Tuple
+from typing import Any, Callable, Dict, Iterator, Tuple
 
+import actionlib
 import rospy
 
-from gpr20_axis_driver.low.connection_silence import probe, silence_s
+from gpr20_axis_driver.low.tcp_keepalive import keep_alive, silence_s
 
 # So long may a client's machine give no sign of life: three probes, one second each.
 SILENCE_LIMIT_S = 3.5
 
 
-class GoalClients:
-    """Watches the connections of an action's goal topic.
+class GoalServer(actionlib.SimpleActionServer):
+    """Takes goals whatever the time of day is, and knows whether their senders still live.
+
+    actionlib refuses a goal whose time stamp lies before that of the last one. A stamp is the
+    time of day at the client: after its clock was set back by an hour, every goal of the next
+    hour would be refused.
 
     When a client's process dies, its connection is closed by the system at once, long before the
     master or anything else notices. When its machine dies or its cable is pulled, nothing closes
     the connection, but no sign of life comes through it.
     """
 
-    def __init__(self, goal_subscriber: rospy.Subscriber) -> None:
-        self._subscriber = goal_subscriber
-
-    def watch(self, goal_id: str) -> Callable[[], bool]:
-        """Return what tells whether the sender of a goal has gone.
+    def __init__(self, name: str, action: Any, execute: Callable[[Any], None]) -> None:
+        """Offer the action; `start` begins to take goals.
 
         Args:
-            goal_id: Its id, which actionlib begins with the name of the client's node. A goal
-                that names no node connected now is watched by any connection at all.
+            name: Relative name of the action.
+            action: Generated class of the action.
+            execute: Carries out one goal.
         """
+        super().__init__(name, action, execute_cb=execute, auto_start=False)
+
+    def internal_goal_callback(self, goal: actionlib.ServerGoalHandle) -> None:
+        """Take a new goal, whatever its stamp says; it replaces the one before."""
+        goal.get_goal_id().stamp = rospy.Time()
+        super().internal_goal_callback(goal)
+
+    def watch_sender(self) -> Callable[[], bool]:
+        """Return a function that says whether the sender of the current goal has gone.
+
+        actionlib begins a goal's id with the name of the client's node. A goal that names no node
+        connected now is watched by any connection at all.
+        """
+        goal_id = self.current_goal.get_goal_id().id
         senders = {name for name, _ in self._connections() if goal_id.startswith(f"{name}-")}
-        return self._gone(lambda name: name in senders or not senders)
+        return self._watch(lambda name: name in senders or not senders)
 
     def watch_node(self, name: str) -> Callable[[], bool]:
-        """Return what tells whether a node has gone; never, if it is no client of the action."""
+        """Return a function that says whether a node has gone; never, if it is no client."""
         if any(name == connected for connected, _ in self._connections()):
-            return self._gone(lambda connected: connected == name)
+            return self._watch(lambda connected: connected == name)
         return lambda: False
 
-    def _gone(self, is_watched: Callable[[str], bool]) -> Callable[[], bool]:
+    def _watch(self, is_watched: Callable[[str], bool]) -> Callable[[], bool]:
         signs = _SignsOfLife()
 
         def gone() -> bool:
@@ -54,7 +71,7 @@ class GoalClients:
     def _connections(self) -> Iterator[Tuple[str, socket.socket]]:
         # rospy counts connections in public but names their nodes only here. One that waits to
         # be connected again has no socket; an action's server that was shut down, no topic.
-        topic = self._subscriber.impl
+        topic = self.action_server.goal_sub.impl
         for one in topic.connections if topic is not None else ():
             connection = one.socket
             if connection is not None:
@@ -72,7 +89,7 @@ class _SignsOfLife:
         now_s = time.monotonic()
         try:
             if connection not in self._probed_since_s:
-                probe(connection)
+                keep_alive(connection)
                 self._probed_since_s[connection] = now_s
             # Before it was probed, silence meant nothing.
             probed_s = now_s - self._probed_since_s[connection]
