@@ -99,14 +99,18 @@ class SurveyMachine(RuleBasedStateMachine):
     def has_settled(self):
         state = self.state
         if state in MEASURING:
-            stored = self.bench.board.status.visited_points
-            survey_id = self.bench.board.status.survey_id
-            return self.analyzer.waiting is not None and (
-                self.storage.broken or stored == len(self.storage.samples[survey_id])
-            )
+            return self.analyzer.waiting is not None and (self.storage.broken or self.all_stored())
         if state is State.CHECKING:
             return bool(self.nodes.missing()) and "holding" in self.bench.board.status.message
         return state is State.PAUSED or state in AT_REST
+
+    def all_stored(self):
+        """Whether nothing waits for the disk, or it waits for the operator after a failure."""
+        status = self.bench.board.status
+        queue = self.control._engine._archive.queue
+        if queue.waiting and queue._failure is None:
+            return False
+        return status.visited_points == len(self.storage.samples[status.survey_id])
 
     def request(self, call, allowed):
         """Make a request, which must be refused with a reason and no effect unless allowed."""
