@@ -25,13 +25,17 @@ TICK_FONT_PX = 11
 
 
 class FixedPlot(pyqtgraph.PlotWidget):
-    """A plot with a title and two axes; the second one may point down."""
+    """A plot with a title and two axes; the second one may point down.
+
+    Attributes:
+        has_numbers: Whether the axes say where something lies.
+    """
 
     def __init__(self, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent, background="w")
         self._title = ""
         self._labels = ("", "")
-        self._has_numbers = True
+        self.has_numbers = True
         self.setMouseEnabled(False, False)
         self.setMenuEnabled(False)
         self.hideButtons()
@@ -69,15 +73,10 @@ class FixedPlot(pyqtgraph.PlotWidget):
         for name, text in (("bottom", bottom), ("left", left)):
             self.setLabel(name, text, **{"font-size": f"{TICK_FONT_PX}px", "color": INK})
 
-    @property
-    def has_numbers(self) -> bool:
-        """Whether the axes say where something lies."""
-        return self._has_numbers
-
     def show_numbers(self, shown: bool) -> None:
         """Write numbers on the axes; those of a plot without data would be made up."""
-        if shown != self._has_numbers:
-            self._has_numbers = shown
+        if shown != self.has_numbers:
+            self.has_numbers = shown
             for name in ("left", "bottom"):
                 self.getAxis(name).setStyle(showValues=shown)
 
@@ -119,7 +118,11 @@ class CurvePlot(FixedPlot):
 
 
 class PicturePlot(FixedPlot):
-    """A B- or C-scan; what was not measured is grey."""
+    """A B- or C-scan; what was not measured is grey.
+
+    Attributes:
+        shown_range: The levels of the darkest and the brightest colour.
+    """
 
     def __init__(self, true_to_scale: bool, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
@@ -128,17 +131,12 @@ class PicturePlot(FixedPlot):
         self._image.setLookupTable(level_colours())
         self.addItem(self._image)
         self._image.setZValue(-1)
-        self._range = (0.0, 0.0)
+        self.shown_range = (0.0, 0.0)
 
     @property
     def colour_numbers(self) -> Optional[np.ndarray]:
         """What is drawn: 0..254 for levels, 255 for what was not measured."""
         return self._image.image
-
-    @property
-    def shown_range(self) -> Tuple[float, float]:
-        """The levels of the darkest and the brightest colour."""
-        return self._range
 
     def show_picture(self, picture: Optional[Picture], in_db: bool) -> None:
         """Draw a picture; None: nothing."""
@@ -148,8 +146,8 @@ class PicturePlot(FixedPlot):
             return
         self.show_numbers(True)
         self.show_axis(picture.axis)
-        self._range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
-        numbers = colour_numbers(picture.levels, self._range)
+        self.shown_range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
+        numbers = colour_numbers(picture.levels, self.shown_range)
         self._image.setImage(numbers, levels=(0, LEVELS), autoLevels=False)
         left, right = picture.x_range_mm
         low, high = picture.range

@@ -129,12 +129,12 @@ class ProgressPanel(TranslatedWidget):
         self._remaining.setText(self._remaining_text(progress))
 
     def _remaining_text(self, progress: Progress) -> str:
-        parts = time_parts(progress.remaining_s)
+        days, hours, minutes, seconds = time_parts(progress.remaining_s)
         if progress.visited_points == 0:
             text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (by the plan)")
         else:
             text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (measured)")
-        return text.format(d=parts.days, h=parts.hours, m=parts.minutes, s=parts.seconds)
+        return text.format(d=days, h=hours, m=minutes, s=seconds)
 
 
 class PositionPanel(TranslatedWidget):
