@@ -30,10 +30,8 @@ class MapView(TranslatedWidget):
         selected: The stop that was touched and the polarization that is shown of it.
     """
 
-    def __init__(
-        self, model: MapModel, radar: RadarModel, parent: Optional[QWidget] = None
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, model: MapModel, radar: RadarModel) -> None:
+        super().__init__()
         self._model = model
         self._radar = radar
         self.selected: Optional[Cell] = None

@@ -8,7 +8,6 @@ import numpy as np
 import pyqtgraph
 from PyQt5.QtCore import QRectF
 from PyQt5.QtGui import QFont
-from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.mid.radar_pictures import Axis, Curve, Picture
 from gpr20_user_interface.views.style import CURVE, SURFACE_LINE
@@ -31,8 +30,8 @@ class FixedPlot(pyqtgraph.PlotWidget):
         has_numbers: Whether the axes say where something lies.
     """
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent, background="w")
+    def __init__(self) -> None:
+        super().__init__(background="w")
         self._title = ""
         self._labels = ("", "")
         self.has_numbers = True
@@ -91,8 +90,8 @@ class FixedPlot(pyqtgraph.PlotWidget):
 class CurvePlot(FixedPlot):
     """An A-scan, from the top downwards."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._curve = self.plot(pen=pyqtgraph.mkPen(CURVE, width=2))
 
     @property
@@ -124,8 +123,8 @@ class PicturePlot(FixedPlot):
         shown_range: The levels of the darkest and the brightest colour.
     """
 
-    def __init__(self, true_to_scale: bool, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, true_to_scale: bool) -> None:
+        super().__init__()
         self.setAspectLocked(true_to_scale)
         self._image = pyqtgraph.ImageItem(axisOrder="row-major")
         self._image.setLookupTable(level_colours())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Optional, Sequence, Tuple
+from typing import Sequence, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QWidget
@@ -21,10 +21,8 @@ class Stepper(QWidget):
 
     changed = pyqtSignal(float)
 
-    def __init__(
-        self, values: Sequence[float], start: float, parent: Optional[QWidget] = None
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, values: Sequence[float], start: float) -> None:
+        super().__init__()
         self._values = list(values)
         self._place = self._values.index(start)
         self._title, self._pattern = "", "{value:g}"
@@ -80,8 +78,8 @@ class RadarControls(TranslatedWidget):
     # Carries the RadarSettings.
     changed = pyqtSignal(object)
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.settings = RadarSettings()
         self._rotations_deg: Tuple[float, ...] = (0.0,)
         self.polarization = new_button(self._next_polarization)
