@@ -19,7 +19,7 @@ def test_plain_lines_come_every_five_percent_and_at_the_end():
     stream = io.StringIO()
     display = PlainDisplay(stream)
     for visited in range(TOTAL + 1):
-        display.progress(progress(visited))
+        display.show(progress(visited), SURVEYING)
     shown = [int(line.split("%")[1].split("/")[0]) for line in stream.getvalue().splitlines()]
     assert shown == list(range(0, TOTAL + 1, 10))
 
@@ -28,19 +28,11 @@ def test_plain_last_line_is_not_lost_below_five_percent():
     stream = io.StringIO()
     display = PlainDisplay(stream)
     for visited in (194, 199, 200, 200):
-        display.progress(progress(visited))
+        display.show(progress(visited), SURVEYING)
     assert [line.split("%")[0].strip() for line in stream.getvalue().splitlines()] == [
         "97.0",
         "100.0",
     ]
-
-
-def test_plain_status_is_written_once_per_change():
-    stream = io.StringIO()
-    display = PlainDisplay(stream)
-    for state in (SURVEYING, SURVEYING, ControlState(SurveyState.PAUSED, "why", "id", True)):
-        display.status(state)
-    assert stream.getvalue().splitlines() == ["SURVEYING: visiting", "PAUSED: why"]
 
 
 @pytest.mark.parametrize("columns", ["80", "200"])
@@ -48,8 +40,8 @@ def test_bar_carries_everything_within_the_width_of_the_terminal(columns, monkey
     monkeypatch.setenv("COLUMNS", columns)
     stream = io.StringIO()
     display = BarDisplay(TerminalBar(stream))
-    display.status(SURVEYING)
-    display.progress(progress(50))
+    display.note("SURVEYING: visiting")
+    display.show(progress(50), SURVEYING)
     display.close()
     text = stream.getvalue()
     assert "SURVEYING: visiting\n" in text

@@ -51,11 +51,8 @@ class Recorder:
     def note(self, text):
         self.shown.append(text)
 
-    def status(self, state):
-        self.shown.append(state.code.name)
-
-    def progress(self, progress):
-        self.shown.append(progress.visited_points)
+    def show(self, progress, state):
+        self.shown.append((state.code.name, progress.visited_points))
 
     def close(self):
         self.closed = True
@@ -90,9 +87,9 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
     assert recorder.shown == [
         SIMULATED,
         "parameters accepted: 18 traces, about 0d:0h:1m:5s",
-        "CHECKING",
-        "SURVEYING",
-        9,
+        "CHECKING: as it is",
+        "SURVEYING: as it is",
+        ("SURVEYING", 9),
     ]
     assert recorder.closed and session.simulated and session.stored
 
@@ -111,7 +108,27 @@ def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
         Progress("ours", 100.0, 18, 18, 0.0),
     )
     assert outcome.status is ExitStatus.FINISHED
-    assert recorder.shown[-2:] == [17, 18]
+    assert recorder.shown[-1] == ("SURVEYING", 18)
+
+
+def test_a_state_is_told_once_per_change_and_moves_the_bar(clock):
+    _, recorder, _ = run(
+        clock,
+        state("IDLE", ""),
+        Answer(Request.START, True, "", "ours"),
+        state("SURVEYING"),
+        state("SURVEYING"),
+        Progress("ours", 50.0, 18, 9, 30.0),
+        state("CHECKING"),
+        state("CHECKING"),
+        state("FAILED"),
+    )
+    assert recorder.shown[1:] == [
+        "SURVEYING: as it is",
+        ("SURVEYING", 9),
+        "CHECKING: as it is",
+        ("CHECKING", 9),
+    ]
 
 
 def test_stop_and_its_refusal_are_told(clock):

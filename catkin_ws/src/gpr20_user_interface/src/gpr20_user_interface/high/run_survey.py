@@ -17,11 +17,11 @@ from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
-from gpr20_user_interface.mid.displays import BarDisplay, PlainDisplay
+from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL, Request, StopRequested
 from gpr20_user_interface.mid.survey_arguments import Bar, Options, parse_arguments
 from gpr20_user_interface.mid.survey_follower import ExitStatus, Limits, Mode, SurveyFollower
-from gpr20_user_interface.mid.survey_session import Display, SurveySession, outcome_lines
+from gpr20_user_interface.mid.survey_session import SurveySession, outcome_lines
 
 
 def main() -> int:

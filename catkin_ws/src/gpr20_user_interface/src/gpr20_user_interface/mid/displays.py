@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Optional, TextIO
+from typing import Optional, Protocol, TextIO, Tuple
 
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.events import ControlState, Progress
@@ -13,28 +12,20 @@ from gpr20_user_interface.mid.events import ControlState, Progress
 STEP_PERCENT = 5.0
 
 
-@dataclass(frozen=True)
-class TimeParts:
-    """A time in whole days, hours, minutes and seconds."""
+def time_parts(time_s: float) -> Tuple[int, int, int, int]:
+    """Split a time [s] into whole days, hours, minutes and seconds.
 
-    days: int
-    hours: int
-    minutes: int
-    seconds: int
-
-
-def time_parts(time_s: float) -> TimeParts:
-    """Split a time [s], rounded up: nothing that remains is shown as zero."""
+    It is rounded up: nothing that remains is shown as zero.
+    """
     minutes, seconds = divmod(max(0, math.ceil(time_s)), 60)
     hours, minutes = divmod(minutes, 60)
     days, hours = divmod(hours, 24)
-    return TimeParts(days, hours, minutes, seconds)
+    return days, hours, minutes, seconds
 
 
 def time_text(time_s: float) -> str:
     """Return a time [s] as `0d:0h:18m:48s`."""
-    parts = time_parts(time_s)
-    return f"{parts.days}d:{parts.hours}h:{parts.minutes}m:{parts.seconds}s"
+    return ":".join(f"{number}{unit}" for number, unit in zip(time_parts(time_s), "dhms"))
 
 
 def remaining_text(progress: Progress) -> str:
@@ -51,27 +42,33 @@ def progress_line(progress: Progress) -> str:
     )
 
 
+class Display(Protocol):
+    """Where the operator looks."""
+
+    def note(self, text: str) -> None:
+        """Show a sentence."""
+
+    def show(self, progress: Progress, state: Optional[ControlState]) -> None:
+        """Show how far the survey is, and what main_control does if that is known."""
+
+    def close(self) -> None:
+        """Leave the terminal ready for plain lines."""
+
+
 class PlainDisplay:
-    """Writes one line per change of the status and per five percent of progress."""
+    """Writes sentences and a line per five percent of progress."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
-        self._state: Optional[ControlState] = None
         self._shown: Optional[Progress] = None
 
     def note(self, text: str) -> None:
-        """Write a sentence of the client."""
+        """Write a sentence."""
         self._stream.write(text + "\n")
         # A reader of a pipe wants to see it when it happens.
         self._stream.flush()
 
-    def status(self, state: ControlState) -> None:
-        """Write what main_control does, if that is new."""
-        if state != self._state:
-            self._state = state
-            self.note(f"{state.code.name}: {state.message}")
-
-    def progress(self, progress: Progress) -> None:
+    def show(self, progress: Progress, _state: Optional[ControlState]) -> None:
         """Write how far the survey is, if that has changed enough."""
         if self._shown is None or self._is_step(progress, self._shown):
             self._shown = progress
@@ -88,47 +85,23 @@ class PlainDisplay:
 
 
 class BarDisplay:
-    """Shows the progress as a bar and writes changes of the status above it."""
+    """Shows the progress as a bar and writes sentences above it."""
 
     def __init__(self, bar: TerminalBar) -> None:
         self._bar = bar
-        self._state: Optional[ControlState] = None
-        self._progress: Optional[Progress] = None
 
     def note(self, text: str) -> None:
-        """Write a sentence of the client above the bar."""
+        """Write a sentence above the bar."""
         self._bar.write(text)
 
-    def status(self, state: ControlState) -> None:
-        """Write what main_control does above the bar, if that is new."""
-        if state == self._state:
-            return
-        self._state = state
-        self._bar.write(f"{state.code.name}: {state.message}")
-        self._refresh()
-
-    def progress(self, progress: Progress) -> None:
-        """Move the bar."""
-        self._progress = progress
-        self._refresh()
+    def show(self, progress: Progress, state: Optional[ControlState]) -> None:
+        """Move the bar, behind the state of the survey."""
+        before = ""
+        if state is not None:
+            before = ("SIMULATED " if state.simulated else "") + f"{state.code.name} "
+        done, total = progress.visited_points, progress.total_points
+        self._bar.show(done, total, before, remaining_text(progress))
 
     def close(self) -> None:
         """Leave the bar as it is; what follows are plain lines."""
         self._bar.close()
-
-    def _refresh(self) -> None:
-        if self._progress is None:
-            return
-        self._bar.show(
-            self._progress.visited_points,
-            self._progress.total_points,
-            _before(self._state),
-            remaining_text(self._progress),
-        )
-
-
-def _before(state: Optional[ControlState]) -> str:
-    if state is None:
-        return ""
-    simulated = "SIMULATED " if state.simulated else ""
-    return f"{simulated}{state.code.name} "

@@ -46,6 +46,11 @@ class Progress:
     visited_points: int
     remaining_s: float
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether every trace is taken."""
+        return self.visited_points >= self.total_points > 0
+
 
 @dataclass(frozen=True)
 class Position:

@@ -12,21 +12,21 @@ from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
 
 
 class MapModel:
-    """Joins the plan of a survey and its coverage, in whichever order they come."""
+    """Joins the plan of a survey and its coverage, in whichever order they come.
+
+    Attributes:
+        grid: The plan; None before it is known.
+        current: The stop that is being visited.
+    """
 
     def __init__(self) -> None:
-        self._grid: Optional[SurveyGrid] = None
+        self.grid: Optional[SurveyGrid] = None
         self._coverage: Optional[CoverageRuns] = None
         self._traces = np.zeros(0, np.uint8)
         self._stops = np.zeros((0, 0), np.uint8)
         self._reasons: Dict[int, str] = {}
-        self._current: Optional[Stop] = None
+        self.current: Optional[Stop] = None
         self.revision = 0
-
-    @property
-    def grid(self) -> Optional[SurveyGrid]:
-        """The plan; None before it is known."""
-        return self._grid
 
     @property
     def trace_states(self) -> Optional[np.ndarray]:
@@ -39,19 +39,14 @@ class MapModel:
         return self._stops if self._covers() else None
 
     @property
-    def current(self) -> Optional[Stop]:
-        """The stop that is being visited."""
-        return self._current
-
-    @property
     def verdict(self) -> str:
         """The coverage in one sentence of main_control; empty if it said none."""
         return self._coverage.verdict if self._coverage and self._covers() else ""
 
     def set_grid(self, grid: Optional[SurveyGrid]) -> None:
         """Take another plan."""
-        self._grid = grid
-        self._current = None
+        self.grid = grid
+        self.current = None
         self._combine()
 
     def set_coverage(self, coverage: CoverageRuns) -> None:
@@ -67,11 +62,11 @@ class MapModel:
 
     def set_target(self, x_mm: float, y_mm: float) -> None:
         """Note where the antennas are sent."""
-        self._current = None if self._grid is None else self._grid.nearest_stop(x_mm, y_mm)
+        self.current = None if self.grid is None else self.grid.nearest_stop(x_mm, y_mm)
 
     def clear_target(self) -> None:
         """Note that the antennas are sent nowhere."""
-        self._current = None
+        self.current = None
 
     def counts(self) -> Optional[Dict[StopState, int]]:
         """Return how many stops are in which state; None while that is not known."""
@@ -86,10 +81,10 @@ class MapModel:
 
     def reasons_at(self, stop: Stop) -> Tuple[str, ...]:
         """Return why traces of a stop failed."""
-        if self._grid is None:
+        if self.grid is None:
             return ()
-        count = len(self._grid.rotations_deg)
-        indices = [self._grid.index(Cell(stop, number)) for number in range(count)]
+        count = len(self.grid.rotations_deg)
+        indices = [self.grid.index(Cell(stop, number)) for number in range(count)]
         return tuple(self._reasons[index] for index in indices if index in self._reasons)
 
     def next_problem(self, after: Optional[Stop]) -> Optional[Stop]:
@@ -107,19 +102,19 @@ class MapModel:
 
     def _covers(self) -> bool:
         return (
-            self._grid is not None
+            self.grid is not None
             and self._coverage is not None
-            and self._coverage.survey_id == self._grid.survey_id
+            and self._coverage.survey_id == self.grid.survey_id
         )
 
     def _combine(self) -> None:
         self.revision += 1
-        if self._grid is None or not self._covers():
+        if self.grid is None or not self._covers():
             return
-        if len(self._traces) != self._grid.planned:
+        if len(self._traces) != self.grid.planned:
             planned = len(self._traces)
             self._coverage = None
             raise SurveyNotReadableError(
-                f"the coverage has {planned} traces, the plan of the survey {self._grid.planned}"
+                f"the coverage has {planned} traces, the plan of the survey {self.grid.planned}"
             )
-        self._stops = stop_states(self._grid, self._traces)
+        self._stops = stop_states(self.grid, self._traces)

@@ -47,6 +47,7 @@ class PastSurveys:
         revision: Changes with everything that a view shows of this.
         outdated: Whether the list should be asked for again, if somebody looks at it.
         problem: Why the list or a survey cannot be read; empty if it can.
+        more: Whether older ones are left.
     """
 
     def __init__(self) -> None:
@@ -54,18 +55,13 @@ class PastSurveys:
         self.outdated = False
         self.problem = ""
         self._surveys: List[PastSurvey] = []
-        self._more = False
+        self.more = False
         self._running_id = ""
 
     @property
     def surveys(self) -> Tuple[PastSurvey, ...]:
         """The surveys heard of so far, the newest first."""
         return tuple(self._surveys)
-
-    @property
-    def more(self) -> bool:
-        """Whether older ones are left."""
-        return self._more
 
     @property
     def next_before(self) -> str:
@@ -80,7 +76,7 @@ class PastSurveys:
         elif before != self.next_before:
             return  # the list was begun again meanwhile
         self._surveys.extend(surveys)
-        self._more = more
+        self.more = more
 
     def set_running(self, survey_id: str) -> None:
         """Note which survey is on its way; empty: none."""

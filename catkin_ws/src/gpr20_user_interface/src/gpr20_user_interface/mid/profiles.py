@@ -4,32 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from typing import Any, Dict, List, Mapping, Protocol
+from typing import Any, Dict, List
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.errors import ProfileError
+from gpr20_user_interface.low.profile_folder import ProfileFolder
 
 MAX_NAME_LENGTH = 32
 # Nothing that means something to a path: neither slash nor a dot.
 NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9 _-]{{0,{MAX_NAME_LENGTH - 1}}}")
-
-
-class ProfileStore(Protocol):
-    """Where the profiles are, as groups of plain values."""
-
-    def names(self) -> List[str]:
-        """Return the names of all profiles, sorted."""
-
-    def read(self, name: str) -> Any:
-        """Return what a profile holds."""
-
-    def write(self, name: str, values: Mapping[str, Any]) -> None:
-        """Keep values under a name."""
-
-    def remove(self, name: str) -> None:
-        """Forget a profile."""
 
 
 def is_name(name: str) -> bool:
@@ -54,8 +39,8 @@ def check_name(name: str) -> str:
 class Profiles:
     """Parameters by name; checks every name and every value."""
 
-    def __init__(self, store: ProfileStore) -> None:
-        self._store = store
+    def __init__(self, folder: ProfileFolder) -> None:
+        self._folder = folder
 
     def names(self) -> List[str]:
         """Return the names of all profiles, sorted.
@@ -63,7 +48,7 @@ class Profiles:
         Raises:
             ProfileError: They cannot be listed.
         """
-        return [name for name in self._store.names() if is_name(name)]
+        return [name for name in self._folder.names() if is_name(name)]
 
     def load(self, name: str) -> SurveyParameters:
         """Return the parameters of a profile; whether this robot allows them is not checked.
@@ -71,7 +56,7 @@ class Profiles:
         Raises:
             ProfileError: It is not there or is no profile.
         """
-        values = self._store.read(check_name(name))
+        values = self._folder.read(check_name(name))
         try:
             return record_from(SurveyParameters, values, f"profile {name}")
         except InvalidValueError as error:
@@ -85,7 +70,7 @@ class Profiles:
         """
         values: Dict[str, Any] = dataclasses.asdict(parameters)
         values["polarizations_deg"] = list(parameters.polarizations_deg)
-        self._store.write(check_name(name), values)
+        self._folder.write(check_name(name), values)
 
     def remove(self, name: str) -> None:
         """Forget a profile.
@@ -93,4 +78,4 @@ class Profiles:
         Raises:
             ProfileError: It cannot be removed.
         """
-        self._store.remove(check_name(name))
+        self._folder.remove(check_name(name))

@@ -26,6 +26,12 @@ class RadarModel:
     The echoes of all planned traces have their place from the start, but memory is used only
     for those that are there. If the plan is so large that they would need more than `max_bytes`,
     fewer delays are kept of each.
+
+    Attributes:
+        grid: The plan of the survey that is shown.
+        latest: Where the trace that came last belongs.
+        given_up: Traces that cannot be shown, and why, by their place in the plan.
+        transform: How sweeps became echoes; None before the first trace.
     """
 
     def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
@@ -35,41 +41,21 @@ class RadarModel:
 
     def begin(self, grid: Optional[SurveyGrid]) -> None:
         """Forget everything and wait for the traces of another survey."""
-        self._grid = grid
-        self._transform: Optional[FrequencyToDelay] = None
+        self.grid = grid
+        self.transform: Optional[FrequencyToDelay] = None
         shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
         self._present = np.zeros(shape, bool)
         self._heights_m = np.full(shape, np.nan, np.float32)
         self._echoes = np.zeros((*shape, 0), np.complex64)
         self._sums = np.zeros((shape[0], 0), np.complex128)
-        self._latest: Optional[Cell] = None
-        self._given_up: Dict[int, str] = {}
+        self.latest: Optional[Cell] = None
+        self.given_up: Dict[int, str] = {}
         self.revision += 1
-
-    @property
-    def grid(self) -> Optional[SurveyGrid]:
-        """The plan of the survey that is shown."""
-        return self._grid
-
-    @property
-    def latest(self) -> Optional[Cell]:
-        """Where the trace that came last belongs."""
-        return self._latest
 
     @property
     def count(self) -> int:
         """How many traces are here."""
         return int(np.count_nonzero(self._present))
-
-    @property
-    def given_up(self) -> Dict[int, str]:
-        """Traces that cannot be shown, and why, by their place in the plan."""
-        return dict(self._given_up)
-
-    @property
-    def transform(self) -> Optional[FrequencyToDelay]:
-        """How sweeps became echoes; None before the first trace."""
-        return self._transform
 
     def add(self, trace: Trace) -> None:
         """Take a trace.
@@ -77,16 +63,16 @@ class RadarModel:
         Raises:
             SurveyNotReadableError: It does not belong where it says; it is not shown.
         """
-        if self._grid is None or trace.survey_id != self._grid.survey_id:
+        if self.grid is None or trace.survey_id != self.grid.survey_id:
             raise SurveyNotReadableError(
                 f"trace {trace.index} belongs to survey {trace.survey_id[:40]}, another is shown"
             )
         try:
-            cell = self._checked_cell(self._grid, trace)
+            cell = self._checked_cell(self.grid, trace)
         except SurveyNotReadableError as error:
             self.give_up(trace.index, str(error))
             raise
-        transform = self._transform or self._begin_volume(trace)
+        transform = self.transform or self._begin_volume(trace)
         echoes = transform.transform(trace.s21_real + 1j * trace.s21_imag)
         place = (cell.polarization, cell.stop.row, cell.stop.column)
         if self._present[place]:
@@ -95,13 +81,13 @@ class RadarModel:
         self._sums[cell.polarization] += echoes
         self._heights_m[place] = trace.antennae_height_m
         self._present[place] = True
-        self._given_up.pop(trace.index, None)
-        self._latest = cell
+        self.given_up.pop(trace.index, None)
+        self.latest = cell
         self.revision += 1
 
     def give_up(self, index: int, reason: str) -> None:
         """Note that a stored trace cannot be shown; it is not asked for again."""
-        self._given_up[index] = reason
+        self.given_up[index] = reason
         self.revision += 1
 
     def absent(self, trace_states: np.ndarray) -> np.ndarray:
@@ -110,12 +96,12 @@ class RadarModel:
         Args:
             trace_states: State of every planned trace, from the coverage.
         """
-        if self._grid is None:
+        if self.grid is None:
             return np.zeros(0, np.intp)
         stored = np.flatnonzero(is_stored(trace_states))
-        row, column, polarization = self._grid.cells(stored)
+        row, column, polarization = self.grid.cells(stored)
         absent = stored[~self._present[polarization, row, column]]
-        given_up = np.fromiter(self._given_up, np.intp, len(self._given_up))
+        given_up = np.fromiter(self.given_up, np.intp, len(self.given_up))
         return absent[~np.isin(absent, given_up)]
 
     def has(self, cell: Cell) -> bool:
@@ -161,7 +147,7 @@ class RadarModel:
                 f"trace {trace.index} was taken at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g} deg, "
                 "which is not its place in the plan"
             )
-        if self._transform is not None and not self._transform.fits(trace.frequency_hz):
+        if self.transform is not None and not self.transform.fits(trace.frequency_hz):
             raise SurveyNotReadableError(
                 f"trace {trace.index} has other frequencies than the survey's first trace"
             )
@@ -169,9 +155,9 @@ class RadarModel:
 
     def _begin_volume(self, trace: Trace) -> FrequencyToDelay:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
-        self._transform = FrequencyToDelay(trace.frequency_hz, min(MAX_SAMPLES, room))
-        samples = self._transform.samples
+        self.transform = FrequencyToDelay(trace.frequency_hz, min(MAX_SAMPLES, room))
+        samples = self.transform.samples
         # Zeros are given by the system page by page when they are written.
         self._echoes = np.zeros((*self._present.shape, samples), np.complex64)
         self._sums = np.zeros((len(self._present), samples), np.complex128)
-        return self._transform
+        return self.transform

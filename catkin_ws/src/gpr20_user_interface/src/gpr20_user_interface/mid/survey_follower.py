@@ -78,7 +78,12 @@ _FIRST_REQUEST = {Mode.START: Request.START, Mode.RESUME: Request.RESUME}
 
 
 class SurveyFollower:
-    """Takes events and the passing of time, gives requests and in the end an outcome."""
+    """Takes events and the passing of time, gives requests and in the end an outcome.
+
+    Attributes:
+        outcome: How it ended; None while it has not.
+        survey_id: The survey that is followed; empty while it is not known.
+    """
 
     def __init__(self, mode: Mode, on_pause: OnPause, limits: Limits, clock: Clock) -> None:
         self._mode = mode
@@ -86,11 +91,11 @@ class SurveyFollower:
         self._limits = limits
         self._clock = clock
         self._phase = _Phase.WAITING
-        self._outcome: Optional[Outcome] = None
+        self.outcome: Optional[Outcome] = None
         # The last word of main_control since something was asked of it; a latched one from
         # before says nothing about this survey.
         self._state: Optional[ControlState] = None
-        self._survey_id = ""
+        self.survey_id = ""
         self._seen = False
         self._stop_wanted_s: Optional[float] = None
         self._stop_due_s: Optional[float] = None
@@ -98,22 +103,12 @@ class SurveyFollower:
         now_s = clock.now_s()
         self._began_s = self._heard_s = self._ticked_s = now_s
 
-    @property
-    def outcome(self) -> Optional[Outcome]:
-        """How it ended; None while it has not."""
-        return self._outcome
-
-    @property
-    def survey_id(self) -> str:
-        """The survey that is followed; empty while it is not known."""
-        return self._survey_id
-
     def concerns(self, event: Event) -> bool:
         """Return whether a word of main_control is about this survey."""
-        if isinstance(event, ControlState) and not self._survey_id:
+        if isinstance(event, ControlState) and not self.survey_id:
             return event is self._state and event.code in RUNNING
         if isinstance(event, (ControlState, Progress)):
-            return bool(self._survey_id) and event.survey_id == self._survey_id
+            return bool(self.survey_id) and event.survey_id == self.survey_id
         return True
 
     def handle(self, event: Event) -> List[Request]:
@@ -212,19 +207,19 @@ class SurveyFollower:
 
     def _begin(self, survey_id: str, state: Optional[ControlState]) -> None:
         self._phase = _Phase.FOLLOWING
-        self._survey_id = survey_id
+        self.survey_id = survey_id
         self._state = state
         self._began_s = self._heard_s = self._clock.now_s()
         if state is not None:
             self._follow(state)
 
     def _follow(self, state: ControlState) -> None:
-        if not self._survey_id and state.code in RUNNING | ENDED:
-            self._survey_id = state.survey_id
-        if state.survey_id != self._survey_id:
+        if not self.survey_id and state.code in RUNNING | ENDED:
+            self.survey_id = state.survey_id
+        if state.survey_id != self.survey_id:
             # Before the first word about our survey, this one is from before it began.
             if self._seen:
-                self._end(ExitStatus.FAILED, _replaced(self._survey_id, state))
+                self._end(ExitStatus.FAILED, _replaced(self.survey_id, state))
             return
         self._seen = True
         if state.code in ENDED:
@@ -257,7 +252,7 @@ class SurveyFollower:
 
     def _end(self, status: ExitStatus, message: str) -> None:
         self._phase = _Phase.ENDED
-        self._outcome = Outcome(status, message)
+        self.outcome = Outcome(status, message)
 
 
 def _not_there(wait_s: float) -> str:

@@ -23,7 +23,7 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
-from gpr20_user_interface.mid.robot_health import Alarm, HealthBook, HealthReport, worst_alarm
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthBook, HealthReport
 
 # main_control speaks at 2 Hz.
 CONTROL_SILENCE_S = 3.0
@@ -198,14 +198,22 @@ class SurveyModel:
             figures=self._limits.figures,
             health=health,
             master_alive=self._limits.master_alive,
-            alarm=worst_alarm(
-                self._limits.master_alive,
-                silent_s,
-                CONTROL_SILENCE_S,
-                self._interrupted,
-                health.analyzer_trouble,
-            ),
+            alarm=self._worst_alarm(silent_s, health),
         )
+
+    def _worst_alarm(self, silent_s: Optional[float], health: HealthReport) -> Optional[Alarm]:
+        """Return the alarm that explains the others; None if all is well."""
+        if not self._limits.master_alive:
+            return Alarm(AlarmKind.MASTER_GONE, silent_s or 0.0)
+        if silent_s is None:
+            return Alarm(AlarmKind.CONTROL_NEVER_HEARD)
+        if silent_s > CONTROL_SILENCE_S:
+            return Alarm(AlarmKind.CONTROL_SILENT, silent_s)
+        if self._interrupted:
+            return Alarm(AlarmKind.SURVEY_INTERRUPTED)
+        if health.analyzer_trouble:
+            return Alarm(AlarmKind.ANALYZER_GONE, detail=health.analyzer_trouble)
+        return None
 
     def _note_state(self, state: ControlState) -> None:
         if state.code in RUNNING:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import queue
-from typing import Callable, List, Optional, Protocol
+from typing import Callable, List, Optional
 
-from gpr20_user_interface.mid.displays import time_text
+from gpr20_user_interface.mid.displays import Display, time_text
 from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
@@ -40,22 +40,6 @@ _LATER_HINT = (
 )
 
 
-class Display(Protocol):
-    """Where the operator looks."""
-
-    def note(self, text: str) -> None:
-        """Show a sentence of the client."""
-
-    def status(self, state: ControlState) -> None:
-        """Show what main_control does."""
-
-    def progress(self, progress: Progress) -> None:
-        """Show how far the survey is."""
-
-    def close(self) -> None:
-        """Leave the terminal ready for plain lines."""
-
-
 class SurveySession:
     """Carries events to the follower, its requests to main_control and the news to the display.
 
@@ -64,6 +48,10 @@ class SurveySession:
         events: What happens, in its order.
         send: Asks main_control without waiting; its answers come as events.
         display: Where the operator looks.
+
+    Attributes:
+        simulated: Whether main_control said that the robot is simulated.
+        stored: Whether a trace of the survey is stored, so that it can be resumed.
     """
 
     def __init__(
@@ -77,19 +65,10 @@ class SurveySession:
         self._events = events
         self._send = send
         self._display = display
-        self._simulated = False
-        self._complete = False
-        self._stored = False
-
-    @property
-    def simulated(self) -> bool:
-        """Whether main_control said that the robot is simulated."""
-        return self._simulated
-
-    @property
-    def stored(self) -> bool:
-        """Whether a trace of the survey is stored, so that it can be resumed."""
-        return self._stored
+        self.simulated = False
+        self._state: Optional[ControlState] = None
+        self._progress: Optional[Progress] = None
+        self.stored = False
 
     def run(self) -> Outcome:
         """Return how the survey ended, when it has."""
@@ -116,25 +95,33 @@ class SurveySession:
     def _show_last_progress(self) -> None:
         """Show the last trace too: progress and end are different topics and come in any order."""
         for _ in range(LAST_WORDS):
-            if self._complete:
+            if self._progress is not None and self._progress.is_complete:
                 return
             event = self._next_event()
             if isinstance(event, Progress) and self._follower.concerns(event):
                 self._show_progress(event)
 
     def _show_progress(self, progress: Progress) -> None:
-        self._complete = progress.visited_points >= progress.total_points > 0
-        self._stored = progress.visited_points > 0
-        self._display.progress(progress)
+        self._progress = progress
+        self.stored = progress.visited_points > 0
+        self._display.show(progress, self._state)
+
+    def _show_state(self, state: ControlState) -> None:
+        if state == self._state:
+            return
+        self._state = state
+        self._display.note(f"{state.code.name}: {state.message}")
+        if self._progress is not None:
+            self._display.show(self._progress, state)
 
     def _show(self, event: Event) -> None:
-        if isinstance(event, ControlState) and event.simulated and not self._simulated:
-            self._simulated = True
+        if isinstance(event, ControlState) and event.simulated and not self.simulated:
+            self.simulated = True
             self._display.note(SIMULATED)
         if self._follower.outcome is not None or not self._follower.concerns(event):
             return
         if isinstance(event, ControlState):
-            self._display.status(event)
+            self._show_state(event)
         elif isinstance(event, Progress):
             self._show_progress(event)
         elif isinstance(event, Accepted):

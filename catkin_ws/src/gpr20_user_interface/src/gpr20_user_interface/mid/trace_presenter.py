@@ -48,6 +48,7 @@ class TracePresenter:
         past: The list of past surveys.
         carriage_mm: Where the antennas are on the map (X, Y); None if that is not known, or not
             of interest because a past survey is shown.
+        opened_folder: The folder of the past survey that is shown; empty: the one that runs.
     """
 
     def __init__(self, source: TraceSource, report: Callable[[str], None]) -> None:
@@ -57,7 +58,7 @@ class TracePresenter:
         self.carriage_mm: Optional[Tuple[float, float]] = None
         self._report = report
         self._opened: Optional[ShownSurvey] = None
-        self._opened_folder = ""
+        self.opened_folder = ""
         self._coverage: Optional[CoverageRuns] = None
         self._waiting = 0
 
@@ -65,11 +66,6 @@ class TracePresenter:
     def shown(self) -> ShownSurvey:
         """The survey on MAP and RADAR: a past one that was opened, else the one that runs."""
         return self._opened or self.live
-
-    @property
-    def opened_folder(self) -> str:
-        """The folder of the past survey that is shown; empty: the one that runs."""
-        return self._opened_folder
 
     def on_event(self, event: object) -> None:
         """Take note of what the storage or main_control says of traces."""
@@ -91,7 +87,7 @@ class TracePresenter:
 
     def show_live(self) -> None:
         """Show the survey that runs; the past one is forgotten."""
-        self._opened, self._opened_folder = None, ""
+        self._opened, self.opened_folder = None, ""
         self._waiting = 0
 
     def refresh(self) -> None:
@@ -138,7 +134,7 @@ class TracePresenter:
         opened.map.set_coverage(
             coverage_of_stored(grid.survey_id, grid.planned, survey.stored_indices)
         )
-        self._opened, self._opened_folder = opened, survey.folder
+        self._opened, self.opened_folder = opened, survey.folder
         self._waiting = 0
 
     def _ask_for_traces(self) -> None:

@@ -36,7 +36,12 @@ class SurveyControl(Protocol):
 
 
 class WindowPresenter:
-    """Carries events to the model and wishes to main_control. Belongs to one thread."""
+    """Carries events to the model and wishes to main_control. Belongs to one thread.
+
+    Attributes:
+        snapshot: What the window shows now.
+        preview: What the survey of the fields will be; None while they are wrong.
+    """
 
     def __init__(
         self, model: SurveyModel, control: SurveyControl, estimator: CostEstimator
@@ -45,40 +50,30 @@ class WindowPresenter:
         self._control = control
         self._estimator = estimator
         self._parameters: Optional[SurveyParameters] = None
-        self._preview: Optional[SurveyPreview] = None
-        self._snapshot = model.snapshot()
-
-    @property
-    def snapshot(self) -> Snapshot:
-        """What the window shows now."""
-        return self._snapshot
-
-    @property
-    def preview(self) -> Optional[SurveyPreview]:
-        """What the survey with the parameters in the fields will be; None while they are wrong."""
-        return self._preview
+        self.preview: Optional[SurveyPreview] = None
+        self.snapshot = model.snapshot()
 
     def on_event(self, event: object) -> Optional[Refusal]:
         """Take note of an event; return what the operator must be told at once."""
         if isinstance(event, CostEstimated):
-            if self._preview is not None and event.parameters == self._parameters:
-                self._preview = replace(self._preview, cost=event.cost)
+            if self.preview is not None and event.parameters == self._parameters:
+                self.preview = replace(self.preview, cost=event.cost)
             return None
         return self._model.handle(event)
 
     def refresh(self) -> Snapshot:
         """Return what is known now."""
-        figures, self._snapshot = self._snapshot.figures, self._model.snapshot()
-        if self._snapshot.figures != figures:
+        figures, self.snapshot = self.snapshot.figures, self._model.snapshot()
+        if self.snapshot.figures != figures:
             self.set_parameters(self._parameters)
-        return self._snapshot
+        return self.snapshot
 
     def set_parameters(self, parameters: Optional[SurveyParameters]) -> None:
         """Preview other parameters; None: those in the fields are wrong."""
         self._parameters = parameters
-        self._preview = None if parameters is None else preview(parameters)
-        if parameters is not None and self._snapshot.figures is not None:
-            self._estimator.ask(parameters, self._snapshot.figures)
+        self.preview = None if parameters is None else preview(parameters)
+        if parameters is not None and self.snapshot.figures is not None:
+            self._estimator.ask(parameters, self.snapshot.figures)
 
     def read_axis_limits(self) -> None:
         """Ask what the axes can do, and by that whether the master answers."""

@@ -15,7 +15,6 @@ from PyQt5.QtWidgets import (
     QPushButton,
     QStackedWidget,
     QVBoxLayout,
-    QWidget,
 )
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -67,8 +66,8 @@ class ControlView(TranslatedWidget):
     # Carries the SurveyParameters, or None while they are wrong.
     parameters_changed = pyqtSignal(object)
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.form = ParameterFormView()
         self.preview = PreviewPanel()
         self.problems = QPlainTextEdit()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Optional
+from typing import Dict, List
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QTextEdit, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QTextEdit
 
 from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
 from gpr20_user_interface.mid.robot_health import HealthReport
@@ -32,8 +32,8 @@ MEGABYTES_PER_GIGABYTE = 1000.0
 class HealthPanel(TranslatedWidget):
     """One line per node: its name, how it is, and its own words."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._report = HealthReport()
         self._rows: List[_Row] = []
         self._grid = QGridLayout(self)

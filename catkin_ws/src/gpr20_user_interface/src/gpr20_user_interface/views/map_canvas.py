@@ -7,7 +7,7 @@ from typing import Optional, Tuple
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontMetrics, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
-from PyQt5.QtWidgets import QSizePolicy, QWidget
+from PyQt5.QtWidgets import QSizePolicy
 
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_geometry import MapGeometry, fit
@@ -36,8 +36,8 @@ class MapCanvas(TranslatedWidget):
     # Carries the Stop.
     stop_touched = pyqtSignal(object)
 
-    def __init__(self, model: MapModel, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, model: MapModel) -> None:
+        super().__init__()
         self._model = model
         self._carriage_mm: Optional[Tuple[float, float]] = None
         self._selected: Optional[Stop] = None

@@ -24,15 +24,17 @@ SWATCH_PX = 16
 
 
 class MapView(TranslatedWidget):
-    """Follows a MapModel and the traces in a RadarModel; `refresh` draws them."""
+    """Follows a MapModel and the traces in a RadarModel; `refresh` draws them.
 
-    def __init__(
-        self, model: MapModel, radar: RadarModel, parent: Optional[QWidget] = None
-    ) -> None:
-        super().__init__(parent)
+    Attributes:
+        selected: The stop that was touched and the polarization that is shown of it.
+    """
+
+    def __init__(self, model: MapModel, radar: RadarModel) -> None:
+        super().__init__()
         self._model = model
         self._radar = radar
-        self._selected: Optional[Cell] = None
+        self.selected: Optional[Cell] = None
         self._drawn: Tuple[object, ...] = ()
         self.canvas = MapCanvas(model)
         self.legend: Dict[StopState, QLabel] = {state: QLabel() for state in StopState}
@@ -45,15 +47,10 @@ class MapView(TranslatedWidget):
         self.canvas.stop_touched.connect(self.select)
         self.retranslate()
 
-    @property
-    def selected(self) -> Optional[Cell]:
-        """The stop that was touched and the polarization that is shown of it."""
-        return self._selected
-
     def show_models(self, model: MapModel, radar: RadarModel) -> None:
         """Follow another survey."""
         self._model, self._radar = model, radar
-        self._selected = None
+        self.selected = None
         self.canvas.set_model(model)
         self.canvas.set_selected(None)
         self.refresh()
@@ -65,8 +62,8 @@ class MapView(TranslatedWidget):
 
     def select(self, stop: Stop) -> None:
         """Show a stop and its trace."""
-        number = 0 if self._selected is None else self._selected.polarization
-        self._selected = Cell(stop, number)
+        number = 0 if self.selected is None else self.selected.polarization
+        self.selected = Cell(stop, number)
         self.canvas.set_selected(stop)
         self.refresh()
 
@@ -75,13 +72,13 @@ class MapView(TranslatedWidget):
         model, radar = self._model, self._radar
         state = (
             *(model, model.revision, model.current, model.verdict),
-            *(radar, radar.revision, self._selected),
+            *(radar, radar.revision, self.selected),
         )
         if not self.isVisible() or state == self._drawn:
             return
         self._drawn = state
-        if self._selected is not None and not self._is_planned(self._selected):
-            self._selected = None
+        if self.selected is not None and not self._is_planned(self.selected):
+            self.selected = None
             self.canvas.set_selected(None)
         self.canvas.update()
         self._show_legend()
@@ -109,7 +106,7 @@ class MapView(TranslatedWidget):
         self.next_problem.setEnabled(self._model.next_problem(None) is not None)
 
     def _show_stop(self) -> None:
-        grid, cell = self._model.grid, self._selected
+        grid, cell = self._model.grid, self.selected
         self.polarization.setEnabled(grid is not None and len(grid.rotations_deg) > 1)
         if grid is None or cell is None:
             self.stop_text.setText(self.tr("Touch a stop to see its trace."))
@@ -139,16 +136,16 @@ class MapView(TranslatedWidget):
         return given_up if given_up else self.tr("no trace to show")
 
     def _on_next_problem(self) -> None:
-        after = None if self._selected is None else self._selected.stop
+        after = None if self.selected is None else self.selected.stop
         stop = self._model.next_problem(after)
         if stop is not None:
             self.select(stop)
 
     def _on_polarization(self) -> None:
         grid = self._model.grid
-        if grid is not None and self._selected is not None:
-            number = (self._selected.polarization + 1) % len(grid.rotations_deg)
-            self._selected = Cell(self._selected.stop, number)
+        if grid is not None and self.selected is not None:
+            number = (self.selected.polarization + 1) % len(grid.rotations_deg)
+            self.selected = Cell(self.selected.stop, number)
             self.refresh()
 
     def _name(self, state: StopState) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, Optional
+from typing import Dict, List, Mapping
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent
@@ -37,8 +37,8 @@ class TouchEdit(QLineEdit):
 
     tapped = pyqtSignal()
 
-    def __init__(self, name: str, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, name: str) -> None:
+        super().__init__()
         self.setObjectName(name)
         self.setMaxLength(MAX_LENGTH)
         self.setMinimumWidth(TOUCH_PX)
@@ -64,8 +64,8 @@ class NumberField(QWidget):
     # Carries +1 or -1.
     stepped = pyqtSignal(int)
 
-    def __init__(self, name: str, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, name: str) -> None:
+        super().__init__()
         self.edit = TouchEdit(name)
         self.down = self._arrow("▼", -1)
         self.up = self._arrow("▲", +1)
@@ -96,8 +96,8 @@ class ParameterFormView(TranslatedWidget):
     # Carries the edit.
     tapped = pyqtSignal(object)
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._octets: List[TouchEdit] = []
         self._edits: Dict[str, TouchEdit] = {}
         self._fields: Dict[str, NumberField] = {}

@@ -14,7 +14,6 @@ from PyQt5.QtWidgets import (
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
-    QWidget,
 )
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
@@ -34,8 +33,8 @@ class PastSurveysView(TranslatedWidget):
     open_requested = pyqtSignal(str)
     resume_requested = pyqtSignal(str)
 
-    def __init__(self, surveys: PastSurveys, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, surveys: PastSurveys) -> None:
+        super().__init__()
         self._surveys = surveys
         self._revision = -1
         # As in the rows of the table.

@@ -8,7 +8,6 @@ import numpy as np
 import pyqtgraph
 from PyQt5.QtCore import QRectF
 from PyQt5.QtGui import QFont
-from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.mid.radar_pictures import Axis, Curve, Picture
 from gpr20_user_interface.views.style import CURVE, SURFACE_LINE
@@ -25,13 +24,17 @@ TICK_FONT_PX = 11
 
 
 class FixedPlot(pyqtgraph.PlotWidget):
-    """A plot with a title and two axes; the second one may point down."""
+    """A plot with a title and two axes; the second one may point down.
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent, background="w")
+    Attributes:
+        has_numbers: Whether the axes say where something lies.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(background="w")
         self._title = ""
         self._labels = ("", "")
-        self._has_numbers = True
+        self.has_numbers = True
         self.setMouseEnabled(False, False)
         self.setMenuEnabled(False)
         self.hideButtons()
@@ -69,15 +72,10 @@ class FixedPlot(pyqtgraph.PlotWidget):
         for name, text in (("bottom", bottom), ("left", left)):
             self.setLabel(name, text, **{"font-size": f"{TICK_FONT_PX}px", "color": INK})
 
-    @property
-    def has_numbers(self) -> bool:
-        """Whether the axes say where something lies."""
-        return self._has_numbers
-
     def show_numbers(self, shown: bool) -> None:
         """Write numbers on the axes; those of a plot without data would be made up."""
-        if shown != self._has_numbers:
-            self._has_numbers = shown
+        if shown != self.has_numbers:
+            self.has_numbers = shown
             for name in ("left", "bottom"):
                 self.getAxis(name).setStyle(showValues=shown)
 
@@ -92,8 +90,8 @@ class FixedPlot(pyqtgraph.PlotWidget):
 class CurvePlot(FixedPlot):
     """An A-scan, from the top downwards."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._curve = self.plot(pen=pyqtgraph.mkPen(CURVE, width=2))
 
     @property
@@ -119,26 +117,25 @@ class CurvePlot(FixedPlot):
 
 
 class PicturePlot(FixedPlot):
-    """A B- or C-scan; what was not measured is grey."""
+    """A B- or C-scan; what was not measured is grey.
 
-    def __init__(self, true_to_scale: bool, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    Attributes:
+        shown_range: The levels of the darkest and the brightest colour.
+    """
+
+    def __init__(self, true_to_scale: bool) -> None:
+        super().__init__()
         self.setAspectLocked(true_to_scale)
         self._image = pyqtgraph.ImageItem(axisOrder="row-major")
         self._image.setLookupTable(level_colours())
         self.addItem(self._image)
         self._image.setZValue(-1)
-        self._range = (0.0, 0.0)
+        self.shown_range = (0.0, 0.0)
 
     @property
     def colour_numbers(self) -> Optional[np.ndarray]:
         """What is drawn: 0..254 for levels, 255 for what was not measured."""
         return self._image.image
-
-    @property
-    def shown_range(self) -> Tuple[float, float]:
-        """The levels of the darkest and the brightest colour."""
-        return self._range
 
     def show_picture(self, picture: Optional[Picture], in_db: bool) -> None:
         """Draw a picture; None: nothing."""
@@ -148,8 +145,8 @@ class PicturePlot(FixedPlot):
             return
         self.show_numbers(True)
         self.show_axis(picture.axis)
-        self._range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
-        numbers = colour_numbers(picture.levels, self._range)
+        self.shown_range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
+        numbers = colour_numbers(picture.levels, self.shown_range)
         self._image.setImage(numbers, levels=(0, LEVELS), autoLevels=False)
         left, right = picture.x_range_mm
         low, high = picture.range

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import List, Optional, Tuple
 
-from PyQt5.QtWidgets import QGridLayout, QLabel, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel
 
 from gpr20_user_interface.mid.displays import time_text
 from gpr20_user_interface.mid.parameter_form import HERTZ_PER_MEGAHERTZ
@@ -20,8 +20,8 @@ MILLIMETRES_PER_METRE = 1000.0
 class PreviewPanel(TranslatedWidget):
     """Eight figures with their titles."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._preview: Optional[SurveyPreview] = None
         self._titles: List[QLabel] = []
         self._figures: List[QLabel] = []

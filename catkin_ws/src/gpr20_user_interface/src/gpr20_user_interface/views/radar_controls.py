@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Optional, Sequence, Tuple
+from typing import Sequence, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QWidget
@@ -21,10 +21,8 @@ class Stepper(QWidget):
 
     changed = pyqtSignal(float)
 
-    def __init__(
-        self, values: Sequence[float], start: float, parent: Optional[QWidget] = None
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, values: Sequence[float], start: float) -> None:
+        super().__init__()
         self._values = list(values)
         self._place = self._values.index(start)
         self._title, self._pattern = "", "{value:g}"
@@ -71,23 +69,27 @@ class Stepper(QWidget):
 
 
 class RadarControls(TranslatedWidget):
-    """A row of buttons, each of which says what is shown now."""
+    """A row of buttons, each of which says what is shown now.
+
+    Attributes:
+        settings: What is chosen.
+    """
 
     # Carries the RadarSettings.
     changed = pyqtSignal(object)
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
-        self._settings = RadarSettings()
+    def __init__(self) -> None:
+        super().__init__()
+        self.settings = RadarSettings()
         self._rotations_deg: Tuple[float, ...] = (0.0,)
         self.polarization = new_button(self._next_polarization)
-        self.axis = new_button(lambda: self._change(in_depth=not self._settings.in_depth))
-        self.scale = new_button(lambda: self._change(in_db=not self._settings.in_db))
+        self.axis = new_button(lambda: self._change(in_depth=not self.settings.in_depth))
+        self.scale = new_button(lambda: self._change(in_db=not self.settings.in_db))
         self.background = new_button(
-            lambda: self._change(remove_background=not self._settings.remove_background)
+            lambda: self._change(remove_background=not self.settings.remove_background)
         )
-        self.permittivity = Stepper(PERMITTIVITIES, self._settings.permittivity)
-        self.gain = Stepper(GAINS_DB_PER_NS, self._settings.gain_db_per_ns)
+        self.permittivity = Stepper(PERMITTIVITIES, self.settings.permittivity)
+        self.gain = Stepper(GAINS_DB_PER_NS, self.settings.gain_db_per_ns)
         self.permittivity.changed.connect(lambda value: self._change(permittivity=value))
         self.gain.changed.connect(lambda value: self._change(gain_db_per_ns=value))
         layout = QHBoxLayout(self)
@@ -99,30 +101,25 @@ class RadarControls(TranslatedWidget):
         layout.addWidget(self.gain, 1)
         self.retranslate()
 
-    @property
-    def settings(self) -> RadarSettings:
-        """What is chosen."""
-        return self._settings
-
     def set_rotations(self, rotations_deg: Tuple[float, ...]) -> None:
         """Say which antenna rotations there are to choose from."""
         if rotations_deg != self._rotations_deg:
             self._rotations_deg = rotations_deg
-            number = min(self._settings.polarization, len(rotations_deg) - 1)
+            number = min(self.settings.polarization, len(rotations_deg) - 1)
             self._change(polarization=number)
 
     def set_depth(self, depth_m: float) -> None:
         """Take the depth of the slice [m]."""
-        if depth_m != self._settings.depth_m:
+        if depth_m != self.settings.depth_m:
             self._change(depth_m=depth_m)
 
     def _next_polarization(self) -> None:
-        self._change(polarization=(self._settings.polarization + 1) % len(self._rotations_deg))
+        self._change(polarization=(self.settings.polarization + 1) % len(self._rotations_deg))
 
     def _change(self, **changes: object) -> None:
-        self._settings = dataclasses.replace(self._settings, **changes)  # type: ignore[arg-type]
+        self.settings = dataclasses.replace(self.settings, **changes)  # type: ignore[arg-type]
         self._show()
-        self.changed.emit(self._settings)
+        self.changed.emit(self.settings)
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
@@ -131,7 +128,7 @@ class RadarControls(TranslatedWidget):
         self._show()
 
     def _show(self) -> None:
-        settings = self._settings
+        settings = self.settings
         rotation_deg = self._rotations_deg[settings.polarization]
         self.polarization.setText(self.tr("Antenna\n{rotation:g}°").format(rotation=rotation_deg))
         self.axis.setText(self.tr("Axis\ndepth") if settings.in_depth else self.tr("Axis\ntime"))

@@ -6,7 +6,7 @@ from typing import Optional, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QVBoxLayout
 
 from gpr20_user_interface.mid.map_grid import Cell
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
@@ -33,8 +33,8 @@ class RadarView(TranslatedWidget):
     # The operator has seen enough of a past survey.
     back_to_live_requested = pyqtSignal()
 
-    def __init__(self, model: RadarModel, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, model: RadarModel) -> None:
+        super().__init__()
         self._model = model
         self._past = ""
         self._drawn: Optional[Tuple[RadarModel, int, RadarSettings]] = None

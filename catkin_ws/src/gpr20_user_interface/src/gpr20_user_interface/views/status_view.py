@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.displays import time_parts
-from gpr20_user_interface.mid.events import ControlState, CurrentPosition, Progress, TargetPosition
+from gpr20_user_interface.mid.events import ControlState, Position, Progress
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.health_panel import HealthPanel
 from gpr20_user_interface.views.robot_text import robot_text, state_title
@@ -32,8 +32,8 @@ HEIGHT_COLUMN = 4
 class MessagePanel(TranslatedWidget):
     """A title for the state and the message below it, however long."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._shown: Optional[ControlState] = None
         self._title = QLabel(UNKNOWN)
         self._title.setObjectName("title")
@@ -75,8 +75,8 @@ class MessagePanel(TranslatedWidget):
 class ProgressPanel(TranslatedWidget):
     """A bar with the percentage; below it traces and remaining time."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._progress: Optional[Progress] = None
         self._bar = QProgressBar()
         self._bar.setRange(0, FULL)
@@ -129,19 +129,19 @@ class ProgressPanel(TranslatedWidget):
         self._remaining.setText(self._remaining_text(progress))
 
     def _remaining_text(self, progress: Progress) -> str:
-        parts = time_parts(progress.remaining_s)
+        days, hours, minutes, seconds = time_parts(progress.remaining_s)
         if progress.visited_points == 0:
             text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (by the plan)")
         else:
             text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (measured)")
-        return text.format(d=parts.days, h=parts.hours, m=parts.minutes, s=parts.seconds)
+        return text.format(d=days, h=hours, m=minutes, s=seconds)
 
 
 class PositionPanel(TranslatedWidget):
     """X, Y and Z, now and as the target, and the height over the ground."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._cells: Dict[Tuple[str, int], QLabel] = {}
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -171,21 +171,16 @@ class PositionPanel(TranslatedWidget):
         """Return the text of a cell: row "current" or "target", column from 1."""
         return self._cells[row, column].text()
 
-    def show_current(self, position: Optional[CurrentPosition]) -> None:
-        """Show where the axes are; None if that is not known now."""
-        self._show("current", position)
-
-    def show_target(self, position: Optional[TargetPosition]) -> None:
-        """Show where the axes go; None if nowhere."""
-        self._show("target", position)
-
-    def show_height(self, height_m: Optional[float]) -> None:
-        """Show the height [m]; None if it is not known now."""
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show where the axes are and go, and the height, as far as they are known now."""
+        self._show("current", snapshot.current)
+        self._show("target", snapshot.target)
+        height_m = snapshot.height_m
         self._cells["current", HEIGHT_COLUMN].setText(
             UNKNOWN if height_m is None else f"{height_m:.3f}"
         )
 
-    def _show(self, row: str, position: object) -> None:
+    def _show(self, row: str, position: Optional[Position]) -> None:
         for column, name in enumerate(("x_mm", "y_mm", "z_deg"), 1):
             text = UNKNOWN if position is None else f"{getattr(position, name):.2f}"
             self._cells[row, column].setText(text)
@@ -201,8 +196,8 @@ class PositionPanel(TranslatedWidget):
 class StatusView(QWidget):
     """What the robot does, how far it is, and how its parts are."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.message = MessagePanel()
         self.progress = ProgressPanel()
         self.positions = PositionPanel()
@@ -221,7 +216,5 @@ class StatusView(QWidget):
         """Show what is known now."""
         self.message.show_state(snapshot.state)
         self.progress.show_progress(snapshot.progress)
-        self.positions.show_current(snapshot.current)
-        self.positions.show_target(snapshot.target)
-        self.positions.show_height(snapshot.height_m)
+        self.positions.refresh(snapshot)
         self.health.show_health(snapshot.health)

@@ -7,7 +7,7 @@ from typing import Optional
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
 
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -24,8 +24,8 @@ class TopBar(TranslatedWidget):
 
     stop_pressed = pyqtSignal()
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._snapshot: Optional[Snapshot] = None
         self.title = QLabel(UNKNOWN)
         self.title.setObjectName("title")
@@ -120,8 +120,8 @@ class TopBar(TranslatedWidget):
 class ElidedLabel(QLabel):
     """One line that ends with … where there is no room; the whole stands in the tool tip."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._whole = ""
         self.setTextFormat(Qt.TextFormat.PlainText)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)

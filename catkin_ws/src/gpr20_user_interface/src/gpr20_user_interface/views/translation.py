@@ -61,7 +61,11 @@ class TranslatedWidget(QWidget):
 
 
 class Languages:
-    """Puts a language on the application."""
+    """Puts a language on the application.
+
+    Attributes:
+        language: The language now.
+    """
 
     def __init__(self, application: QCoreApplication, language: Language) -> None:
         """Begin with a language.
@@ -71,13 +75,8 @@ class Languages:
         """
         self._application = application
         self._translator: Optional[_Translator] = None
-        self._language = Language.ENGLISH
+        self.language = Language.ENGLISH
         self.use(language)
-
-    @property
-    def language(self) -> Language:
-        """The language now."""
-        return self._language
 
     def use(self, language: Language) -> None:
         """Change the language of every widget.
@@ -86,7 +85,7 @@ class Languages:
             LanguageError: Its translations cannot be read.
         """
         translator = _translator(language)
-        self._language = language
+        self.language = language
         if self._translator is not None:
             self._application.removeTranslator(self._translator)
         if translator is not None:
@@ -95,7 +94,7 @@ class Languages:
 
     def use_next(self) -> None:
         """Change to the next language."""
-        self.use(self._language.next)
+        self.use(self.language.next)
 
     def close(self) -> None:
         """Leave the application without a translator of this object."""
