@@ -8,11 +8,12 @@ from typing import Optional
 
 import rospy
 
-from gpr20_common.high.node import run_node
+from gpr20_common.high.node import run_device
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.shared_state import SharedState
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.high.vna_node import VNANode, build_vna_node, read_vna_parameters
+from gpr20_vna_acquisition.high.vna_node import VNANode, build_vna_node
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 LOOPBACK = "127."
 # The simulator may still be starting when the first connection is asked for.
@@ -37,10 +38,9 @@ def simulated_port(state: SharedState) -> int:
     return state.vna_port
 
 
-def build_simulated_vna() -> VNANode:
+def build_simulated_vna(parameters: VnaParameters) -> VNANode:
     """Build the real node; only the port of loopback addresses comes from the simulator."""
     part = open_simulated_part(rospy.get_namespace())
-    parameters = read_vna_parameters(others=SimulatedPart.PARAMETERS)
     # A sweep of the faster robot is over so much sooner.
     seconds_per_point = parameters.seconds_per_point / part.clock.factor
     parameters = replace(parameters, seconds_per_point=seconds_per_point)
@@ -55,4 +55,4 @@ def build_simulated_vna() -> VNANode:
 
 def main() -> None:
     """Run the VNA driver of the simulated robot."""
-    run_node("vna_acquisition", build_simulated_vna)
+    run_device("vna_acquisition", VnaParameters, build_simulated_vna, SimulatedPart.PARAMETERS)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Callable, Collection, Optional
+from typing import Callable, Optional
 
 import rospy
 
 from gpr20_common.high import diagnostics
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
+from gpr20_common.high.ros_time import ros_time
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_msgs import srv
-from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
@@ -70,8 +69,8 @@ class VNANode:
             frequency_hz=sweep.frequency_hz.tolist(),
             s21_real=sweep.s21_real.tolist(),
             s21_imag=sweep.s21_imag.tolist(),
-            sweep_started=_ros_time(sweep.sweep_started_us),
-            sweep_ended=_ros_time(sweep.sweep_ended_us),
+            sweep_started=ros_time(sweep.sweep_started_us),
+            sweep_ended=ros_time(sweep.sweep_ended_us),
             quality=list(sweep.quality),
         )
 
@@ -107,11 +106,6 @@ class VNANode:
         return diagnostics.OK, f"connected to {state.identity}", values
 
 
-def _ros_time(time_us: int) -> rospy.Time:
-    seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
-    return rospy.Time(seconds, rest_us * utc_time.NS_PER_US)
-
-
 def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: str) -> VNANode:
     """Build the node from the bottom up.
 
@@ -128,25 +122,13 @@ def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: 
     return VNANode(VNADriver(open_link, parameters, Clock(), rospy.logwarn), hardware_id)
 
 
-def read_vna_parameters(others: Collection[str] = ()) -> VnaParameters:
-    """Return the node's parameters.
-
-    Args:
-        others: Parameters of the node that are not the driver's.
-
-    Raises:
-        Gpr20Error: A parameter is not allowed.
-    """
-    return read_parameters(VnaParameters, others=others)
+def build_robot_node(parameters: VnaParameters) -> VNANode:
+    """Build the node over the robot's network."""
+    return build_vna_node(
+        parameters, lambda _address: parameters.vxi11_port or None, parameters.model
+    )
 
 
 def main() -> None:
     """Run the driver of the real network analyzer."""
-
-    def build() -> VNANode:
-        parameters = read_vna_parameters()
-        return build_vna_node(
-            parameters, lambda _address: parameters.vxi11_port or None, parameters.model
-        )
-
-    run_node("vna_acquisition", build)
+    run_device("vna_acquisition", VnaParameters, build_robot_node)
