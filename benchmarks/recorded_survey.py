@@ -9,18 +9,17 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Mapping
+from typing import Any, Dict
 
 import numpy as np
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json
-from gpr20_survey.trace.trace import TraceRecord
+from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_000_000
@@ -48,24 +47,24 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     description = _description(parameters, len(points))
     (folder / survey_folder.SURVEY_FILE).write_bytes(survey_metadata.encode(description))
     text = json.dumps(description)
-    recordings = open_recordings(folder, dict(description), STARTED_US * 1000)
-    messages = _Messages()
+    recordings = open_recordings(folder, description)
+    topics = SurveyTopics((MESSAGES / "Trace.msg").read_text())
     for recording in recordings:
-        recording.write(messages.make("/survey_metadata", "std_msgs/String", {"data": text}, 0))
+        recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
     frequency_hz = np.linspace(6e8, 6e9, frequency_points)
     for point in points:
         moment_us = STARTED_US + 10**6 * (point.index + 1)
         real, imag = noise.standard_normal((2, frequency_points)) * 1e-3
-        trace = TraceRecord(
-            "gpr20-trace/1", SURVEY_ID, f"sample-{point.index}", point.index, moment_us,
-            point.x_mm, point.y_mm, point.z_deg, 0.2, frequency_hz, real, imag,
-            moment_us - 500_000, moment_us - 1000, (),
+        trace = Trace(
+            frequency_hz, real, imag, moment_us - 500_000, moment_us - 1000, (),
+            SURVEY_ID, f"sample-{point.index}", point.index, moment_us,
+            point.x_mm, point.y_mm, point.z_deg, 0.2,
         )  # fmt: skip
         (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
+        message = topics.trace(trace, moment_us * 1000)
         for recording in recordings:
-            recording.begin_chunk()
-            recording.write(messages.trace(trace))
+            recording.write_alone(message)
             if point.index % TRACES_PER_COMMIT == 0:
                 recording.commit()
     for recording in recordings:
@@ -74,7 +73,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     return len(points)
 
 
-def _description(parameters: SurveyParameters, planned: int) -> Mapping[str, Any]:
+def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:
     axes = {
         name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
         for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
@@ -85,31 +84,3 @@ def _description(parameters: SurveyParameters, planned: int) -> Mapping[str, Any
         "outcome": "finished", "reason": "", "stored_traces": planned, "planned_traces": planned,
         "parameters": asdict(parameters), "axes": axes,
     }  # fmt: skip
-
-
-class _Messages:
-    """Serializes as the node does, without ROS."""
-
-    def __init__(self) -> None:
-        self._types = get_typestore(Stores.ROS1_NOETIC)
-        text = (MESSAGES / "Trace.msg").read_text()
-        self._types.register(get_types_from_msg(text, "gpr20_msgs/msg/Trace"))
-
-    def trace(self, trace: TraceRecord) -> RecordedMessage:
-        values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
-        values["quality"] = list(trace.quality)
-        for name in ("timestamp", "sweep_started", "sweep_ended"):
-            seconds, rest_us = divmod(getattr(trace, f"{name}_us"), 1_000_000)
-            time_type = self._types.types["builtin_interfaces/msg/Time"]
-            values[name] = time_type(sec=seconds, nanosec=rest_us * 1000)
-        return self.make("/trace", "gpr20_msgs/Trace", values, trace.index + 1)
-
-    def make(
-        self, topic: str, datatype: str, values: Mapping[str, Any], place: int
-    ) -> RecordedMessage:
-        name = datatype.replace("/", "/msg/")
-        definition, md5sum = self._types.generate_msgdef(name)
-        data = bytes(self._types.serialize_ros1(self._types.types[name](**values), name))
-        return RecordedMessage(
-            topic, datatype, md5sum, definition, data, STARTED_US * 1000 + place * 10**9
-        )

@@ -8,7 +8,7 @@ from typing import Iterator
 from mcap.reader import make_reader
 
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.low.recorded_survey import mcap_has_end, never
+from gpr20_analysis.low.recorded_survey import mcap_has_end
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
 
@@ -21,7 +21,7 @@ def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
         OSError: It cannot be read.
     """
     if not mcap_has_end(path):
-        stored = StoredMcap(path, never)
+        stored = StoredMcap(path)
         yield from stored.messages()
         if stored.faults:
             raise UnreadableFileError("; ".join(stored.faults))

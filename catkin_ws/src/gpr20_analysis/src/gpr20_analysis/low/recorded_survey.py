@@ -15,7 +15,6 @@ from rosbags.rosbag1 import Reader
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.low import recorded_messages
 from gpr20_analysis.low.trace_decoder import TRACE
-from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import MAGIC
@@ -70,7 +69,7 @@ def open_mcap(path: Path) -> RecordedSurvey:
         OSError: It cannot be read.
     """
     if not mcap_has_end(path):
-        return _unfinished(StoredMcap(path, never))
+        return _unfinished(StoredMcap(path))
     try:
         with path.open("rb") as stream:
             reader = make_reader(stream, validate_crcs=True)
@@ -132,8 +131,3 @@ def _text(data: bytes) -> str:
     if size + 4 != len(data):
         raise UnreadableFileError("the survey's metadata are not whole")
     return data[4:].decode("utf-8", "replace")
-
-
-def never(path: Path) -> Any:
-    """Refuse to make a recording, for those that are only read."""
-    raise SurveyRefusedError(f"{path} is only read here")

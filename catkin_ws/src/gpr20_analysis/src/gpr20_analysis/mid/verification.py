@@ -13,10 +13,10 @@ from gpr20_analysis.mid.coverage import Plan
 from gpr20_analysis.mid.survey_source import Progress, silent
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.stored_recording import StoredRecording
-from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 
 FILES = (
     survey_folder.SURVEY_FILE,
@@ -210,8 +210,4 @@ def _claims_complete(report: Any) -> bool:
 def _unfinished(path: Path) -> StoredRecording:
     if path.name == survey_folder.BAG_FILE:
         return StoredBag(path)
-    return StoredMcap(path, _never)
-
-
-def _never(path: Path) -> Any:
-    raise SurveyRefusedError(f"{path} is only read here")
+    return StoredMcap(path)

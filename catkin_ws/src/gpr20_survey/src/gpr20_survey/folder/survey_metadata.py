@@ -9,8 +9,10 @@ from typing import Any, Dict, NoReturn
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.trace import utc_time
 
 FORMAT = "gpr20-survey/1"
+INTERRUPTED = "interrupted"  # outcome of a survey that was closed to go on later
 MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
@@ -126,6 +128,18 @@ def check_format(values: Dict[str, Any], path: Path) -> None:
     """
     if values.get("format") != FORMAT or not isinstance(values.get("survey_id"), str):
         raise SurveyRefusedError(f"{path} does not describe a survey of format {FORMAT}")
+
+
+def started_us(description: Dict[str, Any]) -> int:
+    """Return when a survey started [us since 1970, UTC].
+
+    Raises:
+        SurveyRefusedError: Its survey.json does not say so.
+    """
+    try:
+        return utc_time.parse_iso(description["started"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise SurveyRefusedError(f"'started' of survey.json is no time: {error}") from error
 
 
 def encode(values: Dict[str, Any]) -> bytes:

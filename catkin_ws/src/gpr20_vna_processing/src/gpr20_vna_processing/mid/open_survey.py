@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_survey.errors import (
     StorageFailedError,
@@ -14,28 +15,12 @@ from gpr20_survey.errors import (
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing.mid.stored_traces import StoredTraces
+from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
 
 COMMIT_BYTES = 1 << 20
-
-
-class MessageMaker(Protocol):
-    """Makes the messages that the storage itself puts on the graph, and reads them again."""
-
-    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
-        """Serialize a trace as a message of the topic `trace`."""
-
-    def metadata(self, text: str, time_ns: int) -> RecordedMessage:
-        """Serialize the survey's description as a message of `survey_metadata`."""
-
-    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
-        """Return the trace of a recorded message, or None if it is no trace.
-
-        Raises:
-            TraceRefusedError: It is a trace, but cannot be read or holds a wrong value.
-        """
 
 
 class OpenSurvey:
@@ -46,9 +31,9 @@ class OpenSurvey:
         folder: Path,
         description: Dict[str, Any],
         recordings: Sequence[Recording],
-        messages: MessageMaker,
-        on_stored: Callable[[Trace], None],
-        stored: Optional[StoredTraces] = None,
+        topics: SurveyTopics,
+        on_stored: Callable[[RecordedMessage], None],
+        samples: Optional[Dict[int, str]] = None,
         last: Optional[Trace] = None,
     ) -> None:
         """Take over the files.
@@ -57,23 +42,25 @@ class OpenSurvey:
             folder: The survey's folder.
             description: The content of survey.json.
             recordings: Where every message goes; they hold the traces that are stored.
-            messages: Serializes traces.
-            on_stored: Told of every trace once, when it is durable.
-            stored: The traces that are stored already.
-            last: The one of them that was stored last.
+            topics: Makes the messages of traces.
+            on_stored: Given the message of every trace once, when it is durable.
+            samples: Sample of each index that is stored already.
+            last: The trace that was stored last.
         """
         self.folder = folder
         self.description = self.opened_as = description
         self.survey_id: str = description["survey_id"]
         self.last = last
-        self._stored = stored or StoredTraces()  # whose JSON is durable
-        self.stored_traces = len(self._stored)
+        self._samples = samples or {}  # of each index whose JSON is durable
+        self._indices = {sample: index for index, sample in self._samples.items()}
+        self.stored_traces = len(self._samples)
         self._ending = False  # the recordings take nothing more
         self._unfinished = list(recordings)
         self._recordings = list(recordings)
-        self._messages = messages
+        self._topics = topics
         self._on_stored = on_stored
-        self._uncommitted: Dict[int, Trace] = {}  # in the recordings, not yet durable
+        # In the recordings, not yet durable.
+        self._uncommitted: Dict[int, Tuple[Trace, RecordedMessage]] = {}
         self._missing: Dict[int, List[Recording]] = {}  # recordings that lack a trace
         self._types: Dict[str, str] = {}  # type of each topic, by its checksum
 
@@ -97,7 +84,7 @@ class OpenSurvey:
         """
         self._check_survey(trace)
         self._keep_collected_small()
-        message = self._messages.trace(trace, time_ns)
+        message = self._topics.trace(trace, time_ns)
         path = self._store_json(trace)
         self._record_trace(trace, message)
         self.commit()
@@ -119,13 +106,25 @@ class OpenSurvey:
         self._describe({**self.description, "resumed": resumed})
         for index in list(self._missing):
             trace = self._stored_trace(index)
-            self._record_trace(trace, self._messages.trace(trace, time_ns))
+            self._record_trace(trace, self._topics.trace(trace, time_ns))
         self.commit()
 
-    def stored_indices(self) -> List[int]:
-        """Return the places in the plan whose traces are stored, ascending."""
+    def reopened(self, repairs: Tuple[str, ...]) -> ReopenedSurvey:
+        """Return what is told of a survey that goes on."""
+        report = self.description.get("report")
+        return ReopenedSurvey(
+            survey_id=self.survey_id,
+            folder=self.folder,
+            metadata_json=json.dumps(survey_metadata.metadata_of(self.description)),
+            report_json="" if report is None else json.dumps(report),
+            stored_indices=self._stored_indices(),
+            last=self.last,
+            repairs=repairs,
+        )
+
+    def _stored_indices(self) -> List[int]:
         pending = self._missing.keys() | self._uncommitted.keys()
-        return [index for index in self._stored.indices() if index not in pending]
+        return sorted(self._samples.keys() - pending)
 
     def record(self, messages: Sequence[RecordedMessage]) -> int:
         """Record messages of other topics; return how many could not be.
@@ -242,23 +241,24 @@ class OpenSurvey:
             raise TraceRefusedError(
                 f"{trace.label} belongs to survey {trace.survey_id}, but {self.survey_id} is open"
             )
-        for index in self._stored.candidates(trace.sample_id):
-            if index != trace.index and self._stored_trace(index).sample_id == trace.sample_id:
-                raise TraceRefusedError(
-                    f"sample {trace.sample_id} is stored already with index {index}, "
-                    f"not {trace.index}; every sample needs an id of its own"
-                )
+        index = self._indices.get(trace.sample_id, trace.index)
+        if index != trace.index:
+            raise TraceRefusedError(
+                f"sample {trace.sample_id} is stored already with index {index}, "
+                f"not {trace.index}; every sample needs an id of its own"
+            )
 
     def _store_json(self, trace: Trace) -> Path:
         content = trace_json.encode(trace)
         path = self._traces / survey_folder.trace_file_name(trace)
-        if trace.index in self._stored:
+        if trace.index in self._samples:
             path = self._path_of(trace.index)
             self._check_same(trace, path, content)
             return path
         with storing(trace.label, path):
             durable_files.write_new_file(path, content)
-        self._stored.add(trace.index, trace.sample_id)
+        self._samples[trace.index] = trace.sample_id
+        self._indices[trace.sample_id] = trace.index
         self._missing[trace.index] = list(self._recordings)
         return path
 
@@ -291,20 +291,18 @@ class OpenSurvey:
     def _record_trace(self, trace: Trace, message: RecordedMessage) -> None:
         missing = self._missing.get(trace.index)
         while missing:
-            # A chunk of its own: readers of traces need not unpack the other topics.
-            missing[0].begin_chunk()
-            missing[0].write(message)
+            missing[0].write_alone(message)
             missing.pop(0)
         if missing is not None:
             del self._missing[trace.index]
-            self._uncommitted[trace.index] = trace
+            self._uncommitted[trace.index] = trace, message
 
     def _tell_stored(self) -> None:
         while self._uncommitted:
-            trace = self._uncommitted.pop(next(iter(self._uncommitted)))
+            trace, message = self._uncommitted.pop(next(iter(self._uncommitted)))
             self.stored_traces += 1
             self.last = trace
-            self._on_stored(trace)
+            self._on_stored(message)
 
 
 def _content_of(path: Path, label: str) -> bytes:
