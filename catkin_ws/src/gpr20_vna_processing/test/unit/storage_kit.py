@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import math
 import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List
 
-import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
 
 from gpr20_common.low.clock import Clock
 from gpr20_survey.recording.recording import RecordedMessage
@@ -19,40 +17,12 @@ from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
 
-SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
-STARTED_US = 1_790_000_000_123_456
 NOW_NS = 1_790_000_100_000_000_001
 FREE_BYTES = 10**12
 
-MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
-TRACE_DEFINITION = (MESSAGES / "Trace.msg").read_text()
 TYPES = get_typestore(Stores.ROS1_NOETIC)
 TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
-
-
-def make_trace(index: int = 0, **changes: Any) -> Trace:
-    """Return a good trace with some fields changed."""
-    points = 5
-    noise = np.random.default_rng(abs(index))
-    fields: Dict[str, Any] = {
-        "format": "gpr20-trace/1",
-        "survey_id": SURVEY,
-        "sample_id": f"sample-{index}",
-        "index": index,
-        "timestamp_us": STARTED_US + 1_000_003,
-        "x_coord_mm": 50.0,
-        "y_coord_mm": 12.345,
-        "z_coord_deg": 90.0,
-        "antennae_height_m": 0.1 + 0.2,
-        "frequency_hz": np.linspace(6e8, 6e9, points),
-        "s21_real": noise.standard_normal(points),
-        "s21_imag": noise.standard_normal(points),
-        "sweep_started_us": STARTED_US + 1,
-        "sweep_ended_us": STARTED_US + 1_000_001,
-        "quality": ("level low",),
-    }
-    return Trace(**{**fields, **changes})
 
 
 def recorded(
@@ -165,27 +135,3 @@ def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
     while not condition():
         assert time.monotonic() < deadline_s, "the condition did not come true in time"
         time.sleep(0.01)
-
-
-def assert_same_numbers(trace: Trace, values: Any) -> None:
-    """Compare a trace with a message or the values of a JSON file, bit for bit."""
-    get = values.get if isinstance(values, dict) else lambda name: getattr(values, name)
-    for name in ("frequency_hz", "s21_real", "s21_imag"):
-        assert np.array(get(name), np.float64).tobytes() == getattr(trace, name).tobytes()
-    for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg", "index", "sample_id", "survey_id"):
-        assert get(name) == getattr(trace, name)
-    height = get("antennae_height_m")
-    if math.isnan(trace.antennae_height_m):
-        assert height is None or math.isnan(height)
-    else:
-        assert height == trace.antennae_height_m
-    assert tuple(get("quality")) == trace.quality
-
-
-def read_json(path: Path) -> Dict[str, Any]:
-    """Read strict JSON."""
-
-    def refuse(name: str) -> None:
-        raise ValueError(f"{name} is not JSON")
-
-    return json.loads(path.read_text("ascii"), parse_constant=refuse)

@@ -10,18 +10,14 @@ from mcap.reader import make_reader
 from storage_kit import (
     NOW_NS,
     OTHER_SURVEY,
-    STARTED_US,
-    SURVEY,
     TYPES,
     Kit,
     MemoryRecording,
-    assert_same_numbers,
-    make_trace,
-    read_json,
     recorded,
     text_message,
     wait_until,
 )
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 
 from gpr20_survey.errors import (
     StorageFailedError,

@@ -6,7 +6,8 @@ import json
 
 import pytest
 from reopening_kit import assert_whole
-from storage_kit import STARTED_US, SURVEY, Kit, make_trace
+from storage_kit import Kit
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings

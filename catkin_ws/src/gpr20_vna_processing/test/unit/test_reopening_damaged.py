@@ -14,11 +14,8 @@ from reopening_kit import (
     folder,
     kit,
 )
-from storage_kit import (
-    SURVEY,
-    Kit,
-    read_json,
-)
+from storage_kit import Kit
+from trace_examples import SURVEY, read_json
 
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap

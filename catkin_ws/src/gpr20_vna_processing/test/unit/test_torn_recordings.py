@@ -5,7 +5,8 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from storage_kit import STARTED_US, SURVEY, Kit, make_trace, text_message
+from storage_kit import Kit, text_message
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
