@@ -34,6 +34,9 @@ OWN_KEYS = frozenset(
     }
 )
 
+# Those of them that change while the survey goes on.
+LATER_KEYS = ("ended", "outcome", "reason", "stored_traces", "resumed", "report")
+
 # A whole text, or the end of one that does not end; else a bracket.
 _TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?|[\[{]|[\]}]', re.DOTALL)
 
@@ -99,6 +102,12 @@ def combine(metadata: Dict[str, Any], own: Dict[str, Any]) -> Dict[str, Any]:
 def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
     """Return what of survey.json was given by `open_survey`."""
     return {key: value for key, value in description.items() if key not in OWN_KEYS}
+
+
+def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str, Any]:
+    """Return a description with all that never changes taken from a copy of its start."""
+    later = {key: description[key] for key in LATER_KEYS if key in description}
+    return {**copy, **later}
 
 
 def read_description(path: Path) -> Dict[str, Any]:

@@ -114,7 +114,7 @@ class CurrentSurvey:
             survey.go_on(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, description = find_survey(self._storage.data, name, restore=True)
+        folder, description = find_survey(self._storage.data, name, recover=True)
         new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
         reopening = Reopening(folder, description, self._storage.topics)
         repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
@@ -124,7 +124,7 @@ class CurrentSurvey:
             repaired.recordings,
             self._storage.topics,
             self._on_stored,
-            repaired.samples,
+            repaired.stored,
             repaired.last,
         )
         self._take(survey, now_ns)

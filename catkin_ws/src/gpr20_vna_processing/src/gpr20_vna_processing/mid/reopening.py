@@ -16,6 +16,7 @@ from typing import Any, Dict, List, Optional, Tuple
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.survey_search import recorded_description
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.bag_writer import BagFile
 from gpr20_survey.recording.recording import Recording
@@ -36,8 +37,8 @@ class RepairedSurvey:
     description: Dict[str, Any]
     recordings: List[Recording]
     """Open at their ends."""
-    samples: Dict[int, str]
-    """Sample of each index that is stored."""
+    stored: Dict[int, TraceFile]
+    """The trace of each index that is stored."""
     last: Optional[Trace]
     """The trace that was stored last."""
     repairs: Tuple[str, ...]
@@ -65,7 +66,9 @@ class Reopening:
         self._description = description
         self._topics = topics
         self._repairs: List[str] = []
-        survey_metadata.started_us(description)
+        # As the MCAP describes it: this stays when the file is written again.
+        self._start = recorded_description(folder) or description
+        survey_metadata.started_us(self._start)
         with storing("the survey", folder, "be read again from"):
             self._forms = StoredForms(folder, description["survey_id"])
             self._refuse_foreign()
@@ -88,15 +91,15 @@ class Reopening:
             self._repair_traces()
             last = self._last()
             recordings = self._write_recordings()
-        samples = {index: file.sample_id for index, file in self._files.items()}
-        return RepairedSurvey(self._description, recordings, samples, last, tuple(self._repairs))
+        return RepairedSurvey(
+            self._description, recordings, self._files, last, tuple(self._repairs)
+        )
 
     def _refuse_foreign(self) -> None:
         if self._forms.foreign and not self._forms.truth:
             raise SurveyRefusedError(
                 f"survey.json in {self._folder} says survey {self._description['survey_id']}, but "
-                "every trace there belongs to another; move survey.json away, then resume the "
-                "survey by the name of its folder: survey.mcap has a copy of survey.json"
+                "every trace there belongs to another; put the right survey.json there"
             )
 
     def _refuse_complete(self) -> None:
@@ -113,6 +116,7 @@ class Reopening:
         resumed = self._description.get("resumed", [])
         if not isinstance(resumed, list) or len(resumed) >= MAX_RESUMPTIONS:
             raise SurveyRefusedError(f"'resumed' of {self._folder} is no list of times")
+        self._keep_damaged_description()
         self._description = {
             **self._description,
             "ended": None,
@@ -121,21 +125,24 @@ class Reopening:
             "stored_traces": len(self._forms.truth),
             "resumed": [*resumed, now],
         }
-        self._keep_damaged_description()
         path = self._folder / survey_folder.SURVEY_FILE
         durable_files.replace_file(path, survey_metadata.encode(self._description))
 
     def _keep_damaged_description(self) -> None:
         path = self._folder / survey_folder.SURVEY_FILE
         try:
-            survey_metadata.read_description(path)
+            if survey_metadata.read_description(path) == self._description:
+                return
+            self._repairs.append(
+                "corrected survey.json: its copy in survey.mcap describes another start"
+            )
         except SurveyRefusedError:
             self._repairs.append(
                 "wrote survey.json again as it was at the start, from survey.mcap; what it told of "
                 "samples that failed is lost"
             )
-            if path.exists():
-                durable_files.keep_aside(path, self._damaged)
+        if path.exists():
+            durable_files.keep_aside(path, self._damaged)
 
     def _remove_torn(self) -> None:
         removed = sum(durable_files.remove_temporaries(one) for one in (self._folder, self._traces))
@@ -207,7 +214,7 @@ class Reopening:
         if recorded is self._forms.bag:
             new = BagFile(temporary)
         else:
-            new = new_mcap(temporary, self._description)
+            new = new_mcap(temporary, self._start)
         faults = self._forms.faults_of(recorded)
         try:
             added = self._copy(recorded, new)

@@ -116,6 +116,7 @@ class StoredForms:
             and self.files.prints == self.truth
             and all(one.prints == self.truth and not one.faults for one in self.recordings)
             and all(map(self._unchanged, manifest.DATA_FILES))
+            and all(map(self._unchanged, map(_manifest_name, self.files.names.values())))
         )
 
     def faults_of(self, recorded: RecordedTraces) -> List[str]:
@@ -167,9 +168,13 @@ class StoredForms:
             return self.mcap.prints[index]
         # Without the MCAP both others hold it, and contradict each other.
         file = self.files.files[index]
-        if self._unchanged(f"{survey_folder.TRACES_FOLDER}/{file.name}"):
+        if self._unchanged(_manifest_name(file.name)):
             return file.fingerprint
         return self.bag.prints[index] if self._unchanged(self.bag.name) else None
 
     def _unchanged(self, name: str) -> bool:
         return manifest.is_unchanged(self._folder, name, self._sums)
+
+
+def _manifest_name(name: str) -> str:
+    return f"{survey_folder.TRACES_FOLDER}/{name}"
