@@ -27,7 +27,7 @@ class BagFile(Recording):
     """
 
     def __init__(self, path: Path) -> None:
-        """Create the file.
+        """Create the file; its head is on the disk after the first commit.
 
         Raises:
             OSError: The file exists or the disk refused.
@@ -38,7 +38,6 @@ class BagFile(Recording):
         self._indexes: Indexes = {}
         self._chunk_infos: List[bytes] = []
         self._file.write(bag_format.MAGIC + bag_format.file_header(0, 0, 0))
-        self._file.commit()
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""

@@ -14,7 +14,7 @@ from gpr20_survey.recording.recording import RecordedMessage, Recording
 
 MAGIC = MCAP0_MAGIC
 LIBRARY = "gpr20_vna_processing"
-ATTACHMENT_FILE = "survey.json"
+ATTACHMENT = "survey.json"
 
 
 class McapFile(Recording):
@@ -28,7 +28,7 @@ class McapFile(Recording):
     def __init__(
         self, path: Path, metadata: Dict[str, str], attachment: bytes, time_ns: int
     ) -> None:
-        """Create the file.
+        """Create the file; its head is on the disk after the first commit.
 
         Args:
             path: Must not exist.
@@ -46,10 +46,7 @@ class McapFile(Recording):
         self._counts: Counter[int] = Counter()
         self._writer.start(Profile.ROS1, LIBRARY)
         self._writer.add_metadata("gpr20.survey", metadata)
-        self._writer.add_attachment(
-            time_ns, time_ns, ATTACHMENT_FILE, "application/json", attachment
-        )
-        self._file.commit()
+        self._writer.add_attachment(time_ns, time_ns, ATTACHMENT, "application/json", attachment)
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""

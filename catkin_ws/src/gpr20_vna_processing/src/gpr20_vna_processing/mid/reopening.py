@@ -66,8 +66,10 @@ class Reopening:
         self._description = description
         self._topics = topics
         self._repairs: List[str] = []
-        # As the MCAP describes it: this stays when the file is written again.
-        self._start = recorded_description(folder) or description
+        # The MCAP's copy stays as it is when the file is written again.
+        copy = recorded_description(folder)
+        own = copy is not None and copy["survey_id"] == description["survey_id"]
+        self._start = copy if copy is not None and own else description
         survey_metadata.started_us(self._start)
         with storing("the survey", folder, "be read again from"):
             self._forms = StoredForms(folder, description["survey_id"])
@@ -223,6 +225,7 @@ class Reopening:
             new.take_place_of(path)
         except BaseException:
             new.abandon()
+            temporary.unlink(missing_ok=True)  # it may have filled the disk
             raise
         if faults:
             self._repairs.append(f"rebuilt {path.name}: {'; '.join(faults[:3])}")
