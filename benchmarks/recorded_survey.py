@@ -9,17 +9,16 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Mapping
+from typing import Any, Dict
 
 import numpy as np
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import open_recordings
-from gpr20_survey.trace import trace_json, trace_message
+from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.trace import trace_json
 from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
@@ -49,19 +48,10 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     description = _description(parameters, len(points))
     (folder / survey_folder.SURVEY_FILE).write_bytes(survey_metadata.encode(description))
     text = json.dumps(description)
-    recordings = open_recordings(folder, dict(description), STARTED_US * 1000)
-    types = get_typestore(Stores.ROS1_NOETIC)
-    types.register(get_types_from_msg((MESSAGES / "Trace.msg").read_text(), TRACE))
-    string = types.types[STRING](data=text)
-    metadata = bytes(types.serialize_ros1(string, STRING))
+    recordings = open_recordings(folder, description)
+    topics = SurveyTopics((MESSAGES / "Trace.msg").read_text())
     for recording in recordings:
-        recording.write(
-            RecordedMessage(
-                "/survey_metadata", "std_msgs/String", types.generate_msgdef(STRING)[1],
-                types.generate_msgdef(STRING)[0], metadata, STARTED_US * 1000,
-            )
-        )  # fmt: skip
-    definition, md5sum = types.generate_msgdef(TRACE)
+        recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
     frequency_hz = np.linspace(6e8, 6e9, frequency_points)
     for point in points:
@@ -73,14 +63,9 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
             point.x_mm, point.y_mm, point.z_deg, 0.2,
         )  # fmt: skip
         (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
+        message = topics.trace(trace, moment_us * 1000)
         for recording in recordings:
-            recording.begin_chunk()
-            recording.write(
-                RecordedMessage(
-                    "/trace", trace_message.DATATYPE, md5sum, definition,
-                    trace_message.encode(trace), moment_us * 1000,
-                )
-            )  # fmt: skip
+            recording.write_alone(message)
             if point.index % TRACES_PER_COMMIT == 0:
                 recording.commit()
     for recording in recordings:
@@ -90,7 +75,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     return len(points)
 
 
-def _description(parameters: SurveyParameters, planned: int) -> Mapping[str, Any]:
+def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:
     axes = {
         name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
         for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Mapping, Optional
 
 import numpy as np
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gpr20_common.low.clock import Clock
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.recordings import open_recordings, stored_recordings
+from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
-from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
@@ -38,10 +37,7 @@ AXES = {
 }
 
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
-TYPES = get_typestore(Stores.ROS1_NOETIC)
-TYPES.register(
-    get_types_from_msg((MESSAGES / "Trace.msg").read_text(), "gpr20_msgs/msg/Trace"),
-)
+TRACE_DEFINITION = (MESSAGES / "Trace.msg").read_text()
 
 
 def planned_trace(index: int, **changes: Any) -> Trace:
@@ -68,33 +64,6 @@ def planned_trace(index: int, **changes: Any) -> Trace:
     return Trace(**{**fields, **changes})
 
 
-class PlainMessages:
-    """Serializes as the node does, without ROS."""
-
-    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
-        values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
-        values["quality"] = list(trace.quality)
-        for name in ("timestamp", "sweep_started", "sweep_ended"):
-            seconds, rest_us = divmod(getattr(trace, f"{name}_us"), 1_000_000)
-            time_type = TYPES.types["builtin_interfaces/msg/Time"]
-            values[name] = time_type(sec=seconds, nanosec=rest_us * 1000)
-        return _recorded("/trace", "gpr20_msgs/Trace", values, time_ns)
-
-    def metadata(self, text: str, time_ns: int) -> RecordedMessage:
-        message = _recorded("/survey_metadata", "std_msgs/String", {"data": text}, time_ns)
-        return replace(message, latching=True)
-
-    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
-        raise NotImplementedError("these surveys are not reopened")
-
-
-def _recorded(topic: str, datatype: str, values: Mapping[str, Any], time_ns: int) -> Any:
-    name = datatype.replace("/", "/msg/")
-    definition, md5sum = TYPES.generate_msgdef(name)
-    data = bytes(TYPES.serialize_ros1(TYPES.types[name](**values), name))
-    return RecordedMessage(topic, datatype, md5sum, definition, data, time_ns)
-
-
 def make_survey(
     data: Path,
     stored: int,
@@ -113,8 +82,7 @@ def make_survey(
         Storage(
             data=data / "data",
             open_recordings=open_recordings,
-            stored_recordings=stored_recordings,
-            messages=PlainMessages(),
+            topics=SurveyTopics(TRACE_DEFINITION),
             free_bytes=lambda _: 10**12,
             now_ns=lambda: NOW_NS,
             clock=Clock(),

@@ -19,6 +19,10 @@ class TraceRefusedError(ProcessingError, ValueError):
     """A trace is not allowed as it is; nothing was stored."""
 
 
+class ForeignTraceError(TraceRefusedError):
+    """A trace belongs to another survey."""
+
+
 class SurveyRefusedError(ProcessingError, ValueError):
     """A survey cannot be opened or closed as it was asked for; nothing was changed."""
 

@@ -25,12 +25,16 @@ from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
 from roscpp.srv import GetLoggers
+from std_msgs.msg import String
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from sent_traces import make_trace, numbers
 
+from gpr20_common.high.raw_message import serialized
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, ReportSurvey, StoreData
+from gpr20_survey.recording import survey_topics
+from gpr20_survey.trace import trace_message
 
 PACKAGE = "gpr20_vna_processing"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
@@ -135,6 +139,19 @@ class StoreSurveyTest(unittest.TestCase):
             self.check_other_topics(recording)
         self.check_description(opened.path)
         self.replay(opened.path, live, expected)
+
+    def test_1b_the_type_and_the_bytes_are_those_of_ros(self) -> None:
+        self.assertEqual(trace_message.MD5SUM, Trace._md5sum)
+        self.assertEqual(trace_message.DATATYPE, Trace._type)
+        text = (survey_topics.TEXT_TYPE, survey_topics.TEXT_MD5SUM, survey_topics.TEXT_DEFINITION)
+        self.assertEqual(text, (String._type, String._md5sum, String._full_text))
+        message = make_trace(self.survey_id, 3)
+        for moment in (message.timestamp, message.sweep_started, message.sweep_ended):
+            moment.nsecs -= moment.nsecs % 1000  # no form of a trace has more than microseconds
+        data = serialized(message)
+        self.assertEqual(trace_message.encode(trace_message.decode(data)), data)
+        topics = survey_topics.SurveyTopics(Trace._full_text)
+        self.assertEqual(topics.metadata("grüße", 1).data, serialized(String("grüße")))
 
     def check_times(self, files: list, messages: list) -> None:
         for values, message in zip(files, messages):

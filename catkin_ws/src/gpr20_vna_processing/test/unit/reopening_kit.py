@@ -9,16 +9,8 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 from rosbags.rosbag1 import Reader
-from storage_kit import (
-    STARTED_US,
-    SURVEY,
-    TYPES,
-    Kit,
-    assert_same_numbers,
-    make_trace,
-    read_json,
-    text_message,
-)
+from storage_kit import TYPES, Kit, text_message
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 
 from gpr20_survey.recording.recordings import open_recordings
 

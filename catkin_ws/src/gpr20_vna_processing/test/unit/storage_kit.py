@@ -1,66 +1,28 @@
-"""What the tests of the storage share: traces, serialization without ROS, a storage to fill."""
+"""What the tests of the storage share: traces, messages without ROS, a storage to fill."""
 
 from __future__ import annotations
 
-import json
-import math
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List
 
-import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
 
 from gpr20_common.low.clock import Clock
-from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.folder import survey_metadata
-from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.recordings import stored_recordings
+from gpr20_survey.recording.recordings import new_mcap
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
 
-SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
-STARTED_US = 1_790_000_000_123_456
 NOW_NS = 1_790_000_100_000_000_001
 FREE_BYTES = 10**12
 
-MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
 TYPES = get_typestore(Stores.ROS1_NOETIC)
-TYPES.register(
-    get_types_from_msg((MESSAGES / "Trace.msg").read_text(), "gpr20_msgs/msg/Trace"),
-)
-
-
-def make_trace(index: int = 0, **changes: Any) -> Trace:
-    """Return a good trace with some fields changed."""
-    points = 5
-    noise = np.random.default_rng(abs(index))
-    fields: Dict[str, Any] = {
-        "format": "gpr20-trace/1",
-        "survey_id": SURVEY,
-        "sample_id": f"sample-{index}",
-        "index": index,
-        "timestamp_us": STARTED_US + 1_000_003,
-        "x_coord_mm": 50.0,
-        "y_coord_mm": 12.345,
-        "z_coord_deg": 90.0,
-        "antennae_height_m": 0.1 + 0.2,
-        "frequency_hz": np.linspace(6e8, 6e9, points),
-        "s21_real": noise.standard_normal(points),
-        "s21_imag": noise.standard_normal(points),
-        "sweep_started_us": STARTED_US + 1,
-        "sweep_ended_us": STARTED_US + 1_000_001,
-        "quality": ("level low",),
-    }
-    return Trace(**{**fields, **changes})
-
-
-def ros_time(time_us: int) -> Any:
-    seconds, rest_us = divmod(time_us, 1_000_000)
-    return TYPES.types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=rest_us * 1000)
+TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
 
 
 def recorded(
@@ -77,39 +39,6 @@ def text_message(topic: str, text: str, time_ns: int = NOW_NS, latching: bool = 
     """Return a std_msgs/String for recording."""
     message = TYPES.types["std_msgs/msg/String"](data=text)
     return recorded(topic, "std_msgs/String", message, time_ns, latching)
-
-
-class PlainMessages:
-    """Serializes as the node does, without ROS."""
-
-    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
-        values = {name: getattr(trace, name) for name in vars(trace) if not name.endswith("_us")}
-        values["quality"] = list(trace.quality)
-        for name in ("timestamp", "sweep_started", "sweep_ended"):
-            values[name] = ros_time(getattr(trace, f"{name}_us"))
-        message = TYPES.types["gpr20_msgs/msg/Trace"](**values)
-        return recorded("/trace", "gpr20_msgs/Trace", message, time_ns)
-
-    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
-        if message.datatype != "gpr20_msgs/Trace":
-            return None
-        if message.md5sum != TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1]:
-            raise TraceRefusedError("a trace was recorded with another version")
-        try:
-            values = vars(TYPES.deserialize_ros1(message.data, "gpr20_msgs/msg/Trace"))
-        except Exception as error:  # the library of these tests raises anything
-            raise TraceRefusedError(f"a recorded trace is not whole: {error!r}") from error
-        fields = {name: values[name] for name in values if not name.startswith("__")}
-        for name in ("timestamp", "sweep_started", "sweep_ended"):
-            moment = fields.pop(name)
-            fields[f"{name}_us"] = moment.sec * 1_000_000 + moment.nanosec // 1000
-        fields["quality"] = tuple(fields["quality"])
-        for name in ("frequency_hz", "s21_real", "s21_imag"):
-            fields[name] = np.array(fields[name], np.float64)
-        return Trace(**fields)
-
-    def metadata(self, text: str, time_ns: int) -> RecordedMessage:
-        return text_message("/survey_metadata", text, time_ns, latching=True)
 
 
 class MemoryRecording:
@@ -129,8 +58,8 @@ class MemoryRecording:
     def write(self, message: RecordedMessage) -> None:
         self.collected.append(message)
 
-    def begin_chunk(self) -> None:
-        pass
+    def write_alone(self, message: RecordedMessage) -> None:
+        self.write(message)
 
     def in_place(self) -> bool:
         return True
@@ -157,16 +86,9 @@ class MemoryRecording:
         ]
 
 
-def open_mcap(folder: Path, description: Dict[str, Any], started_ns: int) -> List[Any]:
+def open_mcap(folder: Path, description: Dict[str, Any]) -> List[Any]:
     """Begin the MCAP file of a survey, as the node does."""
-    return [
-        McapFile(
-            folder / "survey.mcap",
-            survey_metadata.as_texts(description),
-            survey_metadata.encode(description),
-            started_ns,
-        )
-    ]
+    return [new_mcap(folder / "survey.mcap", description)]
 
 
 class Kit:
@@ -187,8 +109,7 @@ class Kit:
             Storage(
                 data=data,
                 open_recordings=open_recordings,
-                stored_recordings=stored_recordings,
-                messages=PlainMessages(),
+                topics=SurveyTopics(TRACE_DEFINITION),
                 free_bytes=lambda _: free_bytes,
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),
@@ -196,7 +117,7 @@ class Kit:
             ),
             limits,
             on_opened=self.opened.append,
-            on_stored=self.stored.append,
+            on_stored=lambda message: self.stored.append(recorded_trace(message)),
         )
         self.processing.start()
 
@@ -214,27 +135,3 @@ def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
     while not condition():
         assert time.monotonic() < deadline_s, "the condition did not come true in time"
         time.sleep(0.01)
-
-
-def assert_same_numbers(trace: Trace, values: Any) -> None:
-    """Compare a trace with a message or the values of a JSON file, bit for bit."""
-    get = values.get if isinstance(values, dict) else lambda name: getattr(values, name)
-    for name in ("frequency_hz", "s21_real", "s21_imag"):
-        assert np.array(get(name), np.float64).tobytes() == getattr(trace, name).tobytes()
-    for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg", "index", "sample_id", "survey_id"):
-        assert get(name) == getattr(trace, name)
-    height = get("antennae_height_m")
-    if math.isnan(trace.antennae_height_m):
-        assert height is None or math.isnan(height)
-    else:
-        assert height == trace.antennae_height_m
-    assert tuple(get("quality")) == trace.quality
-
-
-def read_json(path: Path) -> Dict[str, Any]:
-    """Read strict JSON."""
-
-    def refuse(name: str) -> None:
-        raise ValueError(f"{name} is not JSON")
-
-    return json.loads(path.read_text("ascii"), parse_constant=refuse)

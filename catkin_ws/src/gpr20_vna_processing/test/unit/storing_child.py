@@ -6,7 +6,8 @@ import itertools
 import sys
 from pathlib import Path
 
-from storage_kit import Kit, make_trace, open_mcap, text_message
+from storage_kit import Kit, open_mcap, text_message
+from trace_examples import make_trace
 
 from gpr20_survey.recording.bag_writer import BagFile
 

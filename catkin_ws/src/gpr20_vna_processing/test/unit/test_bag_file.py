@@ -9,14 +9,8 @@ import pytest
 rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
 
 from rosbags.rosbag1 import Reader  # noqa: E402
-from storage_kit import (  # noqa: E402
-    SURVEY,
-    TYPES,
-    Kit,
-    assert_same_numbers,
-    make_trace,
-    text_message,
-)
+from storage_kit import TYPES, Kit, text_message  # noqa: E402
+from trace_examples import SURVEY, assert_same_numbers, make_trace  # noqa: E402
 
 from gpr20_survey.recording.bag_writer import BagFile  # noqa: E402
 

@@ -9,7 +9,8 @@ import time
 
 import pytest
 from reopening_kit import messages_in_mcap, traces_in_bag
-from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json, wait_until
+from storage_kit import Kit, wait_until
+from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json
 
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files.durable_files import is_temporary

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from reopening_kit import assert_whole
-from storage_kit import STARTED_US, SURVEY, Kit, make_trace, text_message
+from storage_kit import Kit, text_message
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.recording.recordings import open_recordings
 

@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from storage_kit import STARTED_US, SURVEY, Kit, make_trace
+from storage_kit import Kit
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.recording.bag_writer import EMPTY_CHUNK

@@ -9,8 +9,9 @@ import pytest
 
 rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
 
-from storage_kit import SURVEY, Kit, assert_same_numbers, make_trace, read_json  # noqa: E402
+from storage_kit import Kit  # noqa: E402
 from test_mcap_file import read_forward, traces_of  # noqa: E402
+from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json  # noqa: E402
 
 from gpr20_survey.recording.recordings import open_recordings  # noqa: E402
 

@@ -1,7 +1,8 @@
 """Surveys that their control left open, and answers to a close that were lost."""
 
 import pytest
-from storage_kit import OTHER_SURVEY, SURVEY, Kit, make_trace, read_json
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import SURVEY, make_trace, read_json
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings

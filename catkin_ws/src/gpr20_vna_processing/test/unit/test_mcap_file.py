@@ -9,7 +9,8 @@ import pytest
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
-from storage_kit import STARTED_US, SURVEY, Kit, assert_same_numbers, make_trace, text_message
+from storage_kit import Kit, text_message
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.recording.mcap_writer import McapFile
 

@@ -8,7 +8,8 @@ import shutil
 
 import pytest
 from reopening_kit import assert_whole
-from storage_kit import OTHER_SURVEY, STARTED_US, SURVEY, Kit, make_trace
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings

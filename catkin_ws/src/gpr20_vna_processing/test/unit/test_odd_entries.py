@@ -7,7 +7,8 @@ import shutil
 import socket
 
 import pytest
-from storage_kit import STARTED_US, SURVEY, Kit, make_trace
+from storage_kit import Kit
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_analysis.read.manifest_check import check_files
 from gpr20_survey.errors import StorageFailedError

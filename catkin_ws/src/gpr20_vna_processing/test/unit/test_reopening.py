@@ -18,13 +18,8 @@ from reopening_kit import (
     kit,
     messages_in_mcap,
 )
-from storage_kit import (
-    OTHER_SURVEY,
-    SURVEY,
-    Kit,
-    assert_same_numbers,
-    read_json,
-)
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import SURVEY, assert_same_numbers, read_json
 
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.recording.mcap_writer import McapFile

@@ -14,11 +14,8 @@ from reopening_kit import (
     folder,
     kit,
 )
-from storage_kit import (
-    SURVEY,
-    Kit,
-    read_json,
-)
+from storage_kit import Kit
+from trace_examples import SURVEY, read_json
 
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
@@ -83,9 +80,7 @@ def test_an_unreadable_trace_of_which_there_is_no_copy_counts_as_not_stored(kit,
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
 def test_a_recording_damaged_in_its_middle_is_rebuilt_and_the_old_one_kept(kit, folder, name):
     content = bytearray((folder / name).read_bytes())
-    stored = (StoredBag if name == "survey.bag" else lambda path: StoredMcap(path, None))(
-        folder / name
-    )
+    stored = (StoredBag if name == "survey.bag" else StoredMcap)(folder / name)
     assert len(list(stored.messages())) == 4 + 4 + 2
     place = len(content) // 2
     if name == "survey.bag":

@@ -8,7 +8,8 @@ import shutil
 
 import pytest
 from reopening_kit import METADATA, TRACES, assert_whole, messages_in_mcap
-from storage_kit import SURVEY, Kit, text_message
+from storage_kit import Kit, text_message
+from trace_examples import SURVEY
 
 from gpr20_survey.recording.recordings import open_recordings
 

@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 import gpr20_vna_processing
-from gpr20_vna_processing.low.disk import free_bytes
+from gpr20_survey.files.durable_files import free_bytes
 from gpr20_vna_processing.low.revision import software_revision
 
 PACKAGE = Path(__file__).resolve().parents[2]

@@ -9,11 +9,8 @@ from reopening_kit import (
     folder,
     kit,
 )
-from storage_kit import (
-    OTHER_SURVEY,
-    SURVEY,
-    read_json,
-)
+from storage_kit import OTHER_SURVEY
+from trace_examples import SURVEY, read_json
 
 from gpr20_survey.errors import SurveyRefusedError
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from storage_kit import OTHER_SURVEY, STARTED_US, SURVEY, Kit, assert_same_numbers, make_trace
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_vna_processing.mid.survey_archive import (

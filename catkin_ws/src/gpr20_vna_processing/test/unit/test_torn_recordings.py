@@ -5,13 +5,15 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from storage_kit import STARTED_US, SURVEY, Kit, PlainMessages, make_trace, text_message
+from storage_kit import Kit, text_message
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_survey.trace import trace_json
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
@@ -36,11 +38,11 @@ def snapshots(tmp_path_factory):
 
 def read(kind, path):
     """Return the prints of the traces that a file holds, and whether it is whole to its end."""
-    stored = StoredBag(path) if kind == "bag" else StoredMcap(path, lambda _: None)
+    stored = StoredBag(path) if kind == "bag" else StoredMcap(path)
     prints, wrong = {}, 0
     for message in stored.messages():
         try:
-            trace = PlainMessages().recorded_trace(message)
+            trace = recorded_trace(message)
         except TraceRefusedError:
             wrong += 1
             continue

@@ -20,7 +20,6 @@ from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
 
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
@@ -192,7 +191,7 @@ def _trace_channels(summary: Summary) -> Dict[int, Channel]:
 def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
     """Yield every whole message of a recording that has no index yet."""
     stored: Union[StoredBag, StoredMcap]
-    stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path, _refuse_to_create)
+    stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
         raise UnreadableFileError("; ".join(stored.faults))
@@ -234,7 +233,3 @@ def _text(data: bytes) -> str:
     if size + 4 != len(data):
         raise UnreadableFileError("the survey's metadata are not whole")
     return data[4:].decode("utf-8", "replace")
-
-
-def _refuse_to_create(path: Path) -> Any:
-    raise SurveyRefusedError(f"{path} is only read here")

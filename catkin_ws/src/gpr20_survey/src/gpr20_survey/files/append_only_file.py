@@ -5,13 +5,12 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
-from typing import Iterable
 
 from gpr20_survey.errors import FileReplacedError
-from gpr20_survey.files.durable_files import sync_path
+from gpr20_survey.files.durable_files import put_in_place, sync_path
 
 
-class CommittedFile:
+class AppendOnlyFile:
     """Collects what is appended and puts it on the disk by `commit`.
 
     The file on the disk grows by all that was collected since the last commit, and a commit
@@ -29,55 +28,47 @@ class CommittedFile:
         Raises:
             OSError: The file exists or the disk refused.
         """
-        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
-        self._take(path, os.open(str(path), flags, 0o666), 0, trailer)
-        sync_path(path.parent)
-
-    @classmethod
-    def resumed(cls, path: Path, length: int, trailer: bytes = b"") -> CommittedFile:
-        """Go on with a file behind its first bytes; `cut` removes what follows them.
-
-        Args:
-            path: The file.
-            length: How much of it is whole [bytes].
-            trailer: As for a new file.
-
-        Raises:
-            OSError: The file cannot be opened.
-        """
-        file = cls.__new__(cls)
-        flags = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
-        file._take(path, os.open(str(path), flags), length, trailer)
-        return file
-
-    def _take(self, path: Path, descriptor: int, committed: int, trailer: bytes) -> None:
-        self._path = path
-        self._descriptor = descriptor
+        self.path = path
         self._trailer = trailer
-        self._committed = committed  # length of what is durable [bytes]
+        self._committed = 0  # length of what is durable [bytes]
         self._collected = bytearray()
+        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
+        self._descriptor = os.open(str(path), flags, 0o666)
+        sync_path(path.parent)
 
     @property
     def collected_bytes(self) -> int:
         """How much waits for a commit [bytes]."""
         return len(self._collected)
 
-    @property
-    def committed_bytes(self) -> int:
-        """How much is durable, without the trailer [bytes]."""
-        return self._committed
+    def write(self, data: bytes) -> int:
+        """Collect bytes behind all others; return how many."""
+        self._collected += data
+        return len(data)
+
+    def tell(self) -> int:
+        """Return where the next byte goes [bytes]."""
+        return self._committed + len(self._collected)
+
+    def flush(self) -> None:
+        """Do nothing: only `commit` writes to the disk."""
 
     def in_place(self) -> bool:
         """Say whether the file that is written is still the one of its name."""
         try:
-            there = os.stat(str(self._path), follow_symlinks=False)
+            there = os.stat(str(self.path), follow_symlinks=False)
         except OSError:
             return False
         return os.path.samestat(there, os.fstat(self._descriptor))
 
-    def write(self, data: bytes) -> None:
-        """Collect bytes behind all others."""
-        self._collected += data
+    def take_place_of(self, path: Path) -> None:
+        """Let the file have the name of another, which it replaces; return when that is durable.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        put_in_place(self.path, path)
+        self.path = path
 
     def commit(self) -> None:
         """Write what was collected; return when it is durable.
@@ -93,41 +84,24 @@ class CommittedFile:
             self._committed += len(self._collected)
             self._collected.clear()
 
-    def cut(self) -> None:
-        """Leave nothing behind the committed part but the trailer; return when it is so.
-
-        Raises:
-            OSError: The disk refused; the call may be repeated.
-        """
-        # The trailer first: at no instant does the file end without one.
-        self._write_at(self._committed, self._trailer)
-        os.fsync(self._descriptor)
-        os.ftruncate(self._descriptor, self._committed + len(self._trailer))
-        os.fsync(self._descriptor)
-
-    def write_tail(self, pieces: Iterable[bytes]) -> None:
+    def write_tail(self, data: bytes) -> None:
         """Write the end of the file behind the trailer; return when it is durable.
 
         Nothing counts as committed by this, so the call may be repeated. The first byte
         stays zero until all behind it is durable: the tail is not seen in part.
 
         Args:
-            pieces: The tail, a bounded part of it at a time; none of them is empty.
+            data: The tail, not empty.
 
         Raises:
             OSError: The disk refused.
         """
         self._check_in_place()
-        start = offset = self._committed + len(self._trailer)
-        first = b""
-        for piece in pieces:
-            if not first:
-                first, piece = piece[:1], b"\0" + piece[1:]
-            self._write_at(offset, piece)
-            offset += len(piece)
-        os.ftruncate(self._descriptor, offset)
+        start = self._committed + len(self._trailer)
+        self._write_at(start, b"\0" + data[1:])
+        os.ftruncate(self._descriptor, start + len(data))
         os.fsync(self._descriptor)
-        self.overwrite(start, first)
+        self.overwrite(start, data[:1])
 
     def overwrite(self, offset: int, data: bytes) -> None:
         """Replace bytes in one write within a sector; return when they are durable.
@@ -137,14 +111,6 @@ class CommittedFile:
         """
         self._write_at(offset, data)
         os.fsync(self._descriptor)
-
-    def read_at(self, offset: int, size: int) -> bytes:
-        """Return bytes of the file on the disk, fewer at its end.
-
-        Raises:
-            OSError: The disk cannot be read.
-        """
-        return os.pread(self._descriptor, size, offset)
 
     def release(self) -> None:
         """Close the file on the disk; what was not committed is lost."""
@@ -158,7 +124,7 @@ class CommittedFile:
                 errno.ESTALE,
                 "it was moved, removed or replaced while it was written; if the survey's folder "
                 "was moved or renamed, put it back, then resume the survey",
-                str(self._path),
+                str(self.path),
             )
 
     def _write_at(self, offset: int, data: bytes) -> None:

@@ -5,12 +5,28 @@ from __future__ import annotations
 import itertools
 import os
 import secrets
+import shutil
 from pathlib import Path
 from typing import Iterator
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
 TEMPORARY_SUFFIX = ".tmp"
+
+
+def free_bytes(folder: Path) -> int:
+    """Return what may still be written below a folder [bytes].
+
+    Raises:
+        OSError: The folder cannot be asked.
+    """
+    return shutil.disk_usage(str(folder)).free
+
+
+def temporary_path(path: Path) -> Path:
+    """Return a free name beside a file that readers pass over."""
+    name = f"{TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}"
+    return path.with_name(name)
 
 
 def write_new_file(path: Path, data: bytes) -> None:
@@ -83,8 +99,7 @@ def sync_path(path: Path) -> None:
 
 
 def _write_temporary(path: Path, data: bytes) -> Path:
-    name = f"{TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}"
-    temporary = path.with_name(name)
+    temporary = temporary_path(path)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
     descriptor = os.open(str(temporary), flags, 0o666)
     try:

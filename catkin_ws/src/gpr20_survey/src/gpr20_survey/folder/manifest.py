@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict, Iterator, Optional
 
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import durable_files, file_sums
+from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 
 MANIFEST_FILE = "manifest.json"
@@ -46,6 +48,33 @@ def write_manifest(folder: Path, survey_id: str, revision: str, written: str) ->
         "files": files,
     }
     durable_files.replace_file(folder / MANIFEST_FILE, survey_metadata.encode(values))
+
+
+def read_sums(folder: Path) -> Dict[str, Any]:
+    """Return what the manifest of a survey says of each file; empty if it cannot be read."""
+    limit = survey_metadata.MAX_FILE_BYTES
+    try:
+        with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
+            text = stream.read(limit + 1).decode("ascii")
+        files = survey_metadata.parse_object(text, MANIFEST_FILE, limit).get("files")
+    except (OSError, UnicodeDecodeError, SurveyRefusedError):
+        return {}
+    return files if isinstance(files, dict) else {}
+
+
+def is_unchanged(folder: Path, name: str, sums: Dict[str, Any]) -> bool:
+    """Say whether a file is certainly as it was when the manifest was written.
+
+    Args:
+        folder: The survey's folder.
+        name: The file, relative to the folder.
+        sums: What the manifest says.
+    """
+    try:
+        sha256, size = file_sums.sha256_and_size(folder / name)
+    except OSError:
+        return False
+    return bool(sums.get(name) == {"sha256": sha256, "size": size})
 
 
 def is_data(name: str) -> bool:

@@ -9,13 +9,14 @@ from typing import Any, Dict, NoReturn
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.trace import utc_time
 
 FORMAT = "gpr20-survey/1"
+INTERRUPTED = "interrupted"  # outcome of a survey that was closed to go on later
 MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
-INTERRUPTED = "interrupted"  # the outcome of a survey that the storage closed by itself
 
 # What the storage itself writes into survey.json, beside the metadata.
 OWN_KEYS = frozenset(
@@ -32,6 +33,9 @@ OWN_KEYS = frozenset(
         "report",
     }
 )
+
+# Those of them that change while the survey goes on.
+LATER_KEYS = ("ended", "outcome", "reason", "stored_traces", "resumed", "report")
 
 # A whole text, or the end of one that does not end; else a bracket.
 _TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?|[\[{]|[\]}]', re.DOTALL)
@@ -100,6 +104,12 @@ def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
     return {key: value for key, value in description.items() if key not in OWN_KEYS}
 
 
+def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str, Any]:
+    """Return a description with all that never changes taken from a copy of its start."""
+    later = {key: description[key] for key in LATER_KEYS if key in description}
+    return {**copy, **later}
+
+
 def read_description(path: Path) -> Dict[str, Any]:
     """Return the content of a survey.json.
 
@@ -127,6 +137,18 @@ def check_format(values: Dict[str, Any], path: Path) -> None:
     """
     if values.get("format") != FORMAT or not isinstance(values.get("survey_id"), str):
         raise SurveyRefusedError(f"{path} does not describe a survey of format {FORMAT}")
+
+
+def started_us(description: Dict[str, Any]) -> int:
+    """Return when a survey started [us since 1970, UTC].
+
+    Raises:
+        SurveyRefusedError: Its survey.json does not say so.
+    """
+    try:
+        return utc_time.parse_iso(description["started"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise SurveyRefusedError(f"'started' of survey.json is no time: {error}") from error
 
 
 def encode(values: Dict[str, Any]) -> bytes:

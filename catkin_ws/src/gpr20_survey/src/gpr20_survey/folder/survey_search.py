@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.metadata_recovery import description_from_recording
+from gpr20_survey.recording.mcap_reader import read_attachment
 
 
-def find_survey(data: Path, survey: str, restore: bool = False) -> Tuple[Path, Dict[str, Any]]:
+def find_survey(data: Path, survey: str, recover: bool = False) -> Tuple[Path, Dict[str, Any]]:
     """Return the folder and the description of a survey.
 
     Args:
         data: The data folder.
         survey: The survey's id, or the name of its folder.
-        restore: Whether a description that cannot be read is taken from the recording.
+        recover: Whether a description that is damaged is taken from the recording, whose copy has
+            a checksum.
 
     Raises:
         SurveyRefusedError: There is none, its survey.json cannot be read, or part of it is a
@@ -25,7 +26,7 @@ def find_survey(data: Path, survey: str, restore: bool = False) -> Tuple[Path, D
     reason = f"there is no survey {survey[:64]!r} in {data}"
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
-        description = _description(folder, restore)
+        description = _description(folder, recover)
         survey_id = survey_folder.check_survey_id(description["survey_id"])
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, description
@@ -33,11 +34,37 @@ def find_survey(data: Path, survey: str, restore: bool = False) -> Tuple[Path, D
     raise SurveyRefusedError(reason)
 
 
-def _description(folder: Path, restore: bool) -> Dict[str, Any]:
+def recorded_description(folder: Path) -> Optional[Dict[str, Any]]:
+    """Return the description of a survey as it was when its MCAP file was begun.
+
+    What was written into survey.json later, such as how the survey ended, is not in it.
+
+    Returns:
+        None if there is no whole copy, or if something that is no file is in the way of a new one.
+    """
+    path = folder / survey_folder.SURVEY_FILE
+    if path.exists() and not path.is_file():
+        return None
     try:
-        return survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
+        copy = read_attachment(folder / survey_folder.MCAP_FILE, survey_folder.SURVEY_FILE)
+        if copy is None:
+            return None
+        text = copy.decode("ascii")
+        values = survey_metadata.parse_object(text, "the copy", survey_metadata.MAX_FILE_BYTES)
+        survey_metadata.check_format(values, path)
+    except (OSError, UnicodeDecodeError, SurveyRefusedError):
+        return None
+    return values
+
+
+def _description(folder: Path, recover: bool) -> Dict[str, Any]:
+    copy = recorded_description(folder) if recover else None
+    try:
+        values = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
     except SurveyRefusedError:
-        restored = description_from_recording(folder) if restore else None
-        if restored is None:
+        if copy is None:
             raise
-        return restored
+        return copy
+    if copy is None or not folder.name.endswith(f"_{copy['survey_id'][:8]}"):
+        return values
+    return survey_metadata.with_start_of(values, copy)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.trace import trace_json
@@ -16,16 +16,42 @@ MAX_FILE_BYTES = 1 << 20  # 4001 points need a third of it
 Shown = Callable[[List[Path]], Iterator[Path]]
 
 
+class TraceFile(NamedTuple):
+    """One file of a whole trace."""
+
+    name: str
+    fingerprint: bytes
+    sample_id: str
+    timestamp_us: int
+    """Of the trace [us since 1970, UTC]."""
+
+    @classmethod
+    def of(cls, trace: Trace) -> TraceFile:
+        """Return what is remembered of the file of a trace."""
+        name = survey_folder.trace_file_name(trace)
+        return cls(name, trace.fingerprint(), trace.sample_id, trace.timestamp_us)
+
+
 @dataclass
 class TraceFiles:
     """What was found in the folder of the traces."""
 
-    prints: Dict[int, bytes] = field(default_factory=dict)
-    """Fingerprint of the trace of each index."""
-    names: Dict[int, str] = field(default_factory=dict)
-    """File of each index."""
+    files: Dict[int, TraceFile] = field(default_factory=dict)
+    """The file of each index."""
     damaged: List[Tuple[Path, str]] = field(default_factory=list)
     """Files that are no whole trace of this survey, and why."""
+    foreign: int = 0
+    """How many of those are whole traces of another survey."""
+
+    @property
+    def prints(self) -> Dict[int, bytes]:
+        """Fingerprint of the trace of each index."""
+        return {index: one.fingerprint for index, one in self.files.items()}
+
+    @property
+    def names(self) -> Dict[int, str]:
+        """Name of the file of each index."""
+        return {index: one.name for index, one in self.files.items()}
 
 
 def read_trace(
@@ -50,7 +76,7 @@ def read_trace(
         raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")
     trace = decode(content)
     if survey_id is not None and trace.survey_id != survey_id:
-        raise TraceRefusedError(f"the trace belongs to survey {trace.survey_id}")
+        raise ForeignTraceError(f"the trace belongs to survey {trace.survey_id}")
     if survey_folder.trace_file_name(trace) != path.name:
         raise TraceRefusedError(
             f"the file should be named {survey_folder.trace_file_name(trace)} by its content"
@@ -74,21 +100,21 @@ def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
     for path in shown(sorted(folder.glob("*.json"))):
         try:
             trace = read_trace(path, survey_id)
-            _check_unique(trace, found.names.get(trace.index), samples.get(trace.sample_id))
+            _check_unique(trace, found.files.get(trace.index), samples.get(trace.sample_id))
         except OSError as error:
             found.damaged.append((path, error.strerror or str(error)))
             continue
         except TraceRefusedError as error:
+            found.foreign += isinstance(error, ForeignTraceError)
             found.damaged.append((path, str(error)))
             continue
-        found.prints[trace.index] = trace.fingerprint()
-        found.names[trace.index] = path.name
+        found.files[trace.index] = TraceFile.of(trace)
         samples[trace.sample_id] = trace.index
     return found
 
 
-def _check_unique(trace: Trace, name: Optional[str], index: Optional[int]) -> None:
-    if name is not None:
-        raise TraceRefusedError(f"index {trace.index} is in {name} already")
+def _check_unique(trace: Trace, file: Optional[TraceFile], index: Optional[int]) -> None:
+    if file is not None:
+        raise TraceRefusedError(f"index {trace.index} is in {file.name} already")
     if index is not None:
         raise TraceRefusedError(f"sample {trace.sample_id} has index {index} already")

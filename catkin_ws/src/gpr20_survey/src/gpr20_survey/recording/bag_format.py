@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from typing import Dict, Iterator, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 from gpr20_survey.recording.recording import MAX_RECORD_BYTES, RecordedMessage
 
@@ -18,6 +18,7 @@ MESSAGE, FILE_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
 
 Fields = Dict[str, bytes]
 Entry = Tuple[int, int]  # time [ns], offset in the chunk [bytes]
+Indexes = Dict[int, List[Entry]]  # of each connection of a chunk
 
 
 class BagFormatError(ValueError):
@@ -198,8 +199,12 @@ def chunk_record(data: bytes) -> bytes:
     return record(CHUNK, fields, data)
 
 
-def index_record(number: int, entries: List[Entry]) -> bytes:
-    """Return the index of a connection in the chunk before it."""
+def index_records(indexes: Indexes) -> bytes:
+    """Return the index of each connection in the chunk before it."""
+    return b"".join(_index_record(number, sorted(entries)) for number, entries in indexes.items())
+
+
+def _index_record(number: int, entries: List[Entry]) -> bytes:
     fields = {
         "ver": struct.pack("<I", 1),
         "conn": struct.pack("<I", number),
@@ -209,24 +214,7 @@ def index_record(number: int, entries: List[Entry]) -> bytes:
     return record(INDEX, fields, data)
 
 
-def read_index(one: Record) -> List[Entry]:
-    """Return the entries of an index record.
-
-    Raises:
-        BagFormatError: It is not whole.
-    """
-    if len(one.data) != 12 * one.number("count"):
-        raise BagFormatError("an index is not whole")
-    return list(_entries(one.data))
-
-
-def _entries(data: bytes) -> Iterator[Entry]:
-    for place in range(0, len(data), 12):
-        (offset,) = struct.unpack_from("<I", data, place + 8)
-        yield unpack_time(data[place : place + 8]), offset
-
-
-def chunk_info_record(place: int, indexes: Dict[int, List[Entry]]) -> bytes:
+def chunk_info_record(place: int, indexes: Indexes) -> bytes:
     """Return the record of a chunk in the index of the whole file."""
     times = [time for entries in indexes.values() for time, _ in entries]
     fields = {

@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import Any, Dict, List
 
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.bag_writer import BagFile
-from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import Recording
-from gpr20_survey.recording.stored_recording import StoredRecording
+from gpr20_survey.trace import utc_time
 
 
-def open_recordings(folder: Path, description: Dict[str, Any], started_ns: int) -> List[Recording]:
+def open_recordings(folder: Path, description: Dict[str, Any]) -> List[Recording]:
     """Begin the bag and the MCAP file of a survey.
 
     Raises:
@@ -22,27 +20,22 @@ def open_recordings(folder: Path, description: Dict[str, Any], started_ns: int) 
     """
     bag = BagFile(folder / survey_folder.BAG_FILE)
     try:
-        mcap = _new_mcap(folder / survey_folder.MCAP_FILE, description, started_ns)
+        return [bag, new_mcap(folder / survey_folder.MCAP_FILE, description)]
     except OSError:
         bag.abandon()
         raise
-    return [bag, mcap]
 
 
-def stored_recordings(
-    folder: Path, description: Dict[str, Any], started_ns: int
-) -> List[StoredRecording]:
-    """Return the bag and the MCAP file of a survey as they are on the disk."""
-    return [
-        StoredBag(folder / survey_folder.BAG_FILE),
-        StoredMcap(
-            folder / survey_folder.MCAP_FILE,
-            lambda path: _new_mcap(path, description, started_ns),
-        ),
-    ]
+def new_mcap(path: Path, description: Dict[str, Any]) -> McapFile:
+    """Begin the MCAP file of a survey; it holds the survey's description as it is now.
 
-
-def _new_mcap(path: Path, description: Dict[str, Any], started_ns: int) -> McapFile:
-    # The survey as it was at its start: how it ended is in survey.json.
-    texts = survey_metadata.as_texts(description)
-    return McapFile(path, texts, survey_metadata.encode(description), started_ns)
+    Raises:
+        SurveyRefusedError: The description does not say when the survey started.
+        OSError: The disk refused.
+    """
+    return McapFile(
+        path,
+        survey_metadata.as_texts(description),
+        survey_metadata.encode(description),
+        survey_metadata.started_us(description) * utc_time.NS_PER_US,
+    )

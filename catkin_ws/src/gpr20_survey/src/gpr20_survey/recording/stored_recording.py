@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Iterator, List, Protocol
 
 from gpr20_survey.files.regular_file import open_regular
-from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.recording import RecordedMessage
 
 
 class StoredRecording(Protocol):
-    """Reads what is whole in a recording and goes on behind it.
+    """Reads what is whole in a recording.
 
     A tail that was torn by a crash is no fault: nothing in it was acknowledged.
     """
@@ -26,15 +26,6 @@ class StoredRecording(Protocol):
 
     def messages(self) -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file."""
-
-    def resume(self) -> Recording:
-        """Cut off what follows the last whole chunk and go on there.
-
-        To be called after all `messages` were read, and only if there were no faults.
-        """
-
-    def create(self, path: Path) -> Recording:
-        """Begin an empty recording of the same kind elsewhere."""
 
 
 def mapped(path: Path) -> bytes:

@@ -34,17 +34,12 @@ from gpr20_msgs.srv import (
     StoreDataResponse,
 )
 from gpr20_survey.errors import ProcessingError
-from gpr20_survey.recording.recordings import open_recordings, stored_recordings
-from gpr20_survey.trace import trace_message
+from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
+from gpr20_survey.trace import trace_message, utc_time
 from gpr20_vna_processing.high.archive_services import ArchiveServices
-from gpr20_vna_processing.high.messages import (
-    METADATA_TOPIC,
-    TRACE_TOPIC,
-    RosMessages,
-    microseconds,
-)
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
-from gpr20_vna_processing.low.disk import free_bytes
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
@@ -126,8 +121,11 @@ class ProcessingNode:
             Storage(
                 data=self._data,
                 open_recordings=open_recordings,
-                stored_recordings=stored_recordings,
-                messages=RosMessages(),
+                topics=SurveyTopics(
+                    Trace._full_text,
+                    rospy.resolve_name(TRACE_TOPIC),
+                    rospy.resolve_name(METADATA_TOPIC),
+                ),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
@@ -135,9 +133,7 @@ class ProcessingNode:
             ),
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),
-            on_stored=lambda trace: _publish(
-                self._trace, preserialized(Trace, trace_message.encode(trace))
-            ),
+            on_stored=lambda message: _publish(self._trace, preserialized(Trace, message.data)),
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
@@ -159,7 +155,7 @@ class ProcessingNode:
         self._connect_recorder()
         folder = self._processing.open_survey(
             request.survey_id,
-            microseconds(request.started),
+            _microseconds(request.started),
             request.metadata_json,
             request.needed_bytes,
         )
@@ -257,6 +253,11 @@ class ProcessingNode:
         # The data folder may not be there before the first survey.
         existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
         return free_bytes(existing) / BYTES_PER_MB
+
+
+def _microseconds(moment: rospy.Time) -> int:
+    """Return a moment as whole microseconds since 1970, the rest cut off."""
+    return moment.secs * utc_time.US_PER_S + moment.nsecs // utc_time.NS_PER_US
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:

@@ -10,7 +10,7 @@ import rosgraph
 import rospy
 
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_vna_processing.high.messages import METADATA_TOPIC, TRACE_TOPIC
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 
 # Topics that make an axis move or stop.
 COMMANDS = ("/axis/goal", "/axis/cancel")

@@ -15,6 +15,7 @@ from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import new_survey
+from gpr20_vna_processing.mid.current_survey import CurrentSurvey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
@@ -24,7 +25,6 @@ from gpr20_vna_processing.mid.processing_records import (
     Storage,
 )
 from gpr20_vna_processing.mid.storage_thread import StorageThread
-from gpr20_vna_processing.mid.survey_slot import SurveySlot
 
 OUTCOMES = ("finished", "stopped", "failed")
 MAX_REASON_CHARACTERS = 4096
@@ -41,7 +41,7 @@ class DataProcessing:
         storage: Storage,
         limits: Limits,
         on_opened: Callable[[str], None],
-        on_stored: Callable[[Trace], None],
+        on_stored: Callable[[RecordedMessage], None],
     ) -> None:
         """Build the storage; `start` begins its thread.
 
@@ -49,7 +49,7 @@ class DataProcessing:
             storage: Files, disk, clock.
             limits: Bounds.
             on_opened: Told the JSON description of a survey that was opened.
-            on_stored: Told of every trace once, when it is durable.
+            on_stored: Given the message of every trace once, when it is durable.
         """
         self._storage = storage
         self._limits = limits
@@ -58,7 +58,7 @@ class DataProcessing:
         )
         self._latched = LatchedTopics()
         # Changed on the storage thread only.
-        self._slot = SurveySlot(
+        self._survey = CurrentSurvey(
             storage, limits.disk_reserve_bytes, self._latched, on_opened, on_stored
         )
         self._unrecorded = 0
@@ -93,7 +93,7 @@ class DataProcessing:
         description = new_survey.describe(
             survey_id, started_us, metadata_json, self._storage.revision
         )
-        self._do(lambda: self._slot.open(folder, description, started_us, needed_bytes))
+        self._do(lambda: self._survey.open(folder, description, needed_bytes))
         return folder
 
     def interrupt_other(self, survey: str) -> str:
@@ -110,7 +110,7 @@ class DataProcessing:
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
         """
-        return self._do(lambda: self._slot.interrupt_other(survey), self._limits.long_timeout_s)
+        return self._do(lambda: self._survey.interrupt_other(survey), self._limits.long_timeout_s)
 
     def reopen_survey(self, survey: str) -> ReopenedSurvey:
         """Open a survey that was cut off or ended early, repaired; may be repeated.
@@ -122,7 +122,7 @@ class DataProcessing:
             SurveyRefusedError: There is no such survey, it is complete, or another is open.
             StorageFailedError: The disk refused; asking again is safe.
         """
-        return self._do(lambda: self._slot.reopen(survey), self._limits.long_timeout_s)
+        return self._do(lambda: self._survey.reopen(survey), self._limits.long_timeout_s)
 
     def report(self, survey_id: str, report_json: str) -> None:
         """Keep a report of the open survey in its survey.json, durably.
@@ -135,7 +135,7 @@ class DataProcessing:
             report_json, "report_json", survey_metadata.MAX_REPORT_BYTES
         )
         survey_folder.check_survey_id(survey_id)
-        self._do(lambda: self._slot.opened_as(survey_id).report(report))
+        self._do(lambda: self._survey.opened_as(survey_id).report(report))
 
     def store(self, trace: Trace) -> Path:
         """Store a trace; return its JSON file when it is durable in all three forms.
@@ -145,7 +145,7 @@ class DataProcessing:
             TraceRefusedError: The open survey does not take the trace.
             StorageFailedError: The disk refused or was too slow; asking again is safe.
         """
-        return self._do(lambda: self._slot.opened().store(trace, self._storage.now_ns()))
+        return self._do(lambda: self._survey.opened().store(trace, self._storage.now_ns()))
 
     def record(self, message: RecordedMessage) -> None:
         """Record a message of another topic; drop it, counted, if the disk is too slow."""
@@ -169,7 +169,7 @@ class DataProcessing:
             )
         survey_folder.check_survey_id(survey_id)
         return self._do(
-            lambda: self._slot.close(survey_id, outcome, reason), self._limits.long_timeout_s
+            lambda: self._survey.close(survey_id, outcome, reason), self._limits.long_timeout_s
         )
 
     def shut_down(self) -> None:
@@ -179,13 +179,13 @@ class DataProcessing:
             StorageFailedError: The disk refused or was too slow.
         """
         try:
-            self._do(self._slot.interrupt)
+            self._do(self._survey.interrupt)
         finally:
             self._thread.stop(self._limits.timeout_s)
 
     def state(self) -> ProcessingState:
         """Return what the operator should know."""
-        survey = self._slot.current
+        survey = self._survey.current
         with self._lock:
             last_error, failing = self._last_error, self._failing
         return ProcessingState(
@@ -212,7 +212,7 @@ class DataProcessing:
             self._last_error, self._failing = error, failing
 
     def _write_messages(self, messages: Sequence[RecordedMessage]) -> None:
-        survey = self._slot.current
+        survey = self._survey.current
         if survey is None:
             return
         # Nobody waits for an answer here: the operator reads of errors in the diagnostics.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_survey.errors import (
     StorageFailedError,
@@ -13,29 +15,24 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing.mid.stored_traces import StoredTraces
+from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
 
 COMMIT_BYTES = 1 << 20
 
 
-class MessageMaker(Protocol):
-    """Makes the messages that the storage itself puts on the graph, and reads them again."""
+@dataclass
+class _PendingTrace:
+    """A trace whose JSON file is durable, but not yet every recording that holds it."""
 
-    def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
-        """Serialize a trace as a message of the topic `trace`."""
-
-    def metadata(self, text: str, time_ns: int) -> RecordedMessage:
-        """Serialize the survey's description as a message of `survey_metadata`."""
-
-    def recorded_trace(self, message: RecordedMessage) -> Optional[Trace]:
-        """Return the trace of a recorded message, or None if it is no trace.
-
-        Raises:
-            TraceRefusedError: It is a trace, but cannot be read or holds a wrong value.
-        """
+    trace: Trace
+    message: RecordedMessage
+    lacking: List[Recording]
+    """Recordings that were not given the message yet."""
 
 
 class OpenSurvey:
@@ -46,9 +43,9 @@ class OpenSurvey:
         folder: Path,
         description: Dict[str, Any],
         recordings: Sequence[Recording],
-        messages: MessageMaker,
-        on_stored: Callable[[Trace], None],
-        stored: Optional[StoredTraces] = None,
+        topics: SurveyTopics,
+        on_stored: Callable[[RecordedMessage], None],
+        stored: Optional[Mapping[int, TraceFile]] = None,
         last: Optional[Trace] = None,
     ) -> None:
         """Take over the files.
@@ -57,24 +54,26 @@ class OpenSurvey:
             folder: The survey's folder.
             description: The content of survey.json.
             recordings: Where every message goes; they hold the traces that are stored.
-            messages: Serializes traces.
-            on_stored: Told of every trace once, when it is durable.
-            stored: The traces that are stored already.
-            last: The one of them that was stored last.
+            topics: Makes the messages of traces.
+            on_stored: Given the message of every trace once, when it is durable.
+            stored: The traces that are stored already, by their index.
+            last: The trace that was stored last.
         """
         self.folder = folder
         self.description = self.opened_as = description
         self.survey_id: str = description["survey_id"]
         self.last = last
-        self._stored = stored or StoredTraces()  # whose JSON is durable
-        self.stored_traces = len(self._stored)
+        stored = stored or {}
+        self.stored_traces = len(stored)
+        # Fingerprint of each index whose JSON file is durable, and index of each sample.
+        self._prints = {index: file.fingerprint for index, file in stored.items()}
+        self._indices = {file.sample_id: index for index, file in stored.items()}
+        self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in a recording
         self._ending = False  # the recordings take nothing more
         self._unfinished = list(recordings)
         self._recordings = list(recordings)
-        self._messages = messages
+        self._topics = topics
         self._on_stored = on_stored
-        self._uncommitted: Dict[int, Trace] = {}  # in the recordings, not yet durable
-        self._missing: Dict[int, List[Recording]] = {}  # recordings that lack a trace
         self._types: Dict[str, str] = {}  # type of each topic, by its checksum
 
     def store(self, trace: Trace, time_ns: int) -> Path:
@@ -97,9 +96,16 @@ class OpenSurvey:
         """
         self._check_survey(trace)
         self._keep_collected_small()
-        message = self._messages.trace(trace, time_ns)
-        path = self._store_json(trace)
-        self._record_trace(trace, message)
+        path = self._traces / survey_folder.trace_file_name(trace)
+        if trace.index in self._prints:
+            self._check_same(trace, path)
+        else:
+            with storing(trace.label, path):
+                durable_files.write_new_file(path, trace_json.encode(trace))
+            message = self._topics.trace(trace, time_ns)
+            self._pending[trace.index] = _PendingTrace(trace, message, list(self._recordings))
+            self._prints[trace.index] = trace.fingerprint()
+            self._indices[trace.sample_id] = trace.index
         self.commit()
         return path
 
@@ -117,15 +123,23 @@ class OpenSurvey:
         now = utc_time.iso_text(time_ns // utc_time.NS_PER_US)
         resumed = [*self.description.get("resumed", []), now]
         self._describe({**self.description, "resumed": resumed})
-        for index in list(self._missing):
-            trace = self._stored_trace(index)
-            self._record_trace(trace, self._messages.trace(trace, time_ns))
         self.commit()
 
-    def stored_indices(self) -> List[int]:
-        """Return the places in the plan whose traces are stored, ascending."""
-        pending = self._missing.keys() | self._uncommitted.keys()
-        return [index for index in self._stored.indices() if index not in pending]
+    def reopened(self, repairs: Tuple[str, ...]) -> ReopenedSurvey:
+        """Return what is told of a survey that goes on."""
+        report = self.description.get("report")
+        return ReopenedSurvey(
+            survey_id=self.survey_id,
+            folder=self.folder,
+            metadata_json=json.dumps(survey_metadata.metadata_of(self.description)),
+            report_json="" if report is None else json.dumps(report),
+            stored_indices=self._stored_indices(),
+            last=self.last,
+            repairs=repairs,
+        )
+
+    def _stored_indices(self) -> List[int]:
+        return sorted(self._prints.keys() - self._pending.keys())
 
     def record(self, messages: Sequence[RecordedMessage]) -> int:
         """Record messages of other topics; return how many could not be.
@@ -147,15 +161,23 @@ class OpenSurvey:
         return refused
 
     def commit(self) -> None:
-        """Make everything recorded so far durable, and tell of the traces among it.
+        """Make everything recorded so far durable, and hand on the traces among it.
 
         Raises:
             StorageFailedError: The disk refused.
         """
+        for pending in self._pending.values():
+            while pending.lacking:
+                pending.lacking[0].write_alone(pending.message)
+                pending.lacking.pop(0)
         for recording in self._recordings:
             with storing("the recording", self.folder / recording.name):
                 recording.commit()
-        self._tell_stored()
+        while self._pending:
+            stored = self._pending.pop(next(iter(self._pending)))
+            self.stored_traces += 1
+            self.last = stored.trace
+            self._on_stored(stored.message)
 
     def report(self, report: Dict[str, Any]) -> None:
         """Keep a report in survey.json; it replaces the former one.
@@ -242,75 +264,25 @@ class OpenSurvey:
             raise TraceRefusedError(
                 f"{trace.label} belongs to survey {trace.survey_id}, but {self.survey_id} is open"
             )
-        for index in self._stored.candidates(trace.sample_id):
-            if index != trace.index and self._stored_trace(index).sample_id == trace.sample_id:
-                raise TraceRefusedError(
-                    f"sample {trace.sample_id} is stored already with index {index}, "
-                    f"not {trace.index}; every sample needs an id of its own"
-                )
-
-    def _store_json(self, trace: Trace) -> Path:
-        content = trace_json.encode(trace)
-        path = self._traces / survey_folder.trace_file_name(trace)
-        if trace.index in self._stored:
-            path = self._path_of(trace.index)
-            self._check_same(trace, path, content)
-            return path
-        with storing(trace.label, path):
-            durable_files.write_new_file(path, content)
-        self._stored.add(trace.index, trace.sample_id)
-        self._missing[trace.index] = list(self._recordings)
-        return path
+        index = self._indices.get(trace.sample_id, trace.index)
+        if index != trace.index:
+            raise TraceRefusedError(
+                f"sample {trace.sample_id} is stored already with index {index}, "
+                f"not {trace.index}; every sample needs an id of its own"
+            )
 
     @property
     def _traces(self) -> Path:
         return self.folder / survey_folder.TRACES_FOLDER
 
-    def _path_of(self, index: int) -> Path:
-        # Only for what is stored a second time: names are not kept, they would fill memory.
-        with storing(f"trace {index}", self._traces):
-            found = sorted(self._traces.glob(f"{index:06d}_*.json"))
-        if not found:
-            raise StorageFailedError(
-                f"trace {index} is stored already, but its file is gone from {self._traces}; "
-                "close the survey and open it again, its recordings have the trace"
-            )
-        return found[0]
-
-    def _stored_trace(self, index: int) -> Trace:
-        path = self._path_of(index)
-        return trace_json.decode(_content_of(path, f"trace {index}"))
-
-    def _check_same(self, trace: Trace, path: Path, content: bytes) -> None:
-        if _content_of(path, trace.label) != content:
+    def _check_same(self, trace: Trace, path: Path) -> None:
+        if trace.fingerprint() != self._prints[trace.index]:
             raise TraceRefusedError(
                 f"{trace.label} is refused: index {trace.index} is stored already with other "
-                f"content in {path}, which was left alone"
+                f"content in {self._traces}, which was left alone"
             )
-
-    def _record_trace(self, trace: Trace, message: RecordedMessage) -> None:
-        missing = self._missing.get(trace.index)
-        while missing:
-            # A chunk of its own: readers of traces need not unpack the other topics.
-            missing[0].begin_chunk()
-            missing[0].write(message)
-            missing.pop(0)
-        if missing is not None:
-            del self._missing[trace.index]
-            self._uncommitted[trace.index] = trace
-
-    def _tell_stored(self) -> None:
-        while self._uncommitted:
-            trace = self._uncommitted.pop(next(iter(self._uncommitted)))
-            self.stored_traces += 1
-            self.last = trace
-            self._on_stored(trace)
-
-
-def _content_of(path: Path, label: str) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise StorageFailedError(
-            f"{label} is stored already, but {path} cannot be read: {error.strerror}"
-        ) from error
+        if not path.is_file():
+            raise StorageFailedError(
+                f"{trace.label} is stored already, but its file is gone from {self._traces}; "
+                "close the survey and open it again, its recordings have the trace"
+            )

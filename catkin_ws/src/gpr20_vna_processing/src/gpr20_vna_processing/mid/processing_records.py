@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_survey.recording.recording import Recording
-from gpr20_survey.recording.stored_recording import StoredRecording
+from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing.mid.open_survey import MessageMaker
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
 
 BYTES_PER_MB = 1_000_000
-
-# Folder, description and start [ns since 1970, UTC] of a survey -> its recordings.
-RecordingsFactory = Callable[[Path, Dict[str, Any], int], List[Recording]]
-# The same -> its recordings as they are on the disk.
-StoredRecordingsFactory = Callable[[Path, Dict[str, Any], int], List[StoredRecording]]
 
 
 @dataclass(frozen=True)
@@ -26,9 +20,9 @@ class Storage:
     """What the storage stands on; handed in so that tests can replace each part."""
 
     data: Path
-    open_recordings: RecordingsFactory
-    stored_recordings: StoredRecordingsFactory
-    messages: MessageMaker
+    open_recordings: Callable[[Path, Dict[str, Any]], Sequence[Recording]]
+    """Begins the recordings of a new survey in its folder, by its description."""
+    topics: SurveyTopics
     free_bytes: Callable[[Path], int]
     now_ns: Callable[[], int]
     """Time of day [ns since 1970, UTC]."""

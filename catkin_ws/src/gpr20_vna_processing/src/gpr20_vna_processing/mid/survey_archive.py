@@ -11,9 +11,9 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing.mid.survey_slot import INTERRUPTED
 
 MAX_SURVEYS_PER_PAGE = 50
 MAX_TRACES_PER_PAGE = 200

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from storage_kit import STARTED_US, assert_same_numbers, make_trace, read_json
+from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_json
 
 from gpr20_survey.trace import trace_json, utc_time
 

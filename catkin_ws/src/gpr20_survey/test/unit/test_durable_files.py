@@ -6,7 +6,7 @@ import os
 import pytest
 
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.append_only_file import CommittedFile
+from gpr20_survey.files.append_only_file import AppendOnlyFile
 
 
 def full_disk(*_arguments):
@@ -56,7 +56,7 @@ def test_a_file_and_its_name_are_on_the_disk_before_the_call_returns(tmp_path, m
     assert seen == [[], [tmp_path / "a.json"]]
 
 
-@pytest.mark.parametrize("make", [durable_files.make_new_folder, CommittedFile])
+@pytest.mark.parametrize("make", [durable_files.make_new_folder, AppendOnlyFile])
 def test_the_name_of_a_new_folder_or_recording_is_durable(tmp_path, monkeypatch, make):
     synced = []
     monkeypatch.setattr(
@@ -76,7 +76,7 @@ def test_replacing_keeps_the_former_content_when_the_disk_is_full(tmp_path, monk
 
 
 def test_nothing_reaches_the_disk_before_the_commit(tmp_path):
-    file = CommittedFile(tmp_path / "f")
+    file = AppendOnlyFile(tmp_path / "f")
     file.write(b"abc")
     assert (tmp_path / "f").read_bytes() == b""
     file.commit()
@@ -85,7 +85,7 @@ def test_nothing_reaches_the_disk_before_the_commit(tmp_path):
 
 
 def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
-    file = CommittedFile(tmp_path / "f")
+    file = AppendOnlyFile(tmp_path / "f")
     file.write(b"abc")
     file.commit()
     file.write(b"defghi")
@@ -108,18 +108,18 @@ def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
 
 
 def test_the_trailer_stands_behind_every_commit_and_is_written_over(tmp_path):
-    file = CommittedFile(tmp_path / "f", trailer=b"--")
+    file = AppendOnlyFile(tmp_path / "f", trailer=b"--")
     for piece in (b"abc", b"def"):
         file.write(piece)
         file.commit()
     assert (tmp_path / "f").read_bytes() == b"abcdef--"
-    file.write_tail([b"e", b"nd"])
+    file.write_tail(b"end")
     assert (tmp_path / "f").read_bytes() == b"abcdef--end"
     file.release()
 
 
 def test_a_tail_gets_its_first_byte_last_and_can_be_written_again(tmp_path, monkeypatch):
-    file = CommittedFile(tmp_path / "f")
+    file = AppendOnlyFile(tmp_path / "f")
     file.write(b"head")
     file.commit()
     seen = []
@@ -129,28 +129,30 @@ def test_a_tail_gets_its_first_byte_last_and_can_be_written_again(tmp_path, monk
         seen.append((tmp_path / "f").read_bytes())
         real_fsync(descriptor)
 
-    file.write_tail([b"a longer former tail"])
+    file.write_tail(b"a longer former tail")
     file.overwrite(0, b"HEAD")
     monkeypatch.setattr(os, "fsync", fsync)
-    file.write_tail([b"in", b"dex"])
+    file.write_tail(b"index")
     assert seen == [b"HEAD\0ndex", b"HEADindex"]
     file.release()
 
 
-def test_going_on_with_a_file_cuts_what_is_behind_its_whole_part(tmp_path):
-    path = tmp_path / "f"
-    path.write_bytes(b"whole torn and long")
-    file = CommittedFile.resumed(path, 5, trailer=b"--")
-    assert path.read_bytes() == b"whole torn and long"
-    file.cut()
-    assert path.read_bytes() == b"whole--"
-    file.write(b"new")
+def test_a_file_takes_the_place_of_another_and_grows_there(tmp_path):
+    (tmp_path / "f").write_bytes(b"former")
+    file = AppendOnlyFile(tmp_path / ".f.tmp")
+    file.write(b"whole")
     file.commit()
-    assert path.read_bytes() == b"wholenew--"
+    assert (tmp_path / "f").read_bytes() == b"former"
+    file.take_place_of(tmp_path / "f")
+    assert file.in_place()
+    file.write(b" and new")
+    file.commit()
+    assert (tmp_path / "f").read_bytes() == b"whole and new"
+    assert list(tmp_path.iterdir()) == [tmp_path / "f"]
     file.release()
 
 
 def test_a_file_that_exists_is_not_taken(tmp_path):
     (tmp_path / "f").write_bytes(b"precious")
     with pytest.raises(FileExistsError):
-        CommittedFile(tmp_path / "f")
+        AppendOnlyFile(tmp_path / "f")

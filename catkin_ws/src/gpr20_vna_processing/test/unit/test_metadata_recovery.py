@@ -6,9 +6,11 @@ import json
 
 import pytest
 from reopening_kit import assert_whole
-from storage_kit import STARTED_US, SURVEY, Kit, make_trace
+from storage_kit import Kit
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.survey_search import recorded_description
 from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
@@ -86,3 +88,41 @@ def test_the_description_of_another_survey_is_not_taken_for_this_ones(kit, folde
     folder.rename(other)
     with pytest.raises(SurveyRefusedError, match=f"holds survey {SURVEY}"):
         kit.processing.reopen_survey(other.name)
+
+
+def test_a_description_that_was_changed_is_corrected_and_kept(kit, folder):
+    path = folder / "survey.json"
+    changed = path.read_bytes().replace(b'"x_points": 2', b'"x_points": 3')
+    path.write_bytes(changed)
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert json.loads(reopened.metadata_json) == METADATA
+    assert any("corrected survey.json" in one for one in reopened.repairs)
+    assert (folder / "damaged" / "survey.json").read_bytes() == changed
+
+
+def with_another_id(folder):
+    path = folder / "survey.json"
+    other = SURVEY[:-1] + "f"
+    path.write_bytes(path.read_bytes().replace(SURVEY.encode(), other.encode()))
+
+
+def test_a_description_with_another_id_is_corrected(kit, folder):
+    with_another_id(folder)
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+
+
+def test_without_a_copy_a_description_with_another_id_does_not_cost_the_traces(kit, folder):
+    with_another_id(folder)
+    (folder / "survey.mcap").unlink()
+    before = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
+    with pytest.raises(SurveyRefusedError, match="every trace there belongs to another"):
+        kit.processing.reopen_survey(folder.name)
+    assert {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()} == before
+
+
+def test_the_copy_stays_as_it_was_at_the_start_when_the_recording_is_written_again(kit, folder):
+    for outcome in ("stopped", "finished"):
+        kit.processing.reopen_survey(SURVEY)
+        kit.processing.close_survey(SURVEY, outcome, "")
+    copy = recorded_description(folder)
+    assert (copy["outcome"], "resumed" in copy) == (None, False)

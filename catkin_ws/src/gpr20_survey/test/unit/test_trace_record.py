@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from storage_kit import STARTED_US, make_trace
+from trace_examples import STARTED_US, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
 

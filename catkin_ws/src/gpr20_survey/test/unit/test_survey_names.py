@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from storage_kit import STARTED_US, SURVEY, make_trace
+from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata

@@ -7,20 +7,19 @@ from typing import Any, Callable, Dict, Optional
 
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import new_survey
-from gpr20_vna_processing.mid.ended_survey import find_ended_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
-from gpr20_vna_processing.mid.reopening import Reopening, reopened_survey
+from gpr20_vna_processing.mid.reopening import Reopening
 
 
-class SurveySlot:
+class CurrentSurvey:
     """Holds at most one open survey; all but `current` is for the storage's thread alone."""
 
     def __init__(
@@ -29,7 +28,7 @@ class SurveySlot:
         disk_reserve_bytes: int,
         latched: LatchedTopics,
         on_opened: Callable[[str], None],
-        on_stored: Callable[[Trace], None],
+        on_stored: Callable[[RecordedMessage], None],
     ) -> None:
         """Build it empty.
 
@@ -38,7 +37,7 @@ class SurveySlot:
             disk_reserve_bytes: What a new survey must leave free.
             latched: The last messages of latched topics, with which a recording begins.
             on_opened: Told the JSON description of a survey that was opened.
-            on_stored: Told of every trace once, when it is durable.
+            on_stored: Given the message of every trace once, when it is durable.
         """
         self._storage = storage
         self._disk_reserve_bytes = disk_reserve_bytes
@@ -74,15 +73,12 @@ class SurveySlot:
             raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
         return survey
 
-    def open(
-        self, folder: Path, description: Dict[str, Any], started_us: int, needed_bytes: int
-    ) -> None:
+    def open(self, folder: Path, description: Dict[str, Any], needed_bytes: int) -> None:
         """Make the folder of a survey and begin its recordings; may be repeated.
 
         Args:
             folder: The survey's folder, made here.
             description: Content of survey.json.
-            started_us: When it started [us since 1970, UTC].
             needed_bytes: Estimate of the whole survey [bytes].
 
         Raises:
@@ -95,11 +91,9 @@ class SurveySlot:
         self._check_can_open(needed_bytes, now_ns)
         with storing("the survey's folder", folder):
             new_survey.make_folder(folder)
-            recordings = self._storage.open_recordings(
-                folder, description, started_us * utc_time.NS_PER_US
-            )
+            recordings = self._storage.open_recordings(folder, description)
         self._take(
-            OpenSurvey(folder, description, recordings, self._storage.messages, self._on_stored),
+            OpenSurvey(folder, description, recordings, self._storage.topics, self._on_stored),
             now_ns,
         )
 
@@ -118,22 +112,23 @@ class SurveySlot:
         elif survey is not None and name in (survey.survey_id, survey.folder.name):
             # Whoever filled it has gone, or has not received the first answer.
             survey.go_on(now_ns)
-            return reopened_survey(survey, ())
+            return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, description = find_survey(self._storage.data, name, restore=True)
-        reopening = Reopening(folder, description, self._storage)
+        folder, description = find_survey(self._storage.data, name, recover=True)
+        new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
+        reopening = Reopening(folder, description, self._storage.topics)
         repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
         survey = OpenSurvey(
             folder,
             repaired.description,
             repaired.recordings,
-            self._storage.messages,
+            self._storage.topics,
             self._on_stored,
             repaired.stored,
             repaired.last,
         )
         self._take(survey, now_ns)
-        return reopened_survey(survey, repaired.repairs)
+        return survey.reopened(repaired.repairs)
 
     def _take(self, survey: OpenSurvey, now_ns: int) -> None:
         """Begin to record a survey whose files are whole but for what comes now."""
@@ -162,7 +157,7 @@ class SurveySlot:
     def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
         # From here on messages queue up behind this job; those before are in the snapshot.
         latched = self._latched.begin(now_ns)
-        survey.record([self._storage.messages.metadata(text, now_ns), *latched])
+        survey.record([self._storage.topics.metadata(text, now_ns), *latched])
         survey.commit()
 
     def close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
@@ -175,7 +170,7 @@ class SurveySlot:
         if self._survey is None and self._closed and self._closed.survey_id == survey_id:
             return self._closed  # the answer to the first call may have been lost
         if self._survey is None:
-            before = find_ended_survey(self._storage.data, survey_id, outcome)
+            before = self._ended_survey(survey_id, outcome)
             if before is not None:
                 return before  # by a process that died before it could answer
         survey = self.opened_as(survey_id)
@@ -188,6 +183,18 @@ class SurveySlot:
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None
         return self._closed
+
+    def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:
+        try:
+            folder, description = find_survey(self._storage.data, survey_id)
+        except SurveyRefusedError:
+            return None
+        stored = description.get("stored_traces")
+        # The manifest comes last: without it the survey was cut off while it was closed.
+        closed = (folder / manifest.MANIFEST_FILE).is_file()
+        if not closed or description.get("outcome") != outcome or not isinstance(stored, int):
+            return None
+        return ClosedSurvey(survey_id, folder, stored)
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.
@@ -228,3 +235,9 @@ class SurveySlot:
         self._survey.abandon()
         self._latched.end()
         self._survey = None
+
+
+def _copied_bytes(folder: Path) -> int:
+    """Return what reopening a survey needs beside its files: one recording at a time is copied."""
+    recordings = [folder / name for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)]
+    return max(path.lstat().st_size if path.is_file() else 0 for path in recordings)

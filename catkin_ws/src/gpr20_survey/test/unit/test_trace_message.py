@@ -1,0 +1,148 @@
+"""A trace as a ROS message: every bit comes back, and damage is refused or seen."""
+
+from __future__ import annotations
+
+import math
+import struct
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from trace_examples import SURVEY, TRACE_DEFINITION, assert_same_numbers, make_trace
+
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import trace_message, utc_time
+
+TYPES = get_typestore(Stores.ROS1_NOETIC)
+TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+SMALL = st.floats(-1e4, 1e4)
+FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
+REMARK = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=200)
+MOMENT = st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1)
+MEMORY_BYTES = 4 << 20
+# Where the lengths lie in the example's message: of three texts and, behind them, of the arrays.
+FIRST_ARRAY = 4 + 13 + 4 + 36 + 4 + 8 + 4 + 8 + 32
+
+
+@st.composite
+def traces(draw):
+    points = draw(st.integers(2, 20))
+    numbers = st.lists(FINITE, min_size=points, max_size=points)
+    started, ended = sorted((draw(MOMENT), draw(MOMENT)))
+    frequencies = st.floats(1.0, 1e10)
+    grid = draw(st.lists(frequencies, min_size=points, max_size=points, unique=True))
+    return make_trace(
+        draw(st.integers(0, 999_999)),
+        timestamp_us=draw(MOMENT),
+        x_coord_mm=draw(SMALL),
+        y_coord_mm=draw(SMALL),
+        z_coord_deg=draw(SMALL),
+        antennae_height_m=draw(FINITE | st.just(math.nan)),
+        frequency_hz=np.array(sorted(grid)),
+        s21_real=np.array(draw(numbers)),
+        s21_imag=np.array(draw(numbers)),
+        sweep_started_us=started,
+        sweep_ended_us=ended,
+        quality=tuple(draw(st.lists(REMARK, max_size=32))),
+    )
+
+
+@given(traces())
+def test_every_trace_comes_back_to_the_last_bit(trace):
+    data = trace_message.encode(trace)
+    decoded = trace_message.decode(data, trace_message.MD5SUM)
+    assert decoded.fingerprint() == trace.fingerprint()
+    assert trace_message.encode(decoded) == data
+
+
+@given(traces())
+def test_another_library_reads_the_same_numbers(trace):
+    message = TYPES.deserialize_ros1(trace_message.encode(trace), "gpr20_msgs/msg/Trace")
+    assert_same_numbers(trace, message)
+    assert bytes(TYPES.serialize_ros1(message, "gpr20_msgs/msg/Trace")) == trace_message.encode(
+        trace
+    )
+
+
+def test_the_checksum_of_the_type_is_that_of_its_definition():
+    assert TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
+
+
+def test_a_message_of_another_version_is_refused():
+    with pytest.raises(TraceRefusedError, match="another version"):
+        trace_message.decode(trace_message.encode(make_trace()), "0" * 32)
+
+
+def test_a_message_cut_at_any_byte_is_refused():
+    data = trace_message.encode(make_trace())
+    for cut in range(len(data)):
+        with pytest.raises(TraceRefusedError):
+            trace_message.decode(data[:cut])
+
+
+@given(st.binary(min_size=1, max_size=50))
+def test_a_message_that_is_longer_than_its_fields_is_refused(rest):
+    with pytest.raises(TraceRefusedError):
+        trace_message.decode(trace_message.encode(make_trace()) + rest)
+
+
+@pytest.mark.parametrize("bit", range(8))
+def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint(bit):
+    trace = make_trace()
+    data = trace_message.encode(trace)
+    same = []
+    for place in range(len(data)):
+        changed = bytearray(data)
+        changed[place] ^= 1 << bit
+        try:
+            decoded = trace_message.decode(bytes(changed))
+        except TraceRefusedError:
+            continue
+        if decoded.fingerprint() == trace.fingerprint():
+            same.append(place)
+        else:
+            assert trace_message.encode(decoded) != data
+    # Nothing but parts of a microsecond, which no form of a trace holds: 10 bits of three times.
+    assert len(same) <= 6
+
+
+@given(st.binary(max_size=400))
+def test_any_bytes_are_refused(data):
+    with pytest.raises(TraceRefusedError):
+        trace_message.decode(data)
+
+
+@given(st.integers(0, 200), st.binary(min_size=1, max_size=80))
+def test_any_bytes_in_a_message_are_refused_or_make_a_checked_trace(place, data):
+    whole = bytearray(trace_message.encode(make_trace()))
+    whole[place : place + len(data)] = data
+    try:
+        decoded = trace_message.decode(bytes(whole))
+    except TraceRefusedError:
+        return
+    assert decoded.survey_id != "" and np.isfinite(decoded.s21_real).all()
+
+
+@pytest.mark.parametrize("place", [0, 17, 57, FIRST_ARRAY, FIRST_ARRAY + 44, -4 - len("level low")])
+@pytest.mark.parametrize("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
+def test_a_length_that_lies_takes_no_memory(place, size):
+    data = bytearray(trace_message.encode(make_trace()))
+    place %= len(data)
+    data[place : place + 4] = struct.pack("<I", size)
+    tracemalloc.start()
+    try:
+        with pytest.raises(TraceRefusedError):
+            trace_message.decode(bytes(data))
+        assert tracemalloc.get_traced_memory()[1] < MEMORY_BYTES
+    finally:
+        tracemalloc.stop()
+
+
+def test_the_places_of_the_lengths_are_where_the_test_expects_them():
+    data = trace_message.encode(make_trace())
+    assert data[21:57] == SURVEY.encode()
+    assert struct.unpack_from("<I", data, FIRST_ARRAY) == (5,)
+    assert struct.unpack_from("<I", data, FIRST_ARRAY + 44) == (5,)

@@ -1,0 +1,180 @@
+"""The three forms of a survey's traces on the disk, and which traces are true."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+from pathlib import Path
+from typing import Callable, Dict, List, Optional, Set, Tuple
+
+from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
+from gpr20_survey.folder import manifest, survey_folder, trace_files
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.stored_recording import StoredRecording
+from gpr20_survey.recording.survey_topics import recorded_trace
+from gpr20_survey.trace.trace import Trace
+
+# Name, checksum and definition of a message type.
+Type = Tuple[str, str, str]
+
+
+@dataclasses.dataclass
+class RecordedTraces:
+    """What was found in a recording."""
+
+    stored: StoredRecording
+    prints: Dict[int, bytes] = dataclasses.field(default_factory=dict)
+    """Fingerprint of the trace of each index."""
+    types: Dict[str, Set[Type]] = dataclasses.field(default_factory=dict)
+    """Types of the messages of each topic."""
+    faults: List[str] = dataclasses.field(default_factory=list)
+    foreign: int = 0
+    """How many whole traces of another survey it holds."""
+
+    @property
+    def name(self) -> str:
+        """File name."""
+        return self.stored.path.name
+
+    def read(self, trace_of: Callable[[RecordedMessage], Optional[Trace]]) -> None:
+        """Read the whole recording.
+
+        Raises:
+            OSError: The file cannot be read.
+        """
+        for message in self.stored.messages():
+            own = (message.datatype, message.md5sum, message.definition)
+            self.types.setdefault(message.topic, set()).add(own)
+            try:
+                trace = trace_of(message)
+            except TraceRefusedError as error:
+                self.foreign += isinstance(error, ForeignTraceError)
+                self.faults.append(f"{self.name} holds a damaged trace: {error}")
+                continue
+            if trace is not None and trace.index in self.prints:
+                self.faults.append(f"{self.name} holds trace {trace.index} twice")
+            elif trace is not None:
+                self.prints[trace.index] = trace.fingerprint()
+        self.faults = [*self.stored.faults, *self.faults]
+
+    def compare_types(self, sure: Dict[str, Type]) -> None:
+        """Note a fault for every topic whose type is not the sure one."""
+        for topic, types in self.types.items():
+            if topic in sure and types != {sure[topic]}:
+                self.faults.append(f"{self.name} holds a damaged type of {topic}")
+
+
+class StoredForms:
+    """Reads all three forms of every trace and decides; nothing is changed.
+
+    The true traces are the union of what the forms hold. Where they contradict each other, two
+    of them decide, else the one that a checksum vouches for: the MCAP has its own, the other
+    files have those of the manifest. A trace on which nothing decides counts as not stored.
+    """
+
+    def __init__(self, folder: Path, survey_id: str) -> None:
+        """Read everything.
+
+        Raises:
+            OSError: The disk cannot be read.
+        """
+        self._folder = folder
+        self._survey_id = survey_id
+        self.files = trace_files.read_all(folder / survey_folder.TRACES_FOLDER, survey_id)
+        self.bag = RecordedTraces(StoredBag(folder / survey_folder.BAG_FILE))
+        self.mcap = RecordedTraces(StoredMcap(folder / survey_folder.MCAP_FILE))
+        for one in self.recordings:
+            one.read(self.trace_of)
+        self._types: Dict[str, Type] = {}
+        if not self.mcap.faults:
+            self._types = {
+                topic: next(iter(types))
+                for topic, types in self.mcap.types.items()
+                if len(types) == 1
+            }
+        self.bag.compare_types(self._types)
+        self._sums = manifest.read_sums(folder)
+        self.truth = self._decide()
+        """Fingerprint of each trace that is true."""
+
+    @property
+    def recordings(self) -> Tuple[RecordedTraces, RecordedTraces]:
+        """Both recordings."""
+        return self.bag, self.mcap
+
+    @property
+    def foreign(self) -> int:
+        """How many whole traces of another survey there are."""
+        return self.files.foreign + sum(one.foreign for one in self.recordings)
+
+    def intact(self) -> bool:
+        """Say whether every form holds every true trace and nothing has changed since the end."""
+        return (
+            not self.files.damaged
+            and self.files.prints == self.truth
+            and all(one.prints == self.truth and not one.faults for one in self.recordings)
+            and all(map(self._unchanged, manifest.DATA_FILES))
+            and all(map(self._unchanged, map(_manifest_name, self.files.names.values())))
+        )
+
+    def faults_of(self, recorded: RecordedTraces) -> List[str]:
+        """Return what is wrong in a recording; that it lacks traces is no fault."""
+        wrong = [index for index, own in recorded.prints.items() if self.truth.get(index) != own]
+        return [*recorded.faults, *(f"trace {index} is another" for index in wrong)]
+
+    def trace_of(self, message: RecordedMessage) -> Optional[Trace]:
+        """Return the trace of a recorded message, or None if it is no trace.
+
+        Raises:
+            TraceRefusedError: It cannot be read, or is of another survey.
+        """
+        trace = recorded_trace(message)
+        if trace is not None and trace.survey_id != self._survey_id:
+            raise ForeignTraceError(f"{trace.label} belongs to survey {trace.survey_id}")
+        return trace
+
+    def true_trace(self, message: RecordedMessage) -> Optional[Trace]:
+        """Return the trace of a recorded message if it is a true one."""
+        try:
+            trace = self.trace_of(message)
+        except TraceRefusedError:
+            return None  # named among the faults
+        if trace is None or self.truth.get(trace.index) != trace.fingerprint():
+            return None
+        return trace
+
+    def with_sure_type(self, message: RecordedMessage) -> RecordedMessage:
+        """Return a message with the type that its topic certainly has, if that is known."""
+        datatype, md5sum, definition = self._types.get(
+            message.topic, (message.datatype, message.md5sum, message.definition)
+        )
+        return dataclasses.replace(message, datatype=datatype, md5sum=md5sum, definition=definition)
+
+    def _decide(self) -> Dict[int, bytes]:
+        sources = [self.files.prints, self.bag.prints, self.mcap.prints]
+        truth: Dict[int, bytes] = {}
+        for index in sorted({index for prints in sources for index in prints}):
+            held = Counter(prints[index] for prints in sources if index in prints)
+            (best, count), *others = held.most_common()
+            decided = best if count > 1 or not others else self._vouched(index)
+            if decided is not None:
+                truth[index] = decided
+        return truth
+
+    def _vouched(self, index: int) -> Optional[bytes]:
+        if index in self.mcap.prints:
+            return self.mcap.prints[index]
+        # Without the MCAP both others hold it, and contradict each other.
+        file = self.files.files[index]
+        if self._unchanged(_manifest_name(file.name)):
+            return file.fingerprint
+        return self.bag.prints[index] if self._unchanged(self.bag.name) else None
+
+    def _unchanged(self, name: str) -> bool:
+        return manifest.is_unchanged(self._folder, name, self._sums)
+
+
+def _manifest_name(name: str) -> str:
+    return f"{survey_folder.TRACES_FOLDER}/{name}"

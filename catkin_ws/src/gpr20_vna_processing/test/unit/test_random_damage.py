@@ -1,0 +1,176 @@
+"""Random damage to a survey's files: no trace is lost that an intact form holds, none is wrong,
+and nothing is called complete that is not.
+
+GPR20_DAMAGES sets how many damages are tried, GPR20_DAMAGE_SEED repeats those of a run.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+
+import pytest
+from planned_survey import METADATA, POINTS, planned_trace
+from reopening_kit import assert_whole
+from storage_kit import Kit, text_message
+from trace_examples import SURVEY, assert_same_numbers, read_json
+
+from gpr20_analysis.mid.verification import COMPLETE, verify
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.recording.recordings import open_recordings
+
+DAMAGES = int(os.environ.get("GPR20_DAMAGES", "60"))
+SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
+TRACES = [planned_trace(index) for index in range(len(POINTS))]
+STORED = {"finished": len(POINTS), "stopped": 6, "cut off": 6}
+FORMS = ("json", "bag", "mcap", "survey.json", "manifest")
+SINGLE = {
+    "bag": "survey.bag",
+    "mcap": "survey.mcap",
+    "survey.json": "survey.json",
+    "manifest": "manifest.json",
+}
+
+
+@pytest.fixture(scope="module")
+def surveys(tmp_path_factory):
+    """A data folder for each way in which a survey ends."""
+    made = {}
+    for ending, count in STORED.items():
+        place = tmp_path_factory.mktemp("whole")
+        kit = Kit(place / "open", open_recordings)
+        folder = kit.open(metadata_json=METADATA)
+        for trace in TRACES[:count]:
+            kit.processing.record(text_message("/control_status", f"measuring {trace.index}"))
+            kit.processing.store(trace)
+        if ending != "cut off":
+            kit.processing.close_survey(SURVEY, ending, "")
+        shutil.copytree(str(place / "open"), str(place / "data"))
+        kit.processing.shut_down()
+        made[ending] = place / "data" / folder.name
+    return made
+
+
+def damage_file(rng, path) -> None:
+    """Flip bits, cut, overwrite, delete, insert or remove."""
+    content = bytearray(path.read_bytes())
+    start = rng.randrange(len(content))
+    end = min(len(content), start + rng.choice([1, 4, 50, 1000, 10_000]))
+    action = rng.choice(["flip", "flip", "flips", "cut", "overwrite", "zero", "delete", "insert"])
+    if action == "flip":
+        content[start] ^= 1 << rng.randrange(8)
+    elif action == "flips":
+        for _ in range(rng.randrange(2, 30)):
+            content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+    elif action == "cut":
+        del content[start:]
+    elif action == "overwrite":
+        content[start:end] = bytes(rng.randrange(256) for _ in range(end - start))
+    elif action == "zero":
+        content[start:end] = bytes(end - start)
+    elif action == "delete":
+        del content[start:end]
+    else:
+        content[start:start] = bytes(rng.randrange(256) for _ in range(end - start))
+    path.write_bytes(content)
+
+
+def damage(rng, folder) -> None:
+    for form in rng.sample(FORMS, rng.choice([1, 1, 1, 1, 2, 2, 3])):
+        if form == "json":
+            files = sorted((folder / "traces").iterdir())
+            paths = rng.sample(files, rng.choice([1, 1, 2, len(files)]))
+        else:
+            paths = [folder / SINGLE[form]]
+        for path in paths:
+            if rng.random() < 0.15:
+                path.unlink(missing_ok=True)
+            elif path.exists():
+                damage_file(rng, path)
+
+
+def tree(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def data_of(files):
+    """Return all but the manifest, which also says what changes nothing: when it was written."""
+    return {name: content for name, content in files.items() if name != "manifest.json"}
+
+
+def intact_forms(before, after, index):
+    """Return the files that hold a trace and were not damaged."""
+    name = next(one for one in before if one.startswith(f"traces/{index:06d}_"))
+    return [one for one in (name, "survey.bag", "survey.mcap") if after.get(one) == before[one]]
+
+
+def check_not_stored(folder, before, after, index) -> None:
+    """A trace on which JSON and bag contradict each other, with nothing to decide between them,
+    is measured again; what the intact one holds of it is kept."""
+    assert after.get("survey.mcap") != before["survey.mcap"]
+    assert after.get("manifest.json") != before.get("manifest.json") or "manifest.json" not in after
+    kept = [path.read_bytes() for path in (folder / "damaged").iterdir()]
+    for name in intact_forms(before, after, index):
+        assert before[name] in kept
+
+
+def reopen(kit, folder, before, after):
+    """Return the reopened survey; None if nobody can say which survey it is."""
+    try:
+        return kit.processing.reopen_survey(folder.name)
+    except SurveyRefusedError as error:
+        assert tree(folder) == after, "a survey that is refused was changed"
+        if data_of(before) == data_of(after):
+            assert "finished and complete" in str(error)
+            return None
+        for name in ("survey.json", "survey.mcap"):
+            assert after.get(name) != before[name], str(error)
+        return None
+
+
+def check(number, whole, place) -> None:
+    rng = random.Random(f"{SEED} {number}")
+    ending = rng.choice(list(STORED))
+    folder = place / "data" / whole[ending].name
+    shutil.copytree(str(whole[ending]), str(folder))
+    before = tree(folder)
+    damage(rng, folder)
+    after = tree(folder)
+    if ending != "finished" or data_of(after) != data_of(before):
+        assert verify(folder).status != COMPLETE
+    kit = Kit(place / "data", open_recordings)
+    try:
+        reopened = reopen(kit, folder, before, after)
+        if reopened is None:
+            return
+        check_reopened(folder, before, after, STORED[ending], reopened.stored_indices)
+        for trace in TRACES:
+            if trace.index not in reopened.stored_indices:
+                kit.processing.store(trace)
+        kit.processing.close_survey(SURVEY, "finished", "")
+    finally:
+        kit.processing.shut_down()
+    assert_whole(folder, TRACES)
+    damaged = [name for name in SINGLE.values() if after.get(name) != before.get(name)]
+    if not {"survey.json", "survey.mcap"} <= set(damaged):
+        assert verify(folder).status == COMPLETE, verify(folder).faults
+
+
+def check_reopened(folder, before, after, count, stored) -> None:
+    for index in range(count):
+        if index not in stored and intact_forms(before, after, index):
+            check_not_stored(folder, before, after, index)
+    for path in (folder / "traces").iterdir():
+        values = read_json(path)
+        assert_same_numbers(TRACES[values["index"]], values)
+
+
+@pytest.mark.parametrize("number", range(DAMAGES))
+def test_no_damage_loses_a_trace_or_makes_a_wrong_one(number, surveys, tmp_path):
+    print(f"repeat with GPR20_DAMAGE_SEED={SEED}")
+    check(number, surveys, tmp_path)
