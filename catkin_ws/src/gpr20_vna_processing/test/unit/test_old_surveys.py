@@ -11,7 +11,7 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY
 
-from gpr20_analysis.mid.verification import COMPLETE, INCOMPLETE, verify
+from gpr20_analysis.read.verification import COMPLETE, INCOMPLETE, verify
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
