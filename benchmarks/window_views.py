@@ -112,7 +112,7 @@ def main() -> None:
     print(f"memory of the traces     {resident_mib() - empty_mb:8.1f} MB")
     print(f"take a trace             {took_s / grid.planned * 1e3:8.2f} ms mean")
     print("take the coverage       ", milliseconds(lambda: survey.map.set_coverage(coverage)))
-    survey.map.set_target(300.0, 300.0)
+    survey.map.set_target((300.0, 300.0))
     touched = iter(range(REPETITIONS))
     again = make_trace(grid, 1234)
     map_view, radar_view = views

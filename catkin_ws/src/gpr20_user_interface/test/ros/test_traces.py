@@ -22,10 +22,10 @@ from std_srvs.srv import Trigger
 from virtual_screen import VirtualScreen
 from window_case import new_interface
 
+from gpr20_common.high.raw_message import deserialized
 from gpr20_common.low.clock import Clock
-from gpr20_msgs.msg import ControlStatus
+from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
-from gpr20_survey.trace import trace_message
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.survey_arguments import parse_arguments
@@ -111,7 +111,7 @@ class Traces(unittest.TestCase):
 
     def note_trace(self, message: rospy.AnyMsg) -> None:
         # As the window hears it: the subscriptions of one process are of one type.
-        self.heard_s[trace_message.decode(message._buff).index] = time.monotonic()
+        self.heard_s[deserialized(Trace, message._buff).index] = time.monotonic()
 
     def window(self, tab: TabName) -> Window:
         self.windows.append(Window(tab))
@@ -214,6 +214,16 @@ class Traces(unittest.TestCase):
             answer = self.services["read_traces"](name, 0, 1)
             self.assertFalse(answer.success)
             self.assertTrue(answer.message)
+
+    def test_6_what_is_no_trace_is_told_and_the_window_lives(self) -> None:
+        window = self.window(TabName.RADAR)
+        publisher = rospy.Publisher("trace", Trace, queue_size=1)
+        self.addCleanup(publisher.unregister)
+        wait_until(lambda: publisher.get_num_connections() > 0, "the window listens")
+        publisher.publish(Trace(survey_id="none"))
+        wait_until(lambda: self.warned.called, "it is told")
+        self.assertIn("the trace is refused", str(self.warned.call_args[0][1]))
+        self.assertEqual(window.traces.live.radar.given_up, {})
 
 
 if __name__ == "__main__":

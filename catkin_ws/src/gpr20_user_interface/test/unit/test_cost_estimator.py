@@ -53,7 +53,7 @@ def test_the_newest_question_is_answered_as_the_control_would(estimator, listene
     asked = [replace(default_parameters(), x_points=points) for points in range(3, 30)]
     for parameters in asked:
         estimator.ask(parameters, FIGURES)
-    cost = survey_cost(asked[-1], FIGURES.facts, FIGURES.settings)
+    cost = survey_cost(asked[-1], FIGURES.config, FIGURES.settings)
     assert listener.wait_for(CostEstimated(asked[-1], cost))
 
 

@@ -136,9 +136,9 @@ def test_one_failed_polarization_makes_the_stop_failed_and_says_why():
 )
 def test_the_target_is_the_current_stop(place, stop):
     model = filled_map()
-    model.set_target(*place)
+    model.set_target(place)
     assert model.current == stop
-    model.clear_target()
+    model.set_target(None)
     assert model.current is None
 
 

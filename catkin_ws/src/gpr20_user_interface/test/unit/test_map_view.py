@@ -135,10 +135,10 @@ def test_the_current_stop_and_the_antennas_are_marked(shown):
 
     geometry = shown.view.canvas.geometry_now
     half_px = 12.5 * geometry.px_per_mm
-    shown.model.set_target(150.0, 90.0)
+    shown.model.set_target((150.0, 90.0))
     shown.view.refresh()
     assert mark() == CURRENT
-    shown.model.clear_target()
+    shown.model.set_target(None)
     shown.view.refresh()
     assert mark() != CURRENT
     shown.view.set_carriage((175.0, 90.0))

@@ -118,7 +118,7 @@ def test_it_says_what_is_missing_in_the_picture(view, model):
 
 def test_a_past_survey_is_called_one_and_left_again(view):
     heard = []
-    view.back_to_live_requested.connect(lambda: heard.append("back"))
+    view.back.clicked.connect(lambda: heard.append("back"))
     assert view.back.isHidden()
     view.show_model(RadarModel(), "20261121T051000_0f8fad5b")
     assert "PAST SURVEY 20261121T051000_0f8fad5b" in view.note.text()

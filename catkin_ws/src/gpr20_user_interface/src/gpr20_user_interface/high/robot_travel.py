@@ -40,8 +40,8 @@ def read_axis_limits() -> AxisLimits:
         travels.append(Travel(*values))
     try:
         axes = {axis_id: _record(AxisParameters, group) for axis_id, group in groups.items()}
-        facts = RobotConfig(axes, bool(simulated), positive_number("time_scale", time_scale))
-        figures = RobotFigures(facts, _record(SurveySettings, control))
+        config = RobotConfig(axes, bool(simulated), positive_number("time_scale", time_scale))
+        figures = RobotFigures(config, _record(SurveySettings, control))
     except (Gpr20Error, TypeError) as error:
         return AxisLimits(RobotTravel(*travels), str(error))
     return AxisLimits(RobotTravel(*travels), figures=figures)

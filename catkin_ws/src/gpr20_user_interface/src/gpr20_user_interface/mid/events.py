@@ -85,7 +85,7 @@ class MeasuredHeight:
 class RobotFigures:
     """What the estimate of a survey's time and size rests on."""
 
-    facts: RobotConfig
+    config: RobotConfig
     settings: SurveySettings
 
 

@@ -60,13 +60,11 @@ class MapModel:
         self._reasons = coverage.reasons()
         self._combine()
 
-    def set_target(self, x_mm: float, y_mm: float) -> None:
-        """Note where the antennas are sent."""
-        self.current = None if self.grid is None else self.grid.nearest_stop(x_mm, y_mm)
-
-    def clear_target(self) -> None:
-        """Note that the antennas are sent nowhere."""
+    def set_target(self, place_mm: Optional[Tuple[float, float]]) -> None:
+        """Note where the antennas are sent (X, Y); None: nowhere."""
         self.current = None
+        if self.grid is not None and place_mm is not None:
+            self.current = self.grid.nearest_stop(*place_mm)
 
     def counts(self) -> Optional[Dict[StopState, int]]:
         """Return how many stops are in which state; None while that is not known."""

@@ -102,7 +102,7 @@ class CostEstimator:
                     self._working = False
                     return
                 (parameters, figures), self._wanted = self._wanted, None
-            cost = survey_cost(parameters, figures.facts, figures.settings)
+            cost = survey_cost(parameters, figures.config, figures.settings)
             with self._lock:
                 # The listener may be gone once this has been closed.
                 if not self._closed:

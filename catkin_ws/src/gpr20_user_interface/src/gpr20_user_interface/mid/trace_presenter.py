@@ -77,10 +77,7 @@ class TracePresenter:
     def note_state(self, snapshot: Snapshot) -> None:
         """Take note of where the antennas are and whether a survey is on its way."""
         target, current = snapshot.target, snapshot.current
-        if target is None:
-            self.live.map.clear_target()
-        else:
-            self.live.map.set_target(target.x_mm, target.y_mm)
+        self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
         self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
         running = snapshot.state.survey_id if snapshot.state and snapshot.running else ""
         self.past.set_running(running)

@@ -60,7 +60,6 @@ class ControlView(TranslatedWidget):
     start_pressed = pyqtSignal(object)
     pause_pressed = pyqtSignal()
     resume_pressed = pyqtSignal()
-    profiles_pressed = pyqtSignal()
     # Carries a PadRequest.
     pad_wanted = pyqtSignal(object)
     # Carries the SurveyParameters, or None while they are wrong.
@@ -166,7 +165,6 @@ class ControlView(TranslatedWidget):
         self.form.tapped.connect(self._on_tap)
         self.start.clicked.connect(self._on_start)
         self.pause.clicked.connect(self._on_pause)
-        self.profiles.clicked.connect(self.profiles_pressed)
 
     def _on_form_changed(self) -> None:
         self._check_form()

@@ -8,7 +8,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
 
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import new_button, set_look, set_wrong
+from gpr20_user_interface.views.style import new_button, set_look
 
 DIGITS = ("789", "456", "123", "-0.", ", ")
 LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
@@ -88,7 +88,7 @@ class KeyPad(Overlay):
     def _on_text(self, text: str) -> None:
         problem = self._judge(text)
         self.hint.setText(problem or self._hint)
-        set_wrong(self.edit, bool(problem))
+        set_look(self.edit, "wrong", bool(problem))
         set_look(self.hint, "level", "wrong" if problem else "")
         self.accept_button.setEnabled(not (problem and self._strict))
 

@@ -184,13 +184,13 @@ class MainWindow(TranslatedWidget):
 
     def _connect(self) -> None:
         survey, control = self.survey, self.control
-        self.top_bar.stop_pressed.connect(lambda: self._ask(survey.stop))
+        self.top_bar.stop.pressed.connect(lambda: self._ask(survey.stop))
         control.start_pressed.connect(lambda fields: self._ask(lambda: survey.start(fields)))
         control.pause_pressed.connect(lambda: self._ask(survey.pause))
         control.resume_pressed.connect(lambda: self._ask(survey.resume))
         control.parameters_changed.connect(self._on_parameters)
         control.pad_wanted.connect(self._on_pad_wanted)
-        control.profiles_pressed.connect(lambda: self.profiles.show_profiles(control.parameters))
+        control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
         self.profiles.loaded.connect(control.show_parameters)
         self.profiles.failed.connect(
             lambda reason: self.notice.show_notice(NoticeKind.PROFILE, reason)
@@ -198,7 +198,8 @@ class MainWindow(TranslatedWidget):
         self.past.page_requested.connect(self.traces.source.list_surveys)
         self.past.open_requested.connect(self.traces.source.read_survey)
         self.past.resume_requested.connect(lambda folder: self._ask(lambda: survey.resume(folder)))
-        self.radar.back_to_live_requested.connect(self._on_back_to_live)
+        # The operator has seen enough of a past survey.
+        self.radar.back.clicked.connect(self._on_back_to_live)
 
     def _ask(self, ask: Callable[[], None]) -> None:
         ask()

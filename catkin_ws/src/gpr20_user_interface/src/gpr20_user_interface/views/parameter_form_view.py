@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.parameter_form import ADDRESS, FIELDS, ROTATIONS
-from gpr20_user_interface.views.style import TOUCH_PX, set_wrong
+from gpr20_user_interface.views.style import TOUCH_PX, set_look
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 # More characters than any parameter needs.
@@ -54,7 +54,7 @@ class TouchEdit(QLineEdit):
 
     def show_problem(self, problem: str) -> None:
         """Mark the field as wrong; an empty problem as right."""
-        set_wrong(self, bool(problem))
+        set_look(self, "wrong", bool(problem))
         self.setToolTip(problem)
 
 

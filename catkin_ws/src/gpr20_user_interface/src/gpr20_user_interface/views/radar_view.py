@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Optional, Tuple
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QShowEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QVBoxLayout
 
@@ -30,9 +30,6 @@ SHALLOWEST_STEPS = 0
 class RadarView(TranslatedWidget):
     """Draws the echoes of a RadarModel; `refresh` follows it."""
 
-    # The operator has seen enough of a past survey.
-    back_to_live_requested = pyqtSignal()
-
     def __init__(self, model: RadarModel) -> None:
         super().__init__()
         self._model = model
@@ -50,7 +47,6 @@ class RadarView(TranslatedWidget):
         self.depth_slider.valueChanged.connect(
             lambda steps: self.controls.set_depth(round(steps * DEPTH_STEP_M, 4))
         )
-        self.back.clicked.connect(self.back_to_live_requested)
         self.retranslate()
 
     def show_model(self, model: RadarModel, past_survey: str = "") -> None:

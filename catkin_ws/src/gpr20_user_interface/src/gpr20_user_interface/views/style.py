@@ -135,11 +135,6 @@ def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
     return button
 
 
-def set_wrong(widget: QWidget, wrong: bool) -> None:
-    """Let a widget look wrong, or right again."""
-    set_look(widget, "wrong", wrong)
-
-
 def set_look(widget: QWidget, name: str, value: object) -> None:
     """Set a property that the style sheet asks for; it looks at them only when it is applied."""
     if widget.property(name) != value:

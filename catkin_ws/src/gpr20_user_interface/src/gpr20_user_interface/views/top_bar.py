@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Optional
 
-from PyQt5.QtCore import QSize, Qt, pyqtSignal
+from PyQt5.QtCore import QSize, Qt
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
 
@@ -21,8 +21,6 @@ UNKNOWN = "—"
 
 class TopBar(TranslatedWidget):
     """Says what the robot does, and stops it."""
-
-    stop_pressed = pyqtSignal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -44,7 +42,6 @@ class TopBar(TranslatedWidget):
         # A key that is pressed by accident must not reach it; a finger always does.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.stop.setEnabled(False)
-        self.stop.pressed.connect(self.stop_pressed)
         self._lay_out()
         self.setFixedHeight(HEIGHT_PX)
         self.retranslate()
