@@ -9,7 +9,7 @@ import numpy as np
 import psutil
 import xarray as xr
 
-from gpr20_analysis.dataset import POLARIZATION, X
+from gpr20_analysis.dataset import POLARIZATION, SAMPLE_DIMS, X
 from gpr20_analysis.errors import TooLargeError
 
 MIB = 1 << 20
@@ -20,6 +20,16 @@ def in_rows(values: xr.DataArray) -> xr.DataArray:
     if values.chunks is None:
         return values
     return values.chunk({POLARIZATION: 1, X: -1, values.dims[-1]: -1})
+
+
+def beside(small: xr.DataArray, values: xr.DataArray) -> xr.DataArray:
+    """Return (polarization, y, x) in the chunks of lazy values.
+
+    Whole, it would be one thing that every chunk needs: dask then computes all of them at once.
+    """
+    if values.chunks is None:
+        return small
+    return small.chunk({name: values.chunksizes[name] for name in SAMPLE_DIMS})
 
 
 def with_neighbours(

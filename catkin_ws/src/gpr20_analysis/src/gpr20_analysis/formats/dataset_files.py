@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Union
 
 import dask.array
 import numpy as np
@@ -33,7 +33,7 @@ def is_dataset(path: Path) -> bool:
     return path.suffix in (NETCDF, ZARR)
 
 
-def write_dataset(data: xr.Dataset, path: Path) -> None:
+def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     """Write any Dataset, complex variables included; the file is whole or not there.
 
     Args:
@@ -44,6 +44,7 @@ def write_dataset(data: xr.Dataset, path: Path) -> None:
         AnalysisError: The path ends in something else.
         ExportError: The disk refused.
     """
+    path = Path(path).expanduser()
     if not is_dataset(path):
         raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
     stored = _as_real(data)

@@ -91,7 +91,7 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
     shifted = xr.apply_ufunc(
         lambda s21, s: s21 * np.exp(2j * np.pi * frequency_hz * s[..., np.newaxis]),
         measured,
-        advance,
+        lazy.beside(advance, measured),
         input_core_dims=[[FREQUENCY], []],
         output_core_dims=[[FREQUENCY]],
         dask="parallelized",

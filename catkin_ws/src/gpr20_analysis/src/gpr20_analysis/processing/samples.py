@@ -53,8 +53,8 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     _check_neighbours(present)
     known = present & np.isfinite(height_m)
     _check_neighbours(known)
-    present_here = xr.DataArray(present, dims=SAMPLE_DIMS)
-    held = lazy.with_neighbours(_filled, measured.where(present_here), 1)
+    here = lazy.beside(xr.DataArray(present, dims=SAMPLE_DIMS), measured)
+    held = lazy.with_neighbours(_filled, measured.where(here), 1)
     height_m = _filled(np.where(known, height_m, np.nan)[..., np.newaxis])[..., 0]
     quality = survey[QUALITY].transpose(*SAMPLE_DIMS)
     filled = survey.assign(
