@@ -11,7 +11,7 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.verification import COMPLETE, INCOMPLETE, verify
+from gpr20_analysis.read.verification import COMPLETE, INCOMPLETE, verify_survey
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -39,7 +39,7 @@ def folder_of(data, survey_id):
 
 def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data):
     folder = folder_of(data, SURVEY)
-    assert verify(folder).status == COMPLETE
+    assert verify_survey(folder).status == COMPLETE
     assert_whole(folder, [planned_trace(index) for index in range(len(POINTS))])
     with pytest.raises(SurveyRefusedError, match="finished and complete with 9 traces"):
         kit.processing.reopen_survey(SURVEY)
@@ -55,12 +55,12 @@ def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, name)
     assert kit.processing.reopen_survey(SURVEY).stored_indices == list(range(len(POINTS)))
     kit.processing.close_survey(SURVEY, "finished", "")
     assert_whole(folder, [planned_trace(index) for index in range(len(POINTS))])
-    assert verify(folder).status == COMPLETE
+    assert verify_survey(folder).status == COMPLETE
 
 
 def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data):
     folder = folder_of(data, OTHER_SURVEY)
-    assert verify(folder).status == INCOMPLETE
+    assert verify_survey(folder).status == INCOMPLETE
     reopened = kit.processing.reopen_survey(OTHER_SURVEY)
     assert reopened.stored_indices == list(range(CUT_OFF_AFTER))
     assert reopened.repairs == ()
@@ -69,4 +69,4 @@ def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data):
         kit.processing.store(trace)
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
     assert_whole(folder, traces)
-    assert verify(folder).status == COMPLETE
+    assert verify_survey(folder).status == COMPLETE

@@ -16,7 +16,7 @@ from reopening_kit import assert_whole
 from storage_kit import Kit, text_message
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
-from gpr20_analysis.read.verification import COMPLETE, verify
+from gpr20_analysis.read.verification import COMPLETE, verify_survey
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -142,7 +142,7 @@ def check(number, whole, place) -> None:
     damage(rng, folder)
     after = tree(folder)
     if ending != "finished" or data_of(after) != data_of(before):
-        assert verify(folder).status != COMPLETE
+        assert verify_survey(folder).status != COMPLETE
     kit = Kit(place / "data", open_recordings)
     try:
         reopened = reopen(kit, folder, before, after)
@@ -158,7 +158,7 @@ def check(number, whole, place) -> None:
     assert_whole(folder, TRACES)
     damaged = [name for name in SINGLE.values() if after.get(name) != before.get(name)]
     if not {"survey.json", "survey.mcap"} <= set(damaged):
-        assert verify(folder).status == COMPLETE, verify(folder).faults
+        assert verify_survey(folder).status == COMPLETE, verify_survey(folder).faults
 
 
 def check_reopened(folder, before, after, count, stored) -> None:
