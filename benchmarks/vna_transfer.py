@@ -15,7 +15,7 @@ import time
 from dataclasses import dataclass, field
 from typing import List
 
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.scene import Scene
 from gpr20_simulator.mid.simulated_analyzer import (
@@ -23,7 +23,6 @@ from gpr20_simulator.mid.simulated_analyzer import (
     SimulatedAnalyzer,
     medium_by_name,
 )
-from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers
@@ -54,7 +53,7 @@ class Case:
         parameters = VnaParameters(transfer_format=self.transfer, seconds_per_point=0.0)
         deadline = RequestDeadline(Clock())
         deadline.begin(LONGEST_RUN_S)
-        instrument = Ms2026c(link, parameters, deadline, utc_time.now_us)
+        instrument = Ms2026c(link, parameters, deadline, time_of_day_us)
         instrument.identify()
         sweep = instrument.set_frequency_sweep(SweepSettings(600e6, 6e9, self.points))
         instrument.set_trace()

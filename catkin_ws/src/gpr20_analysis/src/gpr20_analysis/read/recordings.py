@@ -14,7 +14,7 @@ from typing import Any, BinaryIO, Dict, Iterator, List, Optional, Union
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, Message, Schema
+from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
@@ -22,7 +22,7 @@ from rosbags.rosbag1 import Reader
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.bag_reader import StoredBag
-from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
 
@@ -90,7 +90,7 @@ def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
     with _failing_as_unreadable(path), path.open("rb") as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
             if schema is not None:
-                yield _recorded(schema, channel, message)
+                yield recorded_message(schema, channel, message)
 
 
 def is_finished(path: Path) -> bool:
@@ -160,7 +160,7 @@ def _mcap_traces(path: Path, summary: Optional[Summary]) -> Iterator[RecordedMes
         channels = _trace_channels(summary)
         for message in _chunk_messages(stream, summary, channels):
             channel = channels[message.channel_id]
-            yield _recorded(summary.schemas[channel.schema_id], channel, message)
+            yield recorded_message(summary.schemas[channel.schema_id], channel, message)
 
 
 def _chunk_messages(
@@ -195,18 +195,6 @@ def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
     yield from stored.messages()
     if stored.faults:
         raise UnreadableFileError("; ".join(stored.faults))
-
-
-def _recorded(schema: Schema, channel: Channel, message: Message) -> RecordedMessage:
-    return RecordedMessage(
-        channel.topic,
-        schema.name,
-        channel.metadata.get("md5sum", ""),
-        schema.data.decode(),
-        message.data,
-        message.log_time,
-        channel.metadata.get("latching") == "1",
-    )
 
 
 @contextlib.contextmanager

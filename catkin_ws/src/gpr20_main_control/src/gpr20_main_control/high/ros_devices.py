@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import genpy
 import numpy as np
 
 from gpr20_common.high.raw_message import preserialized, serialized
+from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
@@ -25,7 +25,7 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataRequest,
 )
-from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -105,8 +105,8 @@ class RosAnalyzer:
             frequency_hz=np.array(data.frequency_hz),
             s21_real=np.array(data.s21_real),
             s21_imag=np.array(data.s21_imag),
-            sweep_started_us=data.sweep_started.to_nsec() // utc_time.NS_PER_US,
-            sweep_ended_us=data.sweep_ended.to_nsec() // utc_time.NS_PER_US,
+            sweep_started_us=microseconds(data.sweep_started),
+            sweep_ended_us=microseconds(data.sweep_ended),
             quality=tuple(data.quality),
         )
 
@@ -136,7 +136,7 @@ class RosStorage:
         """Begin a survey; one that is still open is closed as interrupted."""
         response = self._open(
             survey_id=record.survey_id,
-            started=_time(record.started_us),
+            started=ros_time(record.started_us),
             metadata_json=record.metadata_json,
             needed_bytes=record.needed_bytes,
             interrupt_open=True,
@@ -170,8 +170,3 @@ class RosStorage:
         """End a survey and return how many traces its folder holds."""
         response = self._close(survey_id=survey_id, outcome=outcome, reason=reason)
         return int(response.stored_traces)
-
-
-def _time(time_us: int) -> genpy.Time:
-    seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
-    return genpy.Time(seconds, rest_us * utc_time.NS_PER_US)

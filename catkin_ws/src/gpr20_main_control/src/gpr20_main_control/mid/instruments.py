@@ -8,6 +8,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Position, Positioner
@@ -16,7 +17,6 @@ from gpr20_main_control.mid.serial_calls import in_background, result_of
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_settings import HeightPolicy
-from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -88,7 +88,7 @@ class Instruments:
             survey_id=self._plan.survey_id,
             sample_id=str(uuid.uuid4()),
             index=point.index,
-            timestamp_us=utc_time.now_us(),
+            timestamp_us=time_of_day_us(),
             x_coord_mm=before.x_mm,
             y_coord_mm=before.y_mm,
             z_coord_deg=before.z_deg,

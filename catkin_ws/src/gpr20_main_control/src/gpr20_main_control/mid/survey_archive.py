@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import PurePosixPath
 from typing import Callable, Optional, Tuple
 
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_main_control.mid.instruments import AnalyzerState
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_main_control.mid.robot import Robot, SurveyRecord
@@ -17,7 +17,6 @@ from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
-from gpr20_survey.trace import utc_time
 
 Check = Callable[[], None]
 
@@ -96,7 +95,7 @@ class SurveyArchive:
 
     def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
         """Keep how far a point that was measured again is from its stored trace."""
-        self._report.note_repeat(repeat, utc_time.now_us())
+        self._report.note_repeat(repeat, time_of_day_us())
         self._send_report(self._report.to_json(), check)
 
     def close(self, outcome: str, reason: str, check: Check) -> int:
@@ -159,4 +158,4 @@ def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
         "settings": asdict(plan.settings),
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)
-    return SurveyRecord(plan.survey_id, utc_time.now_us(), json.dumps(metadata), size)
+    return SurveyRecord(plan.survey_id, time_of_day_us(), json.dumps(metadata), size)

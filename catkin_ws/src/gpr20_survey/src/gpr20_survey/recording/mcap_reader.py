@@ -76,16 +76,7 @@ class StoredMcap:
 
     def _message(self, message: Message) -> RecordedMessage:
         channel = self._channels[message.channel_id]
-        schema = self._schemas[channel.schema_id]
-        return RecordedMessage(
-            channel.topic,
-            schema.name,
-            channel.metadata.get("md5sum", ""),
-            schema.data.decode(),
-            message.data,
-            message.log_time,
-            channel.metadata.get("latching") == "1",
-        )
+        return recorded_message(self._schemas[channel.schema_id], channel, message)
 
     def _check_sum(self, content: bytes, end: int, data: bytes) -> None:
         expected = DataEnd.read(_stream(data)).data_section_crc
@@ -104,6 +95,19 @@ class StoredMcap:
                 self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
                 return start
             start += 1
+
+
+def recorded_message(schema: Schema, channel: Channel, message: Message) -> RecordedMessage:
+    """Return a message of an MCAP file."""
+    return RecordedMessage(
+        channel.topic,
+        schema.name,
+        channel.metadata.get("md5sum", ""),
+        schema.data.decode(),
+        message.data,
+        message.log_time,
+        channel.metadata.get("latching") == "1",
+    )
 
 
 def read_attachment(path: Path, name: str) -> Optional[bytes]:

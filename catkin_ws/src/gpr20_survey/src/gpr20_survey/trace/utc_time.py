@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import time
 
 US_PER_S = 1_000_000
 NS_PER_US = 1_000
@@ -13,11 +12,6 @@ EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01
 LATEST_US = (1 << 32) * US_PER_S  # a ROS time ends in 2106
 
 _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
-
-
-def now_us() -> int:
-    """Return the time of day [us since 1970]."""
-    return time.time_ns() // NS_PER_US
 
 
 def is_plausible(time_us: int) -> bool:

@@ -8,9 +8,8 @@ from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
 
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.mid.checks import ipv4_address
-from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -43,7 +42,7 @@ class VNADriver:
         parameters: VnaParameters,
         clock: Clock,
         warn: Callable[[str], None],
-        utc_now_us: Callable[[], int] = utc_time.now_us,
+        utc_now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
         """Make a driver that is not connected.
 

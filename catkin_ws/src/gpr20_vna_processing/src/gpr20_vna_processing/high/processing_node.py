@@ -17,6 +17,7 @@ from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.raw_message import deserialized, preserialized, serialized
+from gpr20_common.high.ros_time import microseconds
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.checks import number_between, positive_number
@@ -37,7 +38,7 @@ from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
-from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
@@ -155,7 +156,7 @@ class ProcessingNode:
         self._connect_recorder()
         folder = self._processing.open_survey(
             request.survey_id,
-            _microseconds(request.started),
+            microseconds(request.started),
             request.metadata_json,
             request.needed_bytes,
         )
@@ -253,11 +254,6 @@ class ProcessingNode:
         # The data folder may not be there before the first survey.
         existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
         return free_bytes(existing) / BYTES_PER_MB
-
-
-def _microseconds(moment: rospy.Time) -> int:
-    """Return a moment as whole microseconds since 1970, the rest cut off."""
-    return moment.secs * utc_time.US_PER_S + moment.nsecs // utc_time.NS_PER_US
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:
