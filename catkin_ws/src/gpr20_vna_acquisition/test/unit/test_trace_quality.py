@@ -212,7 +212,7 @@ def test_a_sweep_without_an_accepted_calibration_is_refused_and_not_repeated(sta
     with pytest.raises(VnaCalibrationError, match=f"calibration status is {int(status)} "):
         bench.driver.get_trace()
     assert bench.vna.sent.count(":INIT:IMM") == 1
-    assert "calibrate it" in bench.driver.state.last_error
+    assert "calibrate it" in bench.driver.trouble
     # A new link would set up the sweep while somebody calibrates.
     assert bench.driver.state.linked
     bench.vna.calibration = "1"

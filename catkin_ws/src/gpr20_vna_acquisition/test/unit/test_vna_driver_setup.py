@@ -11,11 +11,13 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
     VnaClosedError,
     VnaError,
     VnaIdentityError,
     VnaNotReadyError,
     VnaSettingError,
+    VnaTimeoutError,
 )
 
 
@@ -209,3 +211,24 @@ def test_a_start_above_the_former_stop_is_set_once_the_new_stop_is_there(bench):
     bench.driver.set_frequency_sweep(SweepSettings(600e6, 1e9, 11))
     higher = SweepSettings(3e9, 6e9, 11)
     assert bench.driver.set_frequency_sweep(higher) == higher
+
+
+def test_frequencies_and_trace_are_set_up_within_the_time_limit_of_one_request():
+    bench = Bench()
+    bench.driver.connect_to_vna(ADDRESS)
+    begun_s, step_s = bench.clock.now_s(), 2.4
+    bench.vna.before = lambda message: bench.clock.pass_s(step_s)
+    with pytest.raises(VnaTimeoutError):
+        bench.driver.set_up(SWEEP)
+    assert bench.clock.now_s() - begun_s < 40.0 + 2.0 * step_s
+
+
+def test_a_refused_calibration_is_reported_until_it_is_mended(bench):
+    bench.vna.calibration = "0"
+    with pytest.raises(VnaCalibrationError):
+        bench.driver.get_trace()
+    assert "calibration status is 0" in bench.driver.trouble
+    bench.vna.calibration = "1"
+    bench.clock.pass_s(6.0)
+    bench.driver.check_idle_link()
+    assert bench.driver.trouble == ""

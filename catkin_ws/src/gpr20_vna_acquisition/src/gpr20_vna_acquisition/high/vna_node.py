@@ -47,10 +47,9 @@ class VNANode:
         return srv.ConnectionResponse(success=True, message=message, identity=identity)
 
     def _set_up(self, request: srv.FreqSweepSetupRequest) -> srv.FreqSweepSetupResponse:
-        accepted = self._driver.set_frequency_sweep(
+        accepted = self._driver.set_up(
             SweepSettings(request.start_frequency_hz, request.stop_frequency_hz, request.points)
         )
-        self._driver.set_trace()
         return srv.FreqSweepSetupResponse(
             success=True,
             message="the instrument confirmed every setting",
@@ -84,7 +83,7 @@ class VNANode:
         )
 
     def _health(self) -> diagnostics.Health:
-        state = self._driver.state
+        state, trouble = self._driver.state, self._driver.trouble
         values = {
             "address": state.address,
             "identity": state.identity,
@@ -97,8 +96,8 @@ class VNANode:
             "last remarks": "; ".join(state.last_quality),
             "last error": state.last_error,
         }
-        if state.trouble:
-            return diagnostics.ERROR, state.trouble, values
+        if trouble:
+            return diagnostics.ERROR, trouble, values
         if not state.address:
             return diagnostics.WARN, "not connected", values
         if state.last_quality:

@@ -65,6 +65,13 @@ class VNADriver:
         return self._link.state
 
     @property
+    def trouble(self) -> str:
+        """What is wrong now; empty if nothing is."""
+        calibration = self.state.calibration
+        refusal = "" if calibration is None else self.calibration_refusal(calibration)
+        return self.state.trouble or refusal
+
+    @property
     def vna_connected(self) -> bool:
         """Whether a link is open now; after a failure there is none until the next use."""
         return self.state.linked
@@ -85,7 +92,7 @@ class VNADriver:
         """
         ipv4_address("VNA address", address)
         with self._lock:
-            self._link.deadline.begin(self._parameters.request_limit_s())
+            self._begin_request()
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
@@ -107,7 +114,7 @@ class VNADriver:
             VnaError: It does not answer, or nobody wants a connection.
         """
         with self._lock:
-            self._link.deadline.begin(self._parameters.request_limit_s())
+            self._begin_request()
             try:
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
@@ -144,6 +151,7 @@ class VNADriver:
             VnaError: It could not be read.
         """
         with self._lock:
+            self._begin_request()
             status, _failures = self._link.repeated(
                 "reading the VNA's calibration", Ms2026c.calibration_status
             )
@@ -154,6 +162,15 @@ class VNADriver:
         """Say why no sweep is given with this calibration; empty if one is."""
         return calibration_refusal(status, self._parameters)
 
+    def set_up(self, settings: SweepSettings) -> SweepSettings:
+        """Do `set_frequency_sweep` and `set_trace` within the time limit of one request."""
+        self._parameters.check_sweep(settings)
+        with self._lock:
+            self._begin_request()
+            accepted = self._set_frequencies(settings)
+            self._select_trace()
+            return accepted
+
     def set_frequency_sweep(self, settings: SweepSettings) -> SweepSettings:
         """Set start, stop and number of points and return what the instrument confirmed.
 
@@ -163,13 +180,8 @@ class VNADriver:
         """
         self._parameters.check_sweep(settings)
         with self._lock:
-            # If this fails, nobody knows what the instrument would measure.
-            self._link.note(sweep=None)
-            # Another sweep has another usual duration.
-            self._quality = TraceQuality(self._parameters)
-            accepted = self._set_up(lambda instrument: instrument.set_frequency_sweep(settings))
-            self._link.note(sweep=accepted)
-            return accepted
+            self._begin_request()
+            return self._set_frequencies(settings)
 
     def set_trace(self) -> None:
         """Select what a trace is: S21 over frequency, not averaged, in the transfer format.
@@ -178,9 +190,8 @@ class VNADriver:
             VnaError: The instrument did not take a setting.
         """
         with self._lock:
-            self._link.note(trace_is_set=False)
-            self._set_up(Ms2026c.set_trace)
-            self._link.note(trace_is_set=True)
+            self._begin_request()
+            self._select_trace()
 
     def get_freq(self) -> np.ndarray:
         """Return the frequencies of the sweep that is set up [Hz, float64].
@@ -199,8 +210,9 @@ class VNADriver:
         """
         with self._lock:
             points = self._set_up_sweep().points
+            self._begin_request(points)
             (sweep, calibration), failures = self._link.repeated(
-                "the VNA's sweep", self._fresh_sweep, points
+                "the VNA's sweep", self._fresh_sweep
             )
             self._previous = sweep
             self._check_calibration(calibration)
@@ -212,6 +224,25 @@ class VNADriver:
             )
             return replace(sweep, quality=quality)
 
+    def _begin_request(self, points: int = 0) -> None:
+        self._link.deadline.begin(self._parameters.request_limit_s(points))
+
+    def _set_frequencies(self, settings: SweepSettings) -> SweepSettings:
+        # If this fails, nobody knows what the instrument would measure.
+        self._link.note(sweep=None)
+        # Another sweep has another usual duration.
+        self._quality = TraceQuality(self._parameters)
+        accepted: SweepSettings = self._set(
+            lambda instrument: instrument.set_frequency_sweep(settings)
+        )
+        self._link.note(sweep=accepted)
+        return accepted
+
+    def _select_trace(self) -> None:
+        self._link.note(trace_is_set=False)
+        self._set(Ms2026c.set_trace)
+        self._link.note(trace_is_set=True)
+
     def _fresh_sweep(self, instrument: Ms2026c) -> Tuple[Sweep, CalibrationStatus]:
         sweep = instrument.sweep(self._set_up_sweep())
         # Noise makes every sweep differ; the same bits again are an old buffer.
@@ -221,8 +252,8 @@ class VNADriver:
         return sweep, instrument.calibration_status()
 
     def _check_calibration(self, calibration: CalibrationStatus) -> None:
+        self._link.note(calibration=calibration)
         refusal = self.calibration_refusal(calibration)
-        self._link.note(calibration=calibration, last_error=refusal)
         # The link is kept: making a new one would set up the sweep while somebody calibrates.
         if refusal:
             raise VnaCalibrationError(refusal)
@@ -236,7 +267,7 @@ class VNADriver:
             )
         return state.sweep
 
-    def _set_up(self, action: Callable[[Ms2026c], Any]) -> Any:
+    def _set(self, action: Callable[[Ms2026c], Any]) -> Any:
         result, _failures = self._link.repeated(
             "setting up the VNA", action, final=(VnaSettingError,)
         )

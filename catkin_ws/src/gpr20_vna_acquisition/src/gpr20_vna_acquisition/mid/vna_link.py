@@ -146,18 +146,17 @@ class VnaLink:
         self,
         what: str,
         action: Callable[[Ms2026c], Result],
-        points: int = 0,
         final: Tuple[Type[VnaError], ...] = (),
     ) -> Tuple[Result, List[VnaError]]:
         """Do something with the instrument, again after a failure, each time on a new link.
 
         A failed exchange leaves it open which answers are still on their way; on a new link
-        with emptied buffers there are none.
+        with emptied buffers there are none. All attempts share the time limit of the request, which
+        the caller has begun.
 
         Args:
             what: What is done, for people.
             action: What is done.
-            points: How many points are swept meanwhile.
             final: Failures after which it is not repeated.
 
         Returns:
@@ -166,7 +165,6 @@ class VnaLink:
         Raises:
             VnaError: It was given up.
         """
-        self.deadline.begin(self._parameters.request_limit_s(points))
         failures: List[VnaError] = []
         while len(failures) < self._parameters.attempts:
             try:
