@@ -280,11 +280,11 @@ class Bench:
         self.control.resume("")
         self.complete()
 
-    def wait_for_visited(self, points):
+    def wait_for_visited(self, points, limit_s=LIMIT_S):
         """Wait until so many points are stored."""
         with self._changed:
             assert self._changed.wait_for(
-                lambda: self.board.status.visited_points >= points, LIMIT_S
+                lambda: self.board.status.visited_points >= points, limit_s
             ), f"still {self.board.status}"
 
     def wait_for_message(self, text):

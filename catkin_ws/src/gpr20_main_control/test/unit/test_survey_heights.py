@@ -1,7 +1,9 @@
 """Heights are measured at every point, never assumed."""
 
 import pytest
+from fake_robot import Bench
 
+from gpr20_main_control.errors import DeviceError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -31,3 +33,14 @@ def test_a_height_is_asked_for_at_every_point(bench, monkeypatch):
     measured = [(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in bench.storage.samples]
     # One more comes from the check before the survey.
     assert places[1:] == measured
+
+
+def test_the_reason_of_a_missing_height_is_a_remark_whatever_characters_it_has(monkeypatch):
+    def fail():
+        raise DeviceError("no answer:\nthe node died")
+
+    bench = Bench(on_height_failure="store_without")
+    monkeypatch.setattr(bench.height, "height_m", fail)
+    bench.start()
+    bench.complete()
+    assert bench.storage.samples[0].quality == ("no height: no answer:?the node died",)

@@ -8,7 +8,7 @@ import pytest
 from fake_robot import FIRST_SWEEP_US
 from survey_examples import AXES, PARAMETERS
 
-from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.errors import DeviceError, RequestRefusedError, SurveyError
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.trace.trace import Trace
@@ -33,7 +33,7 @@ def test_after_an_axis_was_homed_again_the_last_point_is_measured_as_a_control(b
     assert [sample.index for sample in bench.storage.samples] == list(range(24))
 
 
-def cut_off_survey(bench, stored, **changes):
+def cut_off_survey(bench, stored, report="", **changes):
     """Put a survey that was cut off on the disk of the bench: these samples are stored."""
     metadata = {
         "simulated": True,
@@ -46,7 +46,7 @@ def cut_off_survey(bench, stored, **changes):
         "5ec1a5d2-0000-4000-8000-000000000000",
         "/data/survey",
         json.dumps(metadata),
-        "",
+        report,
         tuple(sorted(stored)),
         last,
     )
@@ -119,3 +119,17 @@ def test_a_survey_that_is_not_there_is_refused(bench):
     with pytest.raises(DeviceError, match="there is no survey nowhere"):
         bench.control.resume("nowhere")
     assert bench.board.status.state is State.IDLE
+
+
+@pytest.mark.parametrize(
+    "stored, report",
+    [([0, 30], ""), ([0], '{"controls": [{"index": 30}]}'), ([0], '{"controls": [{"index": -1}]}')],
+)
+def test_a_survey_that_holds_more_than_its_plan_is_refused_and_closed(bench, stored, report):
+    cut_off_survey(bench, stored, report)
+    with pytest.raises(
+        SurveyError, match="holds trace 30, its parameters give only 24|former report"
+    ):
+        bench.control.resume("survey")
+    assert bench.board.status.state is State.IDLE
+    assert bench.storage.closed[-1][1] == "failed"

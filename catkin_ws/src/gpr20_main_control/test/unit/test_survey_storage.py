@@ -3,8 +3,13 @@
 import json
 import threading
 
-from fake_robot import LIMIT_S
+import pytest
+from fake_robot import LIMIT_S, FakeStorage
 
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid import engine, instruments
+from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -107,3 +112,70 @@ def test_a_finished_survey_is_complete_and_only_then_that_word_appears(bench):
     early = [verdict for _states, verdict in bench.coverages[:-1]]
     assert early and not any(verdict.complete for verdict in early)
     assert all("complete:" not in verdict.text for verdict in early)
+
+
+def test_a_trace_that_is_refused_pauses_the_survey(bench, monkeypatch):
+    monkeypatch.setattr(instruments, "time_of_day_us", lambda: 1)
+    bench.start()
+    status = bench.wait_for(State.PAUSED, State.FAILED)
+    assert status.state is State.PAUSED and "set the computer's clock" in status.message
+    monkeypatch.undo()
+    bench.resume_to_the_end()
+
+
+def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench, monkeypatch):
+    def break_down(*_arguments):
+        raise ValueError("a fault of ours")
+
+    bench.analyzer.failures = 1
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    monkeypatch.setattr(bench.storage, "close", break_down)
+    bench.control.stop()
+    assert "could not be finished: a fault of ours" in bench.wait_for(State.STOPPED).message
+
+
+def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
+    bench, monkeypatch
+):
+    monkeypatch.setattr(engine, "STOPPING_LIMIT_S", 0.1)
+    begun, go_on, stored = threading.Event(), threading.Event(), threading.Event()
+
+    def store_late(_trace):
+        begun.set()
+        go_on.wait(LIMIT_S)
+        stored.set()
+
+    monkeypatch.setattr(bench.storage, "store", store_late)
+    bench.start()
+    assert begun.wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    monkeypatch.undo()
+    bench.storage.free.clear()
+    bench.control.start()
+    bench.wait_for(State.SURVEYING)
+    go_on.set()
+    assert stored.wait(LIMIT_S)
+    with pytest.raises(AssertionError):
+        bench.wait_for_visited(1, limit_s=0.3)
+
+
+def test_a_trace_that_is_stored_at_the_last_moment_is_not_called_missing(bench):
+    storage = FakeStorage()
+    storage.free.clear()
+    queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    queue.put(bench.storage.samples[0], lambda: None)
+    threading.Timer(0.06, storage.free.set).start()
+    # It waits 0.1 s at a time.
+    queue.drain_within(0.03)
+    queue.close()
+    storage.free.clear()
+    queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
+    queue.put(bench.storage.samples[0], lambda: None)
+    with pytest.raises(DeviceError, match="1 traces were not stored within 0.03 s"):
+        queue.drain_within(0.03)
+    queue.close()
+    storage.free.set()

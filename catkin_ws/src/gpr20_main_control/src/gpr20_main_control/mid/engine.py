@@ -252,6 +252,7 @@ class SurveyEngine:
             self._archive.queue.retry()
             self._archive.queue.drain_within(STOPPING_LIMIT_S)
             stored = self._archive.close(outcome, reason, check)
-        except DeviceError as error:
+        except Exception as error:
+            # A fault of the software, too: the survey must not seem to be stopping for ever.
             return f"; the recordings could not be finished: {error}"
         return f"; {stored} of {self._plan.total_points} traces in {self._archive.folder}"

@@ -15,14 +15,13 @@ from gpr20_main_control.mid.positioner import Position, Positioner
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.serial_calls import in_background, result_of
 from gpr20_main_control.mid.survey_plan import SurveyPlan
+from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_settings import HeightPolicy
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
-
-LONGEST_REMARK = 200
 
 
 @dataclass(frozen=True)
@@ -71,6 +70,13 @@ class Instruments:
             NodeLostError: A node is gone, or is another than before.
             StopRequested: A stop of the survey was requested.
         """
+        try:
+            return self._measure(point)
+        except TraceRefusedError as error:
+            # What can be mended, such as the computer's clock: the survey pauses.
+            raise DeviceError(str(error)) from error
+
+    def _measure(self, point: SurveyPoint) -> Trace:
         self._interruption.wait_s(self._settle_s)
         before = self._positioner.position()
         _check_position(point, before)
@@ -128,7 +134,7 @@ class Instruments:
                 failure = error
         assert failure is not None
         if self._plan.settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
-            return float("nan"), (f"no height: {failure}"[:LONGEST_REMARK],)
+            return float("nan"), (storable_remark(f"no height: {failure}"),)
         raise DeviceError(f"the antenna height could not be measured: {failure}") from failure
 
     def _check_sweep(self, sweep: Sweep) -> None:

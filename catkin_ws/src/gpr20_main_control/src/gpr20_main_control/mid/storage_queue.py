@@ -120,6 +120,9 @@ class StorageQueue:
                     return
                 trace, retries = self._traces[0], self._retries
             failure = self._store(trace)
+            if self._closing.is_set():
+                # Nobody waits for it any more, and another survey may have begun.
+                return
             if failure is None:
                 self._stored += 1
                 # Announced before the trace leaves: who waits for an empty queue knows of all.
@@ -146,8 +149,8 @@ class StorageQueue:
 
     def _wait_until_left(self, traces: int, check: Callable[[], None]) -> None:
         while len(self._traces) > traces and self._failure is None:
-            self._changed.wait(POLL_S)
             check()
+            self._changed.wait(POLL_S)
         if self._failure is not None:
             raise DeviceError(
                 f"trace {self._traces[0].index} could not be stored: {self._failure}"

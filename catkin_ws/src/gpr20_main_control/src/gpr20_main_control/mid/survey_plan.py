@@ -99,6 +99,12 @@ def plan_resumption(
         SurveyParametersError: Its parameters are not allowed on this robot.
     """
     plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
+    beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
+    if beyond:
+        raise RequestRefusedError(
+            f"the survey in {reopened.folder} holds trace {max(beyond)}, its parameters give only "
+            f"{plan.total_points}: its survey.json is not that of its traces"
+        )
     return replace(plan, survey_id=reopened.survey_id, reopened=reopened)
 
 

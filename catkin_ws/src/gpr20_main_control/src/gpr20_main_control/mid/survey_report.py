@@ -33,7 +33,7 @@ class SurveyReport:
             SurveyError: The former report is not one.
         """
         self.coverage = coverage
-        self._controls = _controls_of(former_json)
+        self._controls = _controls_of(former_json, coverage.planned)
         for control in self._controls:
             coverage.note_remeasured(control["index"])
 
@@ -66,12 +66,15 @@ class SurveyReport:
         )
 
 
-def _controls_of(former_json: str) -> List[Dict[str, Any]]:
+def _controls_of(former_json: str, planned: int) -> List[Dict[str, Any]]:
     if not former_json:
         return []
     try:
         controls = json.loads(former_json)["controls"]
-        return [{**control, "index": int(control["index"])} for control in controls]
+        controls = [{**control, "index": int(control["index"])} for control in controls]
+        if not all(0 <= control["index"] < planned for control in controls):
+            raise ValueError("a control measurement is not of one of the planned samples")
+        return controls
     except (ValueError, TypeError, KeyError) as error:
         raise SurveyError(f"the survey's former report cannot be read: {error!r}") from error
 
