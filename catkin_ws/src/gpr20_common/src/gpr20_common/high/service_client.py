@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from typing import Any
+from typing import Any, Set
 
 import rospy
 
@@ -27,6 +27,8 @@ class ServiceClient:
     def __init__(self, name: str, service_class: Any) -> None:
         self._name = name
         self._service_class = service_class
+        self._lock = threading.Lock()
+        self._waiting: Set[threading.Event] = set()
 
     @property
     def name(self) -> str:
@@ -46,6 +48,8 @@ class ServiceClient:
         """
         answers: queue.Queue = queue.Queue(maxsize=1)
         given_up = threading.Event()
+        with self._lock:
+            self._waiting.add(given_up)
         # The thread outlives a call that never returns; being a daemon it ends with the node.
         threading.Thread(
             target=self._ask, args=(timeout_s, (request, fields), answers, given_up), daemon=True
@@ -58,11 +62,20 @@ class ServiceClient:
                 f"service {self._name} did not answer within {timeout_s:g} s; "
                 "check that its node runs and does not hang"
             ) from None
+        finally:
+            with self._lock:
+                self._waiting.discard(given_up)
         if isinstance(answer, Exception):
             raise ServiceUnavailableError(
                 f"service {self._name} could not be called: {answer}; check that its node runs"
             ) from answer
         return answer
+
+    def give_up(self) -> None:
+        """Let calls that wait for the service's node never be made; one that was made continues."""
+        with self._lock:
+            for given_up in self._waiting:
+                given_up.set()
 
     def _ask(
         self, timeout_s: float, arguments: Any, answers: queue.Queue, given_up: threading.Event
@@ -71,7 +84,7 @@ class ServiceClient:
             # By the time of day: it takes longer if the clock is set back meanwhile.
             rospy.wait_for_service(self._name, timeout=min(timeout_s, START_LIMIT_S))
             if given_up.is_set():
-                return
+                raise rospy.ROSException("the call was given up")
             proxy = rospy.ServiceProxy(self._name, self._service_class)
             request, fields = arguments
             answers.put(proxy(*request, **fields))

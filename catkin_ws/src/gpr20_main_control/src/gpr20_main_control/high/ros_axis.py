@@ -102,6 +102,8 @@ class RosAxis:
 
     def stop(self) -> None:
         """End any motion; returns at once."""
+        # A homing that waits for a node which is away must not begin when it is back.
+        self._homing.give_up()
         threading.Thread(target=self._stop_now, daemon=True).start()
 
     def _stop_now(self) -> None:
