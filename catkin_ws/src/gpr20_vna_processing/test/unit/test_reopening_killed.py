@@ -11,6 +11,8 @@ from reopening_kit import METADATA, TRACES, assert_whole, messages_in_mcap
 from storage_kit import Kit, text_message
 from trace_examples import SURVEY
 
+from gpr20_survey.recording.bag_format import MAGIC, chunk_record, file_header
+from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
 
 STORED = 4
@@ -39,6 +41,15 @@ def damage(folder) -> None:
     bag = bytearray((folder / "survey.bag").read_bytes())
     bag[bag.index(TRACES[2].s21_real.tobytes()) + 3] ^= 1
     (folder / "survey.bag").write_bytes(bag)
+
+
+def tear(folder) -> None:
+    """Leave a bag as a kill in the middle of a commit leaves it."""
+    content = (folder / "survey.bag").read_bytes()
+    end = content.rindex(EMPTY_CHUNK)
+    head = MAGIC + file_header(0, 0, 0)
+    torn = chunk_record(bytes(3000))[:600]
+    (folder / "survey.bag").write_bytes(head + content[len(head) : end] + torn)
 
 
 def die_at(number: int) -> None:
@@ -89,19 +100,19 @@ def indices_after_stock_repair(folder, place):
         return [message.index for _, message, _ in bag.read_messages(topics=["/trace"])]
 
 
-@pytest.mark.parametrize("damaged", [False, True])
-def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_path, damaged):
+@pytest.mark.parametrize("change", [None, tear, damage])
+def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_path, change):
     number, ending = 0, KILLED
     while ending == KILLED:
         number += 1
         data = tmp_path / str(number)
         shutil.copytree(str(stopped), str(data))
         (folder,) = data.iterdir()
-        if damaged:
-            damage(folder)
+        if change is not None:
+            change(folder)
         ending = reopen_and_store_until(data, number)
         assert ending in (KILLED, DONE)
-        if not damaged and STOCK_TOOLS:
+        if change is not damage and STOCK_TOOLS:
             assert indices_after_stock_repair(folder, tmp_path)[:STORED] == list(range(STORED))
         kit = Kit(data, open_recordings)
         reopened = kit.processing.reopen_survey(SURVEY)

@@ -83,7 +83,8 @@ class StoredForms:
         self._folder = folder
         self._survey_id = survey_id
         self.files = trace_files.read_all(folder / survey_folder.TRACES_FOLDER, survey_id)
-        self.bag = RecordedTraces(StoredBag(folder / survey_folder.BAG_FILE))
+        self.stored_bag = StoredBag(folder / survey_folder.BAG_FILE)
+        self.bag = RecordedTraces(self.stored_bag)
         self.mcap = RecordedTraces(StoredMcap(folder / survey_folder.MCAP_FILE))
         for one in self.recordings:
             one.read(self.trace_of)
@@ -123,6 +124,10 @@ class StoredForms:
         """Return what is wrong in a recording; that it lacks traces is no fault."""
         wrong = [index for index, own in recorded.prints.items() if self.truth.get(index) != own]
         return [*recorded.faults, *(f"trace {index} is another" for index in wrong)]
+
+    def bag_is_right(self) -> bool:
+        """Say whether all that is whole in the bag can stay: the MCAP vouches for its types."""
+        return not self.faults_of(self.bag) and self.bag.types.keys() <= self._types.keys()
 
     def trace_of(self, message: RecordedMessage) -> Optional[Trace]:
         """Return the trace of a recorded message, or None if it is no trace.
