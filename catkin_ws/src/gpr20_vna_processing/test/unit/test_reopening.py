@@ -58,6 +58,29 @@ def test_a_survey_that_was_stopped_goes_on_again_and_again(data, folder):
     assert len(read_json(folder / "survey.json")["resumed"]) == 4
 
 
+def test_a_bag_that_is_right_is_not_copied(data, folder):
+    path = folder / "survey.bag"
+    for ending in ("stopped", "finished"):
+        before = path.stat().st_ino
+        kit = Kit(data, open_recordings)
+        reopened = kit.processing.reopen_survey(SURVEY)
+        fill(kit, [one for one in TRACES[:6] if one.index not in reopened.stored_indices])
+        kit.processing.close_survey(SURVEY, ending, "")
+        kit.processing.shut_down()
+        assert path.stat().st_ino == before
+        assert_whole(folder, TRACES[:6])
+        with open(path, "ab") as stream:
+            stream.write(bytes(100))  # a torn tail
+
+
+def test_a_bag_whose_types_nothing_vouches_for_is_written_again(data, folder, kit):
+    (folder / "survey.mcap").unlink()
+    before = os.stat(str(folder / "survey.bag"))
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert not os.path.samestat(before, os.stat(str(folder / "survey.bag")))
+    finish(kit, folder, reopened)
+
+
 def test_a_bag_that_went_on_can_still_be_repaired_by_stock_tools(kit, folder, tmp_path):
     rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
     kit.processing.reopen_survey(SURVEY)

@@ -7,11 +7,15 @@ import os
 import shutil
 
 import pytest
-from reopening_kit import METADATA, TRACES, assert_whole, messages_in_mcap
+from reopening_kit import METADATA, TRACES, assert_whole, data, messages_in_mcap
 from storage_kit import Kit, text_message
 from trace_examples import SURVEY
 
+from gpr20_survey.recording.bag_format import MAGIC, chunk_record, file_header
+from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
+
+__all__ = ["data"]
 
 STORED = 4
 CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")
@@ -36,9 +40,23 @@ def stopped(tmp_path_factory):
 def damage(folder) -> None:
     """Remove a trace's file and change a number of another in the bag."""
     sorted((folder / "traces").iterdir())[1].unlink()
+    damage_number(folder)
+
+
+def damage_number(folder) -> None:
+    """Change a number of a trace in the bag."""
     bag = bytearray((folder / "survey.bag").read_bytes())
     bag[bag.index(TRACES[2].s21_real.tobytes()) + 3] ^= 1
     (folder / "survey.bag").write_bytes(bag)
+
+
+def tear(folder) -> None:
+    """Leave a bag as a kill in the middle of a commit leaves it."""
+    content = (folder / "survey.bag").read_bytes()
+    end = content.rindex(EMPTY_CHUNK)
+    head = MAGIC + file_header(0, 0, 0)
+    torn = chunk_record(bytes(3000))[:600]
+    (folder / "survey.bag").write_bytes(head + content[len(head) : end] + torn)
 
 
 def die_at(number: int) -> None:
@@ -89,19 +107,19 @@ def indices_after_stock_repair(folder, place):
         return [message.index for _, message, _ in bag.read_messages(topics=["/trace"])]
 
 
-@pytest.mark.parametrize("damaged", [False, True])
-def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_path, damaged):
+@pytest.mark.parametrize("change", [None, tear, damage])
+def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_path, change):
     number, ending = 0, KILLED
     while ending == KILLED:
         number += 1
         data = tmp_path / str(number)
         shutil.copytree(str(stopped), str(data))
         (folder,) = data.iterdir()
-        if damaged:
-            damage(folder)
+        if change is not None:
+            change(folder)
         ending = reopen_and_store_until(data, number)
         assert ending in (KILLED, DONE)
-        if not damaged and STOCK_TOOLS:
+        if change is not damage and STOCK_TOOLS:
             assert indices_after_stock_repair(folder, tmp_path)[:STORED] == list(range(STORED))
         kit = Kit(data, open_recordings)
         reopened = kit.processing.reopen_survey(SURVEY)
@@ -113,4 +131,22 @@ def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_p
         assert_whole(folder, TRACES)
         assert [one.data for one in messages_in_mcap(folder, "/t")] == ["early"]
         shutil.rmtree(str(data))
+    assert number > 20
+
+
+def test_a_kill_does_not_decide_a_contradiction(tmp_path, data):
+    (cut_off,) = data.iterdir()
+    (cut_off / "survey.mcap").unlink()
+    damage_number(cut_off)
+    number, ending = 0, KILLED
+    while ending == KILLED:
+        number += 1
+        place = tmp_path / str(number)
+        shutil.copytree(str(data), str(place))
+        ending = reopen_and_store_until(place, number)
+        kit = Kit(place, open_recordings)
+        reopened = kit.processing.reopen_survey(SURVEY)
+        kit.processing.shut_down()
+        assert reopened.stored_indices[:3] == [0, 1, 3]
+        shutil.rmtree(str(place))
     assert number > 20

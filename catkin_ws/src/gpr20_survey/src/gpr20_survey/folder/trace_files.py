@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.files.regular_file import open_regular
@@ -70,11 +70,7 @@ def read_trace(
         TraceRefusedError: It is not.
         OSError: The file cannot be read.
     """
-    with open(open_regular(path), "rb") as stream:
-        content = stream.read(MAX_FILE_BYTES + 1)
-    if len(content) > MAX_FILE_BYTES:
-        raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")
-    trace = decode(content)
+    trace = decode(_content(path))
     if survey_id is not None and trace.survey_id != survey_id:
         raise ForeignTraceError(f"the trace belongs to survey {trace.survey_id}")
     if survey_folder.trace_file_name(trace) != path.name:
@@ -111,6 +107,27 @@ def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
         found.files[trace.index] = TraceFile.of(trace)
         samples[trace.sample_id] = trace.index
     return found
+
+
+def prints_put_aside(folder: Path, survey_id: str) -> Dict[int, Set[bytes]]:
+    """Return the fingerprints of the whole traces of a survey that were put aside, by index."""
+    found: Dict[int, Set[bytes]] = {}
+    for path in folder.glob("*.json*"):
+        try:
+            trace = trace_json.decode(_content(path))
+        except (OSError, TraceRefusedError):
+            continue  # no whole trace: it contradicts nothing
+        if trace.survey_id == survey_id:
+            found.setdefault(trace.index, set()).add(trace.fingerprint())
+    return found
+
+
+def _content(path: Path) -> bytes:
+    with open(open_regular(path), "rb") as stream:
+        content = stream.read(MAX_FILE_BYTES + 1)
+    if len(content) > MAX_FILE_BYTES:
+        raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")
+    return content
 
 
 def _check_unique(trace: Trace, file: Optional[TraceFile], index: Optional[int]) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List, Optional, Tuple
 
 from gpr20_survey.recording import bag_format
 from gpr20_survey.recording.bag_format import BagFormatError, Connection, Indexes, Record
-from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
+from gpr20_survey.recording.bag_writer import EMPTY_CHUNK, BagFile, connection_key
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.stored_recording import mapped
 
@@ -25,17 +25,40 @@ class StoredBag:
         """Take the path; nothing is read yet."""
         self.path = path
         self.faults: List[str] = []
+        self._begin()
+
+    def _begin(self) -> None:
+        # Of the whole chunks alone: what is damaged must not tell of what follows.
         self._connections: Dict[int, Connection] = {}
+        self._chunk_infos: List[bytes] = []
+        self._end = 0  # where their last index ends; 0 without a head [bytes]
+
+    def resume(self) -> Optional[BagFile]:
+        """Go on in the file behind the last whole chunk, after `messages` has come to the end.
+
+        Returns:
+            None, and nothing is changed, if it is not a bag that `BagFile` could have begun.
+
+        Raises:
+            OSError: The disk refused; the call may be repeated.
+        """
+        connections = list(self._connections.values())
+        different = len(set(map(connection_key, connections))) == len(connections)
+        if not self._end or not different or [*self._connections] != [*range(len(connections))]:
+            return None
+        return BagFile.resumed(self.path, self._end, connections, self._chunk_infos)
 
     def messages(self) -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file."""
-        self.faults, self._connections = [], {}
+        self.faults = []
+        self._begin()
         content = mapped(self.path)
         place = bag_format.DATA_START
         if len(content) < place:
             return
         if content[:13] != bag_format.MAGIC:
             self.faults.append(f"{self.path.name} does not begin as a bag does")
+        self._end = place
         while place < len(content):
             try:
                 found, place = self._chunk(content, place)
@@ -51,14 +74,18 @@ class StoredBag:
             return [], len(content)  # the index of the whole file; nothing comes behind it
         if content[place : chunk.end] != bag_format.chunk_record(chunk.data):
             raise BagFormatError("a chunk is not as the storage writes it")
-        messages, indexes = self._content(chunk.data)
+        messages, indexes, connections = self._content(chunk.data)
         index = bag_format.index_records(indexes)
         end = chunk.end + len(index)
         if content[chunk.end : end] != index:
             raise BagFormatError("a chunk and its index contradict each other")
+        if messages:
+            self._connections, self._end = connections, end
+            self._chunk_infos.append(bag_format.chunk_info_record(place, indexes))
         return messages, end
 
-    def _content(self, data: bytes) -> Tuple[List[RecordedMessage], Indexes]:
+    def _content(self, data: bytes) -> Tuple[List[RecordedMessage], Indexes, Dict[int, Connection]]:
+        connections = dict(self._connections)
         messages: List[RecordedMessage] = []
         indexes: Indexes = {}
         place = 0
@@ -66,29 +93,15 @@ class StoredBag:
             one = bag_format.read_record(data, place)
             if one.kind == bag_format.CONNECTION:
                 connection = bag_format.read_connection(one)
-                if self._connections.setdefault(connection.number, connection) != connection:
+                if connections.setdefault(connection.number, connection) != connection:
                     raise BagFormatError("a connection has two types")
             elif one.kind == bag_format.MESSAGE:
-                messages.append(self._message(one))
+                messages.append(_message(one, connections))
                 indexes.setdefault(one.number("conn"), []).append((messages[-1].time_ns, place))
             else:
                 raise BagFormatError("a chunk holds a strange record")
             place = one.end
-        return messages, indexes
-
-    def _message(self, one: Record) -> RecordedMessage:
-        connection = self._connections.get(one.number("conn"))
-        if connection is None:
-            raise BagFormatError("a message belongs to no connection")
-        return RecordedMessage(
-            connection.topic,
-            connection.datatype,
-            connection.md5sum,
-            connection.definition,
-            one.data,
-            one.time_ns("time"),
-            connection.latching,
-        )
+        return messages, indexes, connections
 
     def _next_chunk(self, content: bytes, place: int, reason: str) -> int:
         """Return where the next whole chunk begins; a torn tail has none."""
@@ -110,3 +123,18 @@ def _is_chunk(content: bytes, place: int) -> bool:
         return bool(chunk.data) and len(chunk.data) == chunk.number("size")
     except (BagFormatError, struct.error):
         return False
+
+
+def _message(one: Record, connections: Dict[int, Connection]) -> RecordedMessage:
+    connection = connections.get(one.number("conn"))
+    if connection is None:
+        raise BagFormatError("a message belongs to no connection")
+    return RecordedMessage(
+        connection.topic,
+        connection.datatype,
+        connection.md5sum,
+        connection.definition,
+        one.data,
+        one.time_ns("time"),
+        connection.latching,
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Iterable, List, Tuple, Union
 
 from gpr20_survey.files.append_only_file import AppendOnlyFile
 from gpr20_survey.recording import bag_format
@@ -32,12 +32,48 @@ class BagFile(Recording):
         Raises:
             OSError: The file exists or the disk refused.
         """
-        super().__init__(AppendOnlyFile(path, trailer=EMPTY_CHUNK))
-        self._connections: Dict[Tuple[str, str], Connection] = {}
+        self._begin(AppendOnlyFile(path, trailer=EMPTY_CHUNK), (), ())
+        self._file.write(bag_format.MAGIC + bag_format.file_header(0, 0, 0))
+
+    @classmethod
+    def resumed(
+        cls,
+        path: Path,
+        length: int,
+        connections: Iterable[Connection],
+        chunk_infos: Iterable[bytes],
+    ) -> BagFile:
+        """Go on behind the last whole chunk of a bag; its index and all else there is cut off.
+
+        Args:
+            path: The bag.
+            length: Where the index records of the last whole chunk end [bytes].
+            connections: Those of the chunks before, numbered from 0.
+            chunk_infos: Records of the chunks before, for the index of the whole file.
+
+        Raises:
+            OSError: The disk refused; the call may be repeated.
+        """
+        bag = cls.__new__(cls)
+        file = AppendOnlyFile.resumed(path, length, EMPTY_CHUNK)
+        bag._begin(file, connections, chunk_infos)
+        try:
+            # First: a header never names an index that is not there.
+            file.overwrite(len(bag_format.MAGIC), bag_format.file_header(0, 0, 0))
+            file.cut()
+        except OSError:
+            bag.abandon()
+            raise
+        return bag
+
+    def _begin(
+        self, file: AppendOnlyFile, connections: Iterable[Connection], chunk_infos: Iterable[bytes]
+    ) -> None:
+        super().__init__(file)
+        self._connections = {connection_key(one): one for one in connections}
         self._chunk = bytearray()
         self._indexes: Indexes = {}
-        self._chunk_infos: List[bytes] = []
-        self._file.write(bag_format.MAGIC + bag_format.file_header(0, 0, 0))
+        self._chunk_infos: List[bytes] = list(chunk_infos)
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""
@@ -78,7 +114,7 @@ class BagFile(Recording):
         self._file.release()
 
     def _connection_of(self, message: RecordedMessage) -> Connection:
-        key = (message.topic, message.md5sum)
+        key = connection_key(message)
         if key not in self._connections:
             self._connections[key] = Connection(
                 len(self._connections),
@@ -90,3 +126,8 @@ class BagFile(Recording):
             )
             self._chunk += bag_format.connection_record(self._connections[key])
         return self._connections[key]
+
+
+def connection_key(one: Union[Connection, RecordedMessage]) -> Tuple[str, str]:
+    """Return what messages of the same connection share."""
+    return one.topic, one.md5sum

@@ -2,16 +2,17 @@
 
 `StoredForms` reads every trace in its three forms (JSON file, bag, MCAP), passes over what a
 crash tore off the end of a recording, and decides which traces are true. Then damaged JSON
-files are put aside and written again, and both recordings are written again beside the old
-ones, whose place they take when they are whole. Nothing is changed before all was read, and
-each step leaves a folder that can be reopened.
+files are put aside and written again. In a bag that is right the storage goes on behind the
+last whole chunk; else the bag, and the MCAP always, is written again beside the old one, whose
+place it takes when it is whole. Nothing is changed before all was read, and each step leaves a
+folder that can be reopened.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import AbstractSet, Any, Dict, List, Optional, Tuple
 
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, printable, storing
 from gpr20_survey.files import durable_files
@@ -192,8 +193,8 @@ class Reopening:
     def _write_recordings(self) -> List[Recording]:
         recordings: List[Recording] = []
         try:
-            for one in self._forms.recordings:
-                recordings.append(self._write_again(one))
+            recordings.append(self._resume_bag() or self._write_again(self._forms.bag))
+            recordings.append(self._write_again(self._forms.mcap))
             # Last: it vouches for files, and beside a survey that has not ended is known to be old.
             self._remove_manifest()
         except BaseException:
@@ -208,6 +209,19 @@ class Reopening:
             self._set_aside(old, "this is a folder, no file")
         durable_files.remove_file(old)
 
+    def _resume_bag(self) -> Optional[Recording]:
+        """Go on in the bag without its torn tail or its index, if all before that is right."""
+        bag = self._forms.stored_bag.resume() if self._forms.bag_is_right() else None
+        if bag is None:
+            return None
+        try:
+            lacking = self._forms.truth.keys() - self._forms.bag.prints.keys()
+            self._add(lacking, bag, self._forms.bag.name)
+        except BaseException:
+            bag.abandon()
+            raise
+        return bag
+
     def _write_again(self, recorded: RecordedTraces) -> Recording:
         """Put a whole new file into the place of a recording; a damaged one is kept aside."""
         path = recorded.stored.path
@@ -219,7 +233,7 @@ class Reopening:
             new = new_mcap(temporary, self._start)
         faults = self._forms.faults_of(recorded)
         try:
-            added = self._copy(recorded, new)
+            self._copy(recorded, new)
             if faults:
                 durable_files.keep_aside(path, self._damaged)
             new.take_place_of(path)
@@ -229,12 +243,10 @@ class Reopening:
             raise
         if faults:
             self._repairs.append(f"rebuilt {path.name}: {'; '.join(faults[:3])}")
-        if added:
-            self._repairs.append(f"added {added} traces to {path.name}")
         return new
 
-    def _copy(self, recorded: RecordedTraces, new: Recording) -> int:
-        """Write every true trace once and all other messages; return how many were lacking."""
+    def _copy(self, recorded: RecordedTraces, new: Recording) -> None:
+        """Write every true trace once and all other messages."""
         lacking = set(self._forms.truth)
         for message in map(self._forms.with_sure_type, recorded.stored.messages()):
             if message.datatype != trace_message.DATATYPE:
@@ -248,10 +260,14 @@ class Reopening:
                     new.write_alone(replace(own, topic=message.topic))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
+        self._add(lacking, new, recorded.name)
+
+    def _add(self, lacking: AbstractSet[int], new: Recording, name: str) -> None:
         for index in sorted(lacking):
             trace = self._read(index)
             new.write_alone(self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
         new.commit()
-        return len(lacking)
+        if lacking:
+            self._repairs.append(f"added {len(lacking)} traces to {name}")

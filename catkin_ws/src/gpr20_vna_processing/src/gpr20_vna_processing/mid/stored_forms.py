@@ -72,6 +72,7 @@ class StoredForms:
     The true traces are the union of what the forms hold. Where they contradict each other, two
     of them decide, else the one that a checksum vouches for: the MCAP has its own, the other
     files have those of the manifest. A trace on which nothing decides counts as not stored.
+    What a reopening that was killed has put aside contradicts as well.
     """
 
     def __init__(self, folder: Path, survey_id: str) -> None:
@@ -83,7 +84,8 @@ class StoredForms:
         self._folder = folder
         self._survey_id = survey_id
         self.files = trace_files.read_all(folder / survey_folder.TRACES_FOLDER, survey_id)
-        self.bag = RecordedTraces(StoredBag(folder / survey_folder.BAG_FILE))
+        self.stored_bag = StoredBag(folder / survey_folder.BAG_FILE)
+        self.bag = RecordedTraces(self.stored_bag)
         self.mcap = RecordedTraces(StoredMcap(folder / survey_folder.MCAP_FILE))
         for one in self.recordings:
             one.read(self.trace_of)
@@ -124,6 +126,10 @@ class StoredForms:
         wrong = [index for index, own in recorded.prints.items() if self.truth.get(index) != own]
         return [*recorded.faults, *(f"trace {index} is another" for index in wrong)]
 
+    def bag_is_right(self) -> bool:
+        """Say whether all that is whole in the bag can stay: the MCAP vouches for its types."""
+        return not self.faults_of(self.bag) and self.bag.types.keys() <= self._types.keys()
+
     def trace_of(self, message: RecordedMessage) -> Optional[Trace]:
         """Return the trace of a recorded message, or None if it is no trace.
 
@@ -154,11 +160,15 @@ class StoredForms:
 
     def _decide(self) -> Dict[int, bytes]:
         sources = [self.files.prints, self.bag.prints, self.mcap.prints]
+        put_aside = trace_files.prints_put_aside(
+            self._folder / survey_folder.DAMAGED_FOLDER, self._survey_id
+        )
         truth: Dict[int, bytes] = {}
         for index in sorted({index for prints in sources for index in prints}):
             held = Counter(prints[index] for prints in sources if index in prints)
             (best, count), *others = held.most_common()
-            decided = best if count > 1 or not others else self._vouched(index)
+            contradicted = others or put_aside.get(index, set()) - {best}
+            decided = best if count > 1 or not contradicted else self._vouched(index)
             if decided is not None:
                 truth[index] = decided
         return truth
@@ -166,11 +176,10 @@ class StoredForms:
     def _vouched(self, index: int) -> Optional[bytes]:
         if index in self.mcap.prints:
             return self.mcap.prints[index]
-        # Without the MCAP both others hold it, and contradict each other.
-        file = self.files.files[index]
-        if self._unchanged(_manifest_name(file.name)):
+        file = self.files.files.get(index)
+        if file is not None and self._unchanged(_manifest_name(file.name)):
             return file.fingerprint
-        return self.bag.prints[index] if self._unchanged(self.bag.name) else None
+        return self.bag.prints.get(index) if self._unchanged(self.bag.name) else None
 
     def _unchanged(self, name: str) -> bool:
         return manifest.is_unchanged(self._folder, name, self._sums)
