@@ -238,6 +238,6 @@ class CurrentSurvey:
 
 
 def _copied_bytes(folder: Path) -> int:
-    """Return what reopening a survey needs beside its files: one recording at a time is copied."""
+    """Return what reopening a survey may need beside its files: both recordings may be copied."""
     recordings = [folder / name for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)]
-    return max(path.lstat().st_size if path.is_file() else 0 for path in recordings)
+    return sum(path.lstat().st_size for path in recordings if path.is_file())
