@@ -27,7 +27,10 @@ def survey_id_of(folder: Path) -> str:
 
 
 def outcome_of(folder: Path) -> str:
-    """Return how the survey in a folder ended; empty while it has not."""
+    """Return how the survey in a folder ended; empty while it has not, or was cut off ending."""
+    # The manifest is written last.
+    if not (folder / "manifest.json").is_file():
+        return ""
     return str(_description(folder).get("outcome", ""))
 
 
