@@ -1330,6 +1330,14 @@ lineal</translation>
     <translation>el servicio [{service}] no está disponible</translation>
   </message>
   <message>
+    <source>the survey in {folder} holds trace {index}, its parameters give only {planned}: its survey.json is not that of its traces</source>
+    <translation>la campaña de {folder} contiene la traza {index}, sus parámetros dan solo {planned}: su survey.json no es el de sus trazas</translation>
+  </message>
+  <message>
+    <source>the call was given up</source>
+    <translation>la llamada fue abandonada</translation>
+  </message>
+  <message>
     <source>service {service} could not be called: {error}</source>
     <translation>el servicio {service} no se pudo llamar: {error}</translation>
   </message>

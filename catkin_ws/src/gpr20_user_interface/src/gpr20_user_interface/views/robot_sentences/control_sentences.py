@@ -87,6 +87,11 @@ CONTROL: Tuple[str, ...] = (
         "the survey in {folder} was measured with {name} {former} of the {axis} axis, which "
         "is {present} now: its points would lie elsewhere",
     ),
+    QT_TRANSLATE_NOOP(
+        "RobotText",
+        "the survey in {folder} holds trace {index}, its parameters give only {planned}: its "
+        "survey.json is not that of its traces",
+    ),
     QT_TRANSLATE_NOOP("RobotText", "launch with the former parameters, or start a new survey"),
     # Nodes.
     QT_TRANSLATE_NOOP("RobotText", "{silent} went silent, {anew} started anew"),
@@ -98,6 +103,7 @@ CONTROL: Tuple[str, ...] = (
     QT_TRANSLATE_NOOP("RobotText", "{nodes} does not answer"),
     QT_TRANSLATE_NOOP("RobotText", "service {service} did not answer within {limit} s"),
     QT_TRANSLATE_NOOP("RobotText", "service {service} could not be called: {error}"),
+    QT_TRANSLATE_NOOP("RobotText", "the call was given up"),
     QT_TRANSLATE_NOOP("RobotText", "check that its node runs and does not hang"),
     QT_TRANSLATE_NOOP("RobotText", "check that its node runs"),
     QT_TRANSLATE_NOOP("RobotText", "check that its axis_driver node runs"),
