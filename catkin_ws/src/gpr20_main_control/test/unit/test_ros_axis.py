@@ -9,6 +9,7 @@ pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
 from fake_robot import LIMIT_S
+from std_srvs.srv import TriggerResponse
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
@@ -16,24 +17,52 @@ from gpr20_main_control.high import ros_axis
 from gpr20_main_control.mid.serial_calls import in_background
 
 
-def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(monkeypatch):
-    waiting, node_is_back = threading.Event(), threading.Event()
-    called = []
-
-    def wait_for_service(name, timeout):
-        if name.endswith("homing"):
-            waiting.set()
-            node_is_back.wait(LIMIT_S)
-
-    monkeypatch.setattr(rospy, "wait_for_service", wait_for_service)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda name, _class: lambda: called.append(name))
+@pytest.fixture
+def graph(monkeypatch):
+    """Services whose nodes are away, and what was called once they were back."""
+    graph = Graph()
+    monkeypatch.setattr(rospy, "wait_for_service", graph.wait_for_service)
+    monkeypatch.setattr(rospy, "ServiceProxy", lambda name, _class: lambda: graph.call(name))
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
     monkeypatch.setattr(ros_axis.actionlib, "ActionClient", lambda *_arguments: None)
+    yield graph
+    graph.node_is_back.set()
+
+
+class Graph:
+    def __init__(self):
+        self.away = ""
+        self.waiting, self.node_is_back = threading.Event(), threading.Event()
+        self.called = []
+
+    def wait_for_service(self, name, timeout):
+        if name == self.away:
+            self.waiting.set()
+            self.node_is_back.wait(LIMIT_S)
+
+    def call(self, name):
+        self.called.append(name)
+        return TriggerResponse(True, "")
+
+
+def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
+    graph.away = "x_axis/homing"
     axis = ros_axis.RosAxis("x_axis", Clock())
     homing = in_background(lambda: axis.home(LIMIT_S))
-    assert waiting.wait(LIMIT_S)
+    assert graph.waiting.wait(LIMIT_S)
     axis.stop()
-    node_is_back.set()
+    graph.node_is_back.set()
     with pytest.raises(DeviceError, match="given up"):
         homing.result(LIMIT_S)
-    assert "x_axis/homing" not in called
+    assert "x_axis/homing" not in graph.called
+
+
+def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
+    graph.away = "x_axis/stop"
+    axis = ros_axis.RosAxis("x_axis", Clock())
+    axis.stop()
+    assert graph.waiting.wait(LIMIT_S)
+    homing = in_background(lambda: axis.home(LIMIT_S))
+    graph.node_is_back.set()
+    homing.result(LIMIT_S)
+    assert graph.called == ["x_axis/stop", "x_axis/homing"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from typing import Optional, Set
+from typing import List, Optional, Set
 
 import actionlib
 import rospy
@@ -46,6 +46,7 @@ class RosAxis:
         self._goal: Optional[actionlib.ClientGoalHandle] = None
         self._homing = ServiceClient(f"{group}/homing", Trigger)
         self._stop = ServiceClient(f"{group}/stop", Trigger)
+        self._stops: List[threading.Thread] = []
         self._subscriber = rospy.Subscriber(
             f"{group}/current_coord", CurrentCoordinate, self._hear, queue_size=10
         )
@@ -66,6 +67,7 @@ class RosAxis:
         Raises:
             DeviceError: The axis's node is not there.
         """
+        self._await_stops()
         if not self._client.wait_for_server(rospy.Duration(SERVER_LIMIT_S)):
             raise DeviceError(
                 f"{self._group} does not answer; check that its axis_driver node runs"
@@ -93,6 +95,7 @@ class RosAxis:
         Raises:
             DeviceError: It failed, or did not end in time.
         """
+        self._await_stops()
         try:
             response = self._homing.call(time_limit_s)
         except ServiceUnavailableError as error:
@@ -104,7 +107,17 @@ class RosAxis:
         """End any motion; returns at once."""
         # A homing that waits for a node which is away must not begin when it is back.
         self._homing.give_up()
-        threading.Thread(target=self._stop_now, daemon=True).start()
+        thread = threading.Thread(target=self._stop_now, daemon=True)
+        with self._lock:
+            thread.start()
+            self._stops = [*filter(threading.Thread.is_alive, self._stops), thread]
+
+    def _await_stops(self) -> None:
+        """Return when no stop is on its way: a late one would end what begins now."""
+        with self._lock:
+            stops = self._stops
+        for one in stops:
+            one.join(2.0 * STOP_LIMIT_S)
 
     def _stop_now(self) -> None:
         try:
