@@ -186,7 +186,7 @@ def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):
         patch.setattr(McapFile, "finish", refuse)
         with pytest.raises(StorageFailedError, match="make space"):
             kit.processing.close_survey(SURVEY, "stopped", "")
-    with pytest.raises(SurveyRefusedError, match="call close_survey again"):
+    with pytest.raises(SurveyRefusedError, match="being closed; stop it again"):
         kit.processing.reopen_survey(SURVEY)
     kit.processing.close_survey(SURVEY, "stopped", "")
     finish(kit, folder, kit.processing.reopen_survey(SURVEY))
