@@ -8,6 +8,8 @@ import threading
 from typing import Callable, List, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
 
 LAST_FRAGMENT = 0x80000000
@@ -224,8 +226,13 @@ def bound_socket(kind: socket.SocketKind, host: str, port: int) -> socket.socket
     except OSError as error:
         sock.close()
         raise ListenError(
-            f"cannot listen on {host} port {port}: {error.strerror}; "
-            "free the port, choose another one, or (below 1024) run as root"
+            Message(
+                "cannot listen on {host} port {port}: {reason}; free the port, choose another one, "
+                "or run as root for a port below 1024",
+                host=host,
+                port=port,
+                reason=os_reason(error),
+            )
         ) from error
     return sock
 
