@@ -20,7 +20,7 @@ STOP_TIMEOUT_S = 5.0
 
 
 class ListenError(Gpr20Error, OSError):
-    """The server cannot listen where it was told to."""
+    """The server cannot listen on the given address."""
 
 
 class RpcConnection:
@@ -44,7 +44,7 @@ class RpcConnection:
             return True
 
     def drop(self) -> None:
-        """Close the connection from any thread; whoever reads from it finds its end."""
+        """Close the connection from any thread; a reader of it finds its end."""
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
@@ -238,7 +238,7 @@ def bound_socket(kind: socket.SocketKind, host: str, port: int) -> socket.socket
 
 
 def shut_down(sock: socket.socket) -> None:
-    """Wake whoever waits on a listening or a datagram socket."""
+    """Wake the thread that waits on a listening or a datagram socket."""
     try:
         sock.shutdown(socket.SHUT_RDWR)
     except OSError:

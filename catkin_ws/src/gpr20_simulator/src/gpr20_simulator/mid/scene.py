@@ -1,4 +1,4 @@
-"""What the simulated robot consists of and stands over: the scene file.
+"""What the simulated robot consists of and what is below it: the scene file.
 
 Every key has a default but those that only the user can know (a target's place), so a
 scene file says only what is special about it.
@@ -124,7 +124,7 @@ class AxisMechanics:
 
     Attributes:
         size_per_step: Travel of one motor step [mm or deg].
-        start: Where the axis stands when the robot is switched on [mm or deg].
+        start: Where the axis is when the robot is switched on [mm or deg].
         endstop: The endstop is pressed at this place and below; None: there is none.
         lower_stop: The axis cannot go lower [mm or deg].
         upper_stop: The axis cannot go higher [mm or deg].

@@ -35,7 +35,7 @@ class HeaderPattern:
     """A documented header, such as `[:SENSe]:TRACe#:SPARams`.
 
     Capitals are the short form, all letters the long one, nothing between is accepted;
-    brackets hold what may be left out, and `#` stands for a number, 1 if it is missing.
+    brackets hold what may be left out, and `#` means a number, 1 if it is missing.
     """
 
     def __init__(self, pattern: str) -> None:
