@@ -6,7 +6,7 @@ import contextlib
 import errno
 import os
 from pathlib import Path
-from typing import Iterator, Union
+from typing import Iterator, Optional, Union
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -33,11 +33,18 @@ class StorageFailedError(ProcessingError, OSError):
     """The disk refused something; it is not stored and may be stored again."""
 
 
-class FileReplacedError(ProcessingError, OSError):
+class _FileError(ProcessingError, OSError):
+    def __init__(self, message: Message, path: Path) -> None:
+        super().__init__(message)
+        self.filename = str(path)
+        self.strerror = message.sentence()
+
+
+class FileReplacedError(_FileError):
     """The name of an open file now belongs to another file: what is written is lost."""
 
 
-class IrregularFileError(ProcessingError, OSError):
+class IrregularFileError(_FileError):
     """A link, a folder, a pipe or the like is where a file should be."""
 
 
@@ -66,11 +73,12 @@ _ADVICE = {
 
 
 @contextlib.contextmanager
-def storing(failure: Message) -> Iterator[None]:
+def storing(failure: Message, path: Path) -> Iterator[None]:
     """Turn an error of the disk into one that says what to do.
 
     Args:
         failure: What could not be done, with the path: the first half of the sentence.
+        path: Where it was done; another file that an error concerns is named, too.
 
     Raises:
         StorageFailedError: The body raised an OSError.
@@ -78,9 +86,32 @@ def storing(failure: Message) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise StorageFailedError(
-            Message("{failure}: {advice}", failure=failure, advice=_advice(error), details=error)
-        ) from error
+        raise StorageFailedError(_failed(failure, path, error)) from error
+
+
+def _failed(failure: Message, path: Path, error: OSError) -> Message:
+    advice = _advice(error)
+    # One of our own says everything itself.
+    details = "" if isinstance(error, ProcessingError) else error
+    file = _other_file(error, path)
+    if file is None:
+        return Message("{failure}: {advice}", failure=failure, advice=advice, details=details)
+    return Message(
+        "{failure}, at {file}: {advice}",
+        failure=failure,
+        file=printable(file),
+        advice=advice,
+        details=details,
+    )
+
+
+def _other_file(error: OSError, path: Path) -> Optional[str]:
+    # Of two names the second is the new one, which is what fails most often.
+    file = error.filename2 or error.filename
+    # A temporary file has the name of the file that it becomes within its own.
+    if not isinstance(file, str) or path.name in os.path.basename(file):
+        return None
+    return file
 
 
 def printable(name: Union[str, Path]) -> str:

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import FileReplacedError, printable
+from gpr20_survey.errors import FileReplacedError
 from gpr20_survey.files.durable_files import put_in_place, sync_path
 
 
@@ -154,8 +154,8 @@ class AppendOnlyFile:
                 Message(
                     "it was moved, removed or replaced while it was written; if the survey's "
                     "folder was moved or renamed, put it back, then resume the survey",
-                    details=printable(self.path),
-                )
+                ),
+                self.path,
             )
 
     def _write_at(self, offset: int, data: bytes) -> None:

@@ -8,7 +8,7 @@ import stat
 from pathlib import Path
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import IrregularFileError, printable
+from gpr20_survey.errors import IrregularFileError
 
 
 def open_regular(path: Path, follow_link: bool = False) -> int:
@@ -39,14 +39,9 @@ def open_regular(path: Path, follow_link: bool = False) -> int:
 
 def _link(path: Path) -> IrregularFileError:
     return IrregularFileError(
-        Message(
-            "this is a symbolic link, which is not followed; move it away",
-            details=printable(path),
-        )
+        Message("this is a symbolic link, which is not followed; move it away"), path
     )
 
 
 def _irregular(path: Path) -> IrregularFileError:
-    return IrregularFileError(
-        Message("this is not a regular file; move it away", details=printable(path))
-    )
+    return IrregularFileError(Message("this is not a regular file; move it away"), path)

@@ -99,7 +99,8 @@ class CurrentSurvey:
         now_ns = self._storage.now_ns()
         self._check_can_open(needed_bytes, now_ns)
         with storing(
-            Message("the survey's folder {path} could not be made", path=printable(folder))
+            Message("the survey's folder {path} could not be made", path=printable(folder)),
+            folder,
         ):
             new_survey.make_folder(folder)
             recordings = self._storage.open_recordings(folder, description)
@@ -137,6 +138,7 @@ class CurrentSurvey:
             self._on_stored,
             repaired.stored,
             repaired.last,
+            repaired.types,
         )
         self._take(survey, now_ns)
         return survey.reopened(repaired.repairs)
@@ -147,7 +149,7 @@ class CurrentSurvey:
         path = survey.folder / survey_folder.SURVEY_FILE
         try:
             self._begin_recording(survey, content.decode("ascii"), now_ns)
-            with storing(Message("{path} could not be written", path=printable(path))):
+            with storing(Message("{path} could not be written", path=printable(path)), path):
                 # Last: a folder with a survey.json is whole.
                 durable_files.write_new_file(path, content)
         except Exception:

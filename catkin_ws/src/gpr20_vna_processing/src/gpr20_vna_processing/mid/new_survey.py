@@ -63,7 +63,9 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
         StorageFailedError: The data folder cannot be made or read.
     """
     data = storage.data
-    with storing(Message("the data folder {path} could not be written to", path=printable(data))):
+    with storing(
+        Message("the data folder {path} could not be written to", path=printable(data)), data
+    ):
         durable_files.ensure_folder(data)
         free = storage.free_bytes(data)
     if needed_bytes + reserve_bytes > free:

@@ -5,7 +5,18 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import (
+    AbstractSet,
+    Any,
+    Callable,
+    ContextManager,
+    Dict,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import (
@@ -20,6 +31,7 @@ from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
@@ -49,6 +61,7 @@ class OpenSurvey:
         on_stored: Callable[[RecordedMessage], None],
         stored: Optional[Mapping[int, TraceFile]] = None,
         last: Optional[Trace] = None,
+        types: Optional[Mapping[str, AbstractSet[str]]] = None,
     ) -> None:
         """Take over the files.
 
@@ -60,6 +73,7 @@ class OpenSurvey:
             on_stored: Called with the message of every trace once, when it is durable.
             stored: The traces that are stored already, by their index.
             last: The trace that was stored last.
+            types: The checksums of the message types that the recordings hold of each topic.
         """
         self.folder = folder
         self.description = self.opened_as = description
@@ -76,7 +90,7 @@ class OpenSurvey:
         self._recordings = list(recordings)
         self._topics = topics
         self._on_stored = on_stored
-        self._types: Dict[str, str] = {}  # type of each topic, by its checksum
+        self._types = TopicTypes(types or {})
 
     def store(self, trace: Trace, time_ns: int) -> Path:
         """Store a trace in the JSON file and the recordings; return when all are durable.
@@ -107,7 +121,8 @@ class OpenSurvey:
                     "{trace} could not be written to {path}",
                     trace=trace.label,
                     path=printable(path),
-                )
+                ),
+                path,
             ):
                 durable_files.write_new_file(path, trace_json.encode(trace))
             message = self._topics.trace(trace, time_ns)
@@ -160,12 +175,12 @@ class OpenSurvey:
             return 0
         refused = 0
         for message in messages:
-            known = self._types.setdefault(message.topic, message.md5sum)
-            if known != message.md5sum:
+            named = self._types.named(message)
+            if named is None:
                 refused += 1
                 continue
             for recording in self._recordings:
-                recording.write(message)
+                recording.write(named)
         return refused
 
     def commit(self) -> None:
@@ -179,7 +194,7 @@ class OpenSurvey:
                 pending.lacking[0].write_alone(pending.message)
                 pending.lacking.pop(0)
         for recording in self._recordings:
-            with storing(self._not_written(recording)):
+            with self._storing(recording):
                 recording.commit()
         while self._pending:
             stored = self._pending.pop(next(iter(self._pending)))
@@ -213,7 +228,7 @@ class OpenSurvey:
         self._ending = True
         while self._unfinished:
             recording = self._unfinished[0]
-            with storing(self._not_written(recording)):
+            with self._storing(recording):
                 recording.finish()
             self._unfinished.pop(0)
         ending = {
@@ -234,17 +249,16 @@ class OpenSurvey:
             StorageFailedError: The disk refused; the survey is still open.
         """
         path = self.folder / manifest.MANIFEST_FILE
-        with storing(Message("{path} could not be written", path=printable(path))):
+        with storing(Message("{path} could not be written", path=printable(path)), path):
             # Last: a survey with a manifest has ended, and nothing changes any more.
             manifest.write_manifest(
                 self.folder, self.survey_id, revision, self.description["ended"]
             )
 
-    def _not_written(self, recording: Recording) -> Message:
-        return Message(
-            "the recording {path} could not be written",
-            path=printable(self.folder / recording.name),
-        )
+    def _storing(self, recording: Recording) -> ContextManager[None]:
+        path = self.folder / recording.name
+        failure = Message("the recording {path} could not be written", path=printable(path))
+        return storing(failure, path)
 
     def in_place(self) -> bool:
         """Return whether what is written ends up in the survey's folder."""
@@ -263,7 +277,7 @@ class OpenSurvey:
 
     def _describe(self, description: Dict[str, Any]) -> None:
         path = self.folder / survey_folder.SURVEY_FILE
-        with storing(Message("{path} could not be written", path=printable(path))):
+        with storing(Message("{path} could not be written", path=printable(path)), path):
             durable_files.replace_file(path, survey_metadata.encode(description))
         self.description = description
 

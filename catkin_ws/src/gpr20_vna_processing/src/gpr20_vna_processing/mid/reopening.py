@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import AbstractSet, Any, Dict, List, Optional, Tuple
+from typing import AbstractSet, Any, Dict, List, Optional, Set, Tuple
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.errors import (
@@ -52,6 +52,8 @@ class RepairedSurvey:
     """The trace that was stored last."""
     repairs: Tuple[Message, ...]
     """What was repaired."""
+    types: Dict[str, Set[str]]
+    """The checksums of the message types that the recordings hold of each topic."""
 
 
 class Reopening:
@@ -80,7 +82,9 @@ class Reopening:
         own = copy is not None and copy["survey_id"] == description["survey_id"]
         self._start = copy if copy is not None and own else description
         survey_metadata.started_us(self._start)
-        with storing(Message("the survey in {folder} could not be read", folder=printable(folder))):
+        with storing(
+            Message("the survey in {folder} could not be read", folder=printable(folder)), folder
+        ):
             self._forms = StoredForms(folder, description["survey_id"])
             self._refuse_foreign()
             self._refuse_complete()
@@ -96,7 +100,8 @@ class Reopening:
             StorageFailedError: The disk refused; the call may be repeated.
         """
         with storing(
-            Message("the survey in {folder} could not be repaired", folder=printable(self._folder))
+            Message("the survey in {folder} could not be repaired", folder=printable(self._folder)),
+            self._folder,
         ):
             self._mark_open(utc_time.iso_text(now_us))
             durable_files.ensure_folder(self._traces)
@@ -105,7 +110,12 @@ class Reopening:
             last = self._last()
             recordings = self._write_recordings()
         return RepairedSurvey(
-            self._description, recordings, self._files, last, tuple(self._repairs)
+            self._description,
+            recordings,
+            self._files,
+            last,
+            tuple(self._repairs),
+            self._forms.md5sums(),
         )
 
     def _refuse_foreign(self) -> None:

@@ -144,6 +144,15 @@ class StoredForms:
         """Return whether all that is whole in the bag can stay: the MCAP vouches for its types."""
         return not self.faults_of(self.bag) and self.bag.types.keys() <= self._types.keys()
 
+    def md5sums(self) -> Dict[str, Set[str]]:
+        """Return the checksums of the types of each topic, those that are certain if any are."""
+        found: Dict[str, Set[str]] = {}
+        for recorded in self.recordings:
+            for topic, types in recorded.types.items():
+                sure = {self._types[topic]} if topic in self._types else types
+                found.setdefault(topic, set()).update(md5sum for _name, md5sum, _text in sure)
+        return found
+
     def trace_of(self, message: RecordedMessage) -> Optional[Trace]:
         """Return the trace of a recorded message, or None if it is no trace.
 
