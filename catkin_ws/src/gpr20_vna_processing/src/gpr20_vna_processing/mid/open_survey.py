@@ -45,7 +45,7 @@ class _PendingTrace:
 
     trace: Trace
     message: RecordedMessage
-    lacking: List[Recording]
+    missing: List[Recording]
     """Recordings that were not given the message yet."""
 
 
@@ -190,9 +190,9 @@ class OpenSurvey:
             StorageFailedError: The disk refused.
         """
         for pending in self._pending.values():
-            while pending.lacking:
-                pending.lacking[0].write_alone(pending.message)
-                pending.lacking.pop(0)
+            while pending.missing:
+                pending.missing[0].write_alone(pending.message)
+                pending.missing.pop(0)
         for recording in self._recordings:
             with self._storing(recording):
                 recording.commit()

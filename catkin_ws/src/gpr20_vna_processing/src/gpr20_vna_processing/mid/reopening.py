@@ -153,7 +153,7 @@ class Reopening:
                     most=MAX_RESUMPTIONS,
                 )
             )
-        self._keep_damaged_description()
+        self._save_damaged_description()
         self._description = {
             **self._description,
             "ended": None,
@@ -165,7 +165,7 @@ class Reopening:
         path = self._folder / survey_folder.SURVEY_FILE
         durable_files.replace_file(path, survey_metadata.encode(self._description))
 
-    def _keep_damaged_description(self) -> None:
+    def _save_damaged_description(self) -> None:
         path = self._folder / survey_folder.SURVEY_FILE
         try:
             if survey_metadata.read_description(path) == self._description:
@@ -207,12 +207,12 @@ class Reopening:
                     lost = lost - {trace.index}
 
     def _set_aside(self, path: Path, reason: Message) -> None:
-        kept = durable_files.move_aside(path, self._damaged)
+        target = durable_files.move_aside(path, self._damaged)
         self._repairs.append(
             Message(
                 "moved {file} to {folder}/: {reason}",
                 file=printable(path.name),
-                folder=kept.parent.name,
+                folder=target.parent.name,
                 reason=reason,
             )
         )
@@ -247,7 +247,7 @@ class Reopening:
         try:
             recordings.append(self._resume_bag() or self._write_again(self._forms.bag))
             recordings.append(self._write_again(self._forms.mcap))
-            # Last: it vouches for files, and beside a survey that has not ended is known to be old.
+            # Last: it vouches for files; in a survey that has not ended it is known to be old.
             self._remove_manifest()
         except BaseException:
             for recording in recordings:
@@ -267,15 +267,15 @@ class Reopening:
         if bag is None:
             return None
         try:
-            lacking = self._forms.truth.keys() - self._forms.bag.prints.keys()
-            self._add(lacking, bag, self._forms.bag.name)
+            missing = self._forms.truth.keys() - self._forms.bag.prints.keys()
+            self._add(missing, bag, self._forms.bag.name)
         except BaseException:
             bag.abandon()
             raise
         return bag
 
     def _write_again(self, recorded: RecordedTraces) -> Recording:
-        """Put a whole new file into the place of a recording; a damaged one is kept aside."""
+        """Replace a recording by a whole new file; a damaged one stays in `damaged/`."""
         path = recorded.stored.path
         temporary = durable_files.temporary_path(path)
         new: Recording
@@ -301,29 +301,29 @@ class Reopening:
 
     def _copy(self, recorded: RecordedTraces, new: Recording) -> None:
         """Write every true trace once and all other messages."""
-        lacking = set(self._forms.truth)
-        for message in map(self._forms.with_sure_type, recorded.stored.messages()):
+        missing = set(self._forms.truth)
+        for message in map(self._forms.with_certain_type, recorded.stored.messages()):
             if message.datatype != trace_message.DATATYPE:
                 if message.topic != self._topics.trace_topic:
                     new.write(message)
             else:
                 trace = self._forms.true_trace(message)
-                if trace is not None and trace.index in lacking:
-                    lacking.remove(trace.index)
+                if trace is not None and trace.index in missing:
+                    missing.remove(trace.index)
                     own = self._topics.trace(trace, message.time_ns)
                     new.write_alone(replace(own, topic=message.topic))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
-        self._add(lacking, new, recorded.name)
+        self._add(missing, new, recorded.name)
 
-    def _add(self, lacking: AbstractSet[int], new: Recording, name: str) -> None:
-        for index in sorted(lacking):
+    def _add(self, missing: AbstractSet[int], new: Recording, name: str) -> None:
+        for index in sorted(missing):
             trace = self._read(index)
             new.write_alone(self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
         new.commit()
-        if lacking:
+        if missing:
             self._repairs.append(
-                Message("added {count} traces to {file}", count=len(lacking), file=name)
+                Message("added {count} traces to {file}", count=len(missing), file=name)
             )
