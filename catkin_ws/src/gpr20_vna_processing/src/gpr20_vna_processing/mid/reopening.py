@@ -32,6 +32,7 @@ from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.stored_forms import RecordedTraces, StoredForms
 
 MAX_RESUMPTIONS = 100_000
@@ -120,39 +121,20 @@ class Reopening:
 
     def _refuse_foreign(self) -> None:
         if self._forms.foreign and not self._forms.truth:
-            raise SurveyRefusedError(
-                Message(
-                    "survey.json in {folder} is that of survey {survey}, but every trace there "
-                    "belongs to another; put the right survey.json there",
-                    folder=printable(self._folder),
-                    survey=self._description["survey_id"],
-                )
-            )
+            raise refusals.only_foreign_traces(self._folder, self._description["survey_id"])
 
     def _refuse_complete(self) -> None:
         stored = len(self._forms.truth)
         planned = self._description.get("planned_traces", self._description.get("stored_traces"))
         finished = self._description.get("outcome") == "finished"
         if finished and stored == planned and self._forms.intact():
-            raise SurveyRefusedError(
-                Message(
-                    "the survey in {folder} is finished and complete with {stored} traces; "
-                    "nothing is left to measure, start a new survey",
-                    folder=printable(self._folder),
-                    stored=stored,
-                )
-            )
+            raise refusals.survey_complete(self._folder, stored)
 
     def _mark_open(self, now: str) -> None:
+        path = self._folder / survey_folder.SURVEY_FILE
         resumed = self._description.get("resumed", [])
         if not isinstance(resumed, list) or len(resumed) >= MAX_RESUMPTIONS:
-            raise SurveyRefusedError(
-                Message(
-                    "'resumed' in {path} is not a list of at most {most} times",
-                    path=printable(self._folder / survey_folder.SURVEY_FILE),
-                    most=MAX_RESUMPTIONS,
-                )
-            )
+            raise refusals.wrong_resumptions(path, MAX_RESUMPTIONS)
         self._save_damaged_description()
         self._description = {
             **self._description,
@@ -162,7 +144,6 @@ class Reopening:
             "stored_traces": len(self._forms.truth),
             "resumed": [*resumed, now],
         }
-        path = self._folder / survey_folder.SURVEY_FILE
         durable_files.replace_file(path, survey_metadata.encode(self._description))
 
     def _save_damaged_description(self) -> None:
