@@ -155,7 +155,7 @@ def test_the_very_same_code_for_ever_is_no_height_and_another_code_ends_that():
     for _ in range(5):
         driver.take_measurement()
     for count in (30, 35):
-        with pytest.raises(SensorStuckError, match=f"last {count} readings .* hold a hand"):
+        with pytest.raises(SensorStuckError, match=f"last {count} readings .* put a hand"):
             driver.take_measurement()
     assert driver.take_measurement().height_m == pytest.approx(0.2, abs=0.001)
 
