@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_height_sensor.errors import (
     HeightError,
     HeightStoppedError,
@@ -183,7 +184,7 @@ def test_a_usual_sensor_under_a_still_robot_is_never_taken_for_stuck():
 
 
 def test_a_converter_that_does_not_answer_is_no_height():
-    driver, _ = driver_with([code_at(0.2), SpiError("nothing there")])
+    driver, _ = driver_with([code_at(0.2), SpiError(Message("nothing there"))])
     with pytest.raises(SpiError):
         driver.take_measurement()
 
