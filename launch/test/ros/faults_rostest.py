@@ -192,9 +192,7 @@ class FaultsTest(unittest.TestCase):
         self.check_vna_fault("LATE", "127.0.0.1 failed", "IO timeout", "check the VNA and its")
 
     def test_14_a_block_that_is_cut(self):
-        self.check_vna_fault(
-            "TRUNCATE", "data are incomplete", "look at the VNA's display"
-        )
+        self.check_vna_fault("TRUNCATE", "data are incomplete", "look at the VNA's display")
 
     def test_15_numbers_that_are_none(self):
         self.check_vna_fault("NAN", "numbers from the VNA are not finite", "VNA's display")

@@ -50,4 +50,6 @@ class RequestDeadline:
         if self._clock.wait_s(self._closed, duration_s):
             raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._clock.now_s() > self._deadline_s:
-            raise VnaTimeoutError(Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s))
+            raise VnaTimeoutError(
+                Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
+            )
