@@ -141,7 +141,7 @@ class AxisDriver:
     def _exclusive_motion(self) -> Iterator[None]:
         if not self._motion.acquire(blocking=False):
             raise AxisBusyError(
-                Message("the axis is busy with another motion; stop it or wait until it ends")
+                Message("the axis is busy with another motion; stop it or wait for its end")
             )
         try:
             yield
