@@ -34,7 +34,7 @@ class KeepingStorage:
             raise DeviceError(Message("there is no survey {survey}", survey=survey))
         (survey_id,) = found
         if self.outcomes.get(survey_id) == "finished":
-            raise DeviceError(Message("survey {survey} is complete", survey=survey))
+            raise DeviceError(Message("survey {survey} is finished and complete", survey=survey))
         self._check_disk()
         interrupted = self._interrupt_other(survey_id)
         self.opened = survey_id

@@ -152,7 +152,7 @@ def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
             "identity": analyzer.identity,
             "address": plan.parameters.vna_address,
             "calibration_status": int(analyzer.calibration),
-            "calibration": analyzer.calibration.meaning,
+            "calibration": str(analyzer.calibration.meaning),
             "sweep": asdict(analyzer.settings),
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
