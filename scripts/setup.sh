@@ -78,7 +78,7 @@ $(cat "$pins" "$GPR20_ROOT"/requirements/*.in "$GPR20_WORKSPACE/src/gpr20_analys
 # Python sources run from where they are; only these files decide what the build makes.
 build_inputs() {
     (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 \( -name package.xml -o -name CMakeLists.txt \
-        -o -name setup.py -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
+        -o -name setup.py -o -name CATKIN_IGNORE -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
         -o -path '*/env-hooks/*' \) -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
         echo "$GPR20_ROOT")
 }
