@@ -1,0 +1,9 @@
+"""The tests of the whole project are one run of pytest: see scripts/test.sh."""
+
+pytest_plugins = [
+    "pytest_gpr20.workspace",
+    "pytest_gpr20.rostest_items",
+    "pytest_gpr20.real_time",
+    "pytest_gpr20.order",
+    "pytest_gpr20.last_line",
+]
