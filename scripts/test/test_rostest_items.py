@@ -59,7 +59,9 @@ def test_a_failure_names_the_test_and_shows_the_output_and_is_repeated_once(run)
 
 def test_a_rostest_that_passes_when_it_is_repeated_is_counted_as_such(run, pytester):
     seen = pytester.path / "seen"
-    body = f"def test_second(self): os.path.exists({str(seen)!r}) or (open({str(seen)!r}, 'w'), 1/0)"
+    body = (
+        f"def test_second(self): os.path.exists({str(seen)!r}) or (open({str(seen)!r}, 'w'), 1/0)"
+    )
     ended = run(body)
     counted = "1 passed, 0 failed, 0 skipped, 1 rerun (1 x trial.test::rostest)"
     assert (ended.ret, ended.outlines[-1]) == (0, counted)
