@@ -6,7 +6,7 @@ run in one worker and share its fixtures, unless the setting `separate_tests` na
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Sequence
+from typing import Any, Dict, Iterator, List, Sequence
 
 import pytest
 
@@ -38,14 +38,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Give the groups to the workers in the order of the tests."""
-    from xdist.scheduler import LoadScopeScheduling
+    from pytest_gpr20.scheduler import InOrder
 
-    class LongestFirst(LoadScopeScheduling):
-        def _split_scope(self, nodeid: str) -> str:
-            return group_of(nodeid, config.getini(SETTING))
+    separate = config.getini(SETTING)
+    return InOrder(config, log, lambda nodeid: group_of(nodeid, separate))
 
-    config.option.loadscopereorder = False
-    return LongestFirst(config, log)
+
+@pytest.hookimpl(hookwrapper=True, optionalhook=True)
+def pytest_handlecrashitem(report: Any) -> Iterator[None]:
+    """Count a test that a worker died in as failed: pytest-rerunfailures would repeat it."""
+    yield
+    report.outcome = "failed"
 
 
 def seconds_of(item: pytest.Item) -> float:

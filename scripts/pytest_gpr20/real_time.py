@@ -100,7 +100,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
     """Let pytest-rerunfailures repeat the tests that depend on real time."""
-    if not config.pluginmanager.hasplugin("rerunfailures"):
+    # It refuses to work with a debugger.
+    if not config.pluginmanager.hasplugin("rerunfailures") or config.option.usepdb:
         return
     for item in items:
         if item.get_closest_marker("real_time"):

@@ -15,7 +15,7 @@ from pytest_gpr20.workspace import ROOT, SOURCES, with_ros, without_ros
 
 pytest_plugins = ["pytester"]
 LIMIT_S = 60.0
-PLUGINS = ("real_time", "order", "last_line", "workspace")
+PLUGINS = ("real_time", "order", "last_line", "time_limit", "workspace")
 LOADED = [word for one in PLUGINS for word in ("-p", f"pytest_gpr20.{one}")]
 
 
@@ -140,6 +140,28 @@ def test_long_tests_come_first_and_the_tests_of_a_file_stay_together(own):
     expected = ["c.py::test_one", "c.py::test_two", "d.py::test_one", "b.py::test_one"]
     expected += ["b.py::test_two", "a.py::test_one", "a.py::test_two", "d.py::test_two"]
     assert found == [f"test_{one}" for one in expected]
+
+
+@pytest.mark.parametrize(
+    "body, said",
+    [("os._exit(3)", "crashed while running"), ("subprocess.run(['sleep', '600'])", "hangs")],
+)
+def test_a_test_that_ends_its_worker_or_hangs_has_failed_and_the_others_run(own, body, said):
+    own.makeini("[pytest]\ntest_limit_s = 3\n")
+    own.makepyfile(
+        test_bad=f"""
+            import os, pytest, subprocess
+            @pytest.mark.real_time
+            def test_bad(): {body}
+            def test_a(): pass
+        """,
+        test_b="def test_b(): pass",
+        test_c="def test_c(): pass",
+    )
+    ended = own.runpytest_subprocess(*LOADED, "-n2")
+    assert ended.ret == pytest.ExitCode.TESTS_FAILED
+    assert ended.outlines[-1] == "3 passed, 1 failed, 0 skipped, 0 rerun"
+    assert said in ended.stdout.str() + ended.stderr.str()
 
 
 @pytest.mark.parametrize("workers", [[], ["-n2"]])
