@@ -36,24 +36,25 @@ python_of() {
     done
 }
 
-# make_venv 3.8 .venv38 requirements-unit.txt: where the unit tests run under another Python.
+# make_venv 3.8 FILE: .venv38 with the requirements of a file, for the unit tests under Python 3.8.
 make_venv() {
-    local venv="$GPR20_ROOT/$2" python
+    local venv="$GPR20_ROOT/.venv${1/./}" python
     python="$(python_of "$1")"
-    if [ -z "$python" ]; then echo "no Python $1 here: no tests under it"; return; fi
+    if [ -z "$python" ]; then echo "no Python $1 here: the tests under it are skipped"; return; fi
     if cat requirements*.txt | cmp -s - "$venv/installed-requirements"; then return; fi
     echo "making the virtual environment $venv"
     rm -rf "$venv"
     "$python" -m venv "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$3"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$2"
     cat requirements*.txt >"$venv/installed-requirements"
 }
 
 installations=()
 if [ "$other_pythons" = yes ]; then
-    make_venv 3.8 .venv38 requirements-unit.txt & installations+=($!)
+    make_venv 3.8 requirements-unit.txt & installations+=($!)
 fi
 scripts/setup.sh --dev
 for installation in "${installations[@]}"; do wait "$installation"; done
 # Many tests wait for the robot more than they compute.
-exec "$GPR20_VENV/bin/python" -m pytest --numprocesses $(($(nproc) + 1)) "${coverage[@]}" "${paths[@]}"
+exec "$GPR20_VENV/bin/python" -m pytest --numprocesses $(($(nproc) + 1)) --durations 20 \
+    "${coverage[@]}" "${paths[@]}"

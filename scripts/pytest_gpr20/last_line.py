@@ -14,7 +14,7 @@ OTHERWISE = {"error": "errors", "xfailed": "expected failures", "xpassed": "unex
 
 
 class LastLine:
-    """Prints the counts when everything else was printed.
+    """Names a failed test at once, and prints the counts after everything else.
 
     Args:
         reporter: The terminal reporter of pytest.
@@ -22,6 +22,12 @@ class LastLine:
 
     def __init__(self, reporter: Any) -> None:
         self._reporter = reporter
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Name a test that failed or will be repeated; the details come at the end."""
+        if report.outcome not in ("passed", "skipped"):
+            self._reporter.ensure_newline()
+            self._reporter.write_line(f"{report.nodeid} {report.outcome} in {report.when}")
 
     @pytest.hookimpl(trylast=True)
     def pytest_unconfigure(self) -> None:
