@@ -216,3 +216,11 @@ def test_no_two_modules_of_the_tests_have_the_same_name():
     folders = [*ROOT.glob("catkin_ws/src/*/test/unit"), ROOT / "scripts/test", ROOT / "scripts"]
     names = Counter(path.name for folder in folders for path in folder.glob("*.py"))
     assert {name for name, number in names.items() if number > 1} - {"conftest.py"} == set()
+
+
+def test_an_unknown_part_is_refused_before_anything_is_installed():
+    ended = subprocess.run(
+        [str(ROOT / "scripts/test.sh"), "units"], stderr=subprocess.PIPE, text=True, timeout=LIMIT_S
+    )
+    assert ended.returncode == 2
+    assert "'units' is neither a path nor one of lint, unit, ros, commands" in ended.stderr
