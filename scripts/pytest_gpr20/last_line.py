@@ -1,4 +1,8 @@
-"""The last line of a run counts its tests; before it, the coverage of each package if measured."""
+"""The last line of a run counts its tests.
+
+Before it: the numbers of tests inside those that run others (the property `INSIDE`), and the
+coverage of each package if pytest-cov has measured it.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +12,10 @@ from typing import Any, Dict, List, Tuple
 
 import pytest
 
-# As pytest's terminal reporter names them; these are counted even if there are none.
-ALWAYS = {"passed": "passed", "failed": "failed", "skipped": "skipped", "rerun": "rerun"}
-OTHERWISE = {"error": "errors", "xfailed": "expected failures", "xpassed": "unexpected passes"}
+# Outcomes of pytest's terminal reporter; the first are counted even if there are none.
+ALWAYS = ("passed", "failed", "skipped", "rerun")
+OTHERWISE = ("error", "xfailed", "xpassed")
+INSIDE = "tests inside"
 
 
 class LastLine:
@@ -46,18 +51,19 @@ def counted(stats: Dict[str, List[Any]]) -> str:
         "rerun": Counter(one.nodeid for one in stats.get("rerun", [])),
     }
     parts = []
-    for outcome, word in {**ALWAYS, **OTHERWISE}.items():
+    for outcome in (*ALWAYS, *OTHERWISE):
         number = len(stats.get(outcome, []))
         if number or outcome in ALWAYS:
-            parts.append(f"{number} {word}{in_short(notes.get(outcome, Counter()))}")
+            parts.append(f"{number} {outcome}{in_short(notes.get(outcome, Counter()))}")
     return ", ".join(parts)
 
 
 def in_short(notes: Counter) -> str:
-    """Return notes in parentheses, each with how often it occurred."""
+    """Return notes in parentheses, the most frequent first, each with how often it occurred."""
     if not notes:
         return ""
-    return f" ({'; '.join(f'{number} x {note}' for note, number in notes.most_common())})"
+    ordered = sorted(notes.items(), key=lambda one: (-one[1], one[0]))
+    return f" ({'; '.join(f'{number} x {note}' for note, number in ordered)})"
 
 
 def reason_of(report: Any) -> str:
@@ -98,13 +104,34 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """Show the tests inside tests, and the coverage of each package."""
+    show_inside(terminalreporter)
+    show_coverage(terminalreporter, config)
+
+
+def show_inside(reporter: Any) -> None:
+    """Show the tests that run others, how long they took and how many tests they ran."""
+    reports = [*reporter.stats.get("passed", []), *reporter.stats.get("failed", [])]
+    found = [
+        f"{report.duration:5.0f} s  {report.nodeid}: {value}"
+        for report in reports
+        for name, value in getattr(report, "user_properties", ())
+        if name == INSIDE
+    ]
+    if found:
+        reporter.section("tests inside tests")
+        for line in sorted(found, reverse=True):
+            reporter.write_line(line)
+
+
+def show_coverage(reporter: Any, config: pytest.Config) -> None:
     """Show the coverage of each package if pytest-cov has measured it."""
     plugin = config.pluginmanager.getplugin("_cov")
     if not plugin or not getattr(plugin, "cov_controller", None):
         return
     packages = coverage_by_package(plugin.cov_controller.cov)
-    terminalreporter.section("coverage by the unit tests (rostests are not measured)")
+    reporter.section("coverage by the unit tests (rostests are not measured)")
     total = (sum(one[0] for one in packages.values()), sum(one[1] for one in packages.values()))
     for name, (statements, ran) in [*packages.items(), ("all", total)]:
         share = 100.0 * ran / statements if statements else 100.0
-        terminalreporter.write_line(f"{name:24}{statements:7} statements {share:5.1f} %")
+        reporter.write_line(f"{name:24}{statements:7} statements {share:5.1f} %")

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from pytest_gpr20.last_line import INSIDE
 from pytest_gpr20.processes import Ended, run_limited
 from pytest_gpr20.workspace import has_ros
 
@@ -41,6 +42,7 @@ class RostestItem(pytest.Item):
         folder = Path(tempfile.mkdtemp(prefix="gpr20_rostest_"))
         command = ["rostest", str(self.path)]
         ended = run_limited(command, self._environment(folder), limit_s, self.path.parent)
+        self.user_properties.append((INSIDE, f"{tests_in(ended)} tests"))
         found = problem(ended)
         if found:
             raise RostestError(f"{found}; logs are in {folder}\n{end_of(ended.printed)}")
@@ -85,10 +87,13 @@ def problem(ended: Ended) -> Optional[str]:
         return "the time limit ended it"
     if ended.status != 0 or failed:
         return f"failed: {failed or f'rostest ended with status {ended.status}'}"
+    return None if tests_in(ended) else "no test ran"
+
+
+def tests_in(ended: Ended) -> int:
+    """Return how many tests a rostest ran."""
     counted = TESTS.findall(ended.printed)
-    if not counted or int(counted[-1]) == 0:
-        return "no test ran"
-    return None
+    return int(counted[-1]) if counted else 0
 
 
 def end_of(printed: str) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Sequence
 
 import pytest
+from pytest_gpr20.last_line import INSIDE
 from pytest_gpr20.processes import run_limited
 from pytest_gpr20.workspace import without_ros
 from user_shell import ROOT
@@ -55,7 +56,7 @@ RUNS = [
 # As a whole: in each of them some tests depend on real time.
 @pytest.mark.real_time
 @pytest.mark.parametrize("python, package", RUNS)
-def test_the_unit_tests_pass_under(python, package, request):
+def test_the_unit_tests_pass_under(python, package, request, record_property):
     if not python.program.exists():
         pytest.skip(f"no Python {python.version} here ({python.venv})")
     environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
@@ -69,5 +70,5 @@ def test_the_unit_tests_pass_under(python, package, request):
         LIMIT_S,
         ROOT,
     )
+    record_property(INSIDE, ended.printed.splitlines()[-1])
     assert ended.status == 0, ended.printed
-    print(ended.printed.splitlines()[-1])

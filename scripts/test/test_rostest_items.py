@@ -36,7 +36,7 @@ def run(pytester, monkeypatch):
         script.write_text(SCRIPT.format(body=body))
         script.chmod(0o755)
         (pytester.path / "trial.test").write_text(LAUNCH)
-        plugins = "rostest_items", "real_time", "order", "last_line"
+        plugins = "last_line", "rostest_items", "real_time", "order"
         loaded = [word for one in plugins for word in ("-p", f"pytest_gpr20.{one}")]
         return pytester.runpytest_subprocess(*loaded, *options, "trial.test")
 
@@ -45,6 +45,7 @@ def run(pytester, monkeypatch):
 
 def test_a_rostest_that_passes_passes(run):
     ended = run("def test_good(self): pass")
+    ended.stdout.fnmatch_lines(["* s  trial.test::rostest: 1 tests"])
     assert (ended.ret, ended.outlines[-1]) == (0, "1 passed, 0 failed, 0 skipped, 0 rerun")
 
 

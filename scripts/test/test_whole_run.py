@@ -15,7 +15,7 @@ from pytest_gpr20.workspace import ROOT, SOURCES, with_ros, without_ros
 
 pytest_plugins = ["pytester"]
 LIMIT_S = 60.0
-PLUGINS = ("real_time", "order", "last_line", "time_limit", "workspace")
+PLUGINS = ("last_line", "real_time", "order", "time_limit", "workspace")
 LOADED = [word for one in PLUGINS for word in ("-p", f"pytest_gpr20.{one}")]
 
 
@@ -46,9 +46,11 @@ def test_the_last_line_counts_and_names_the_reasons(own, workers):
         "@pytest.mark.parametrize('number', range(2))\n"
         "def test_more(number): pytest.skip('needs root')\n"
     )
+    (own.path / "test_module.py").write_text("import pytest\npytest.importorskip('no_such_thing')")
     ended = own.runpytest_subprocess(*LOADED, *workers)
     assert ended.outlines[-1] == (
-        "1 passed, 1 failed, 3 skipped (2 x needs root; 1 x no saw here), 0 rerun, 1 errors"
+        "1 passed, 1 failed, 4 skipped (2 x needs root; 1 x could not import 'no_such_thing': "
+        "No module named 'no_such_thing'; 1 x no saw here), 0 rerun, 1 error"
     )
     assert ended.ret == pytest.ExitCode.TESTS_FAILED
 
