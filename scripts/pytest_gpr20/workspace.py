@@ -65,14 +65,14 @@ def with_ros(environment: Mapping[str, str]) -> Dict[str, str]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """Prepare the environment, which the workers of pytest-xdist inherit."""
-    if hasattr(config, "workerinput"):
-        return
-    listen_to_signals()
-    prepared = with_ros(os.environ) if has_ros() else without_ros(os.environ)
-    os.environ.clear()
-    os.environ.update(prepared)
-    for path in prepared["PYTHONPATH"].split(os.pathsep):
+    """Prepare the environment, which the workers of pytest-xdist inherit, and the search path."""
+    if not hasattr(config, "workerinput"):
+        listen_to_signals()
+        prepared = with_ros(os.environ) if has_ros() else without_ros(os.environ)
+        os.environ.clear()
+        os.environ.update(prepared)
+    # The generated modules, behind the sources.
+    for path in os.environ["PYTHONPATH"].split(os.pathsep):
         if path not in sys.path:
             sys.path.append(path)
 

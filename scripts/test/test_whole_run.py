@@ -21,10 +21,12 @@ LOADED = [word for one in PLUGINS for word in ("-p", f"pytest_gpr20.{one}")]
 
 @pytest.fixture
 def own(pytester, monkeypatch):
-    """Return a folder for tests that the plugins run on."""
+    """Yield a folder for tests that the plugins run on; they leave nothing behind."""
     monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ.get('PYTHONPATH', '')}")
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
-    return pytester
+    monkeypatch.setenv("TMPDIR", str(pytester.path))
+    yield pytester
+    assert not list(pytester.path.glob("gpr20_*"))
 
 
 def wait_until(condition):
@@ -204,6 +206,13 @@ def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_
         assert ended.stdout.strip() == sys.prefix
         assert environment["ROS_IP"] == "127.0.0.1"
         assert "ROS_HOSTNAME" not in environment
+
+
+@pytest.mark.parametrize("workers", [[], ["-n1"]])
+def test_unit_tests_find_generated_modules_from_any_shell(own, monkeypatch, workers):
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "scripts"))
+    own.makepyfile("def test_one(): import gpr20_msgs.msg")
+    assert own.runpytest_subprocess(*LOADED, *workers).ret == 0
 
 
 def test_every_package_is_found_without_a_workspace():
