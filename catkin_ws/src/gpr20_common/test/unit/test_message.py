@@ -89,9 +89,11 @@ def test_a_message_comes_back_from_json_as_it_was(message):
         st.text(),
         st.recursive(
             st.none() | st.integers() | st.text(),
-            lambda inner: st.lists(inner)
-            | st.dictionaries(
-                st.sampled_from(["template", "values", "details"]) | st.text(), inner
+            lambda inner: (
+                st.lists(inner)
+                | st.dictionaries(
+                    st.sampled_from(["template", "values", "details"]) | st.text(), inner
+                )
             ),
         ).map(json.dumps),
     ),
