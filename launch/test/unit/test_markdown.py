@@ -46,7 +46,7 @@ def link_targets(text):
 
 def named_files(text):
     """Return the files of the project that code spans name."""
-    endings = "py|sh|test|launch|yaml|toml|po"
+    endings = "py|sh|test|launch|yaml|toml"
     return re.findall(rf"`((?:[\w.-]+/)*[\w-]+\.(?:{endings}))`", text)
 
 
