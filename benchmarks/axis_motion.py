@@ -166,6 +166,12 @@ def worst(rows: List[dict], key: str) -> int:
     return max(int(row[key]) for row in rows)
 
 
+def stop_after(limit_s: float) -> Callable[[], bool]:
+    """Return a question that is answered with yes once this time has passed [s]."""
+    deadline_s = time.monotonic() + limit_s
+    return lambda: time.monotonic() > deadline_s
+
+
 def measure_steps(quick: bool) -> None:
     """Compare the commanded and the simulated carriage over random moves and stops."""
     moves = 500 if quick else 10_000
@@ -180,11 +186,8 @@ def measure_steps(quick: bool) -> None:
         begin_s = time.monotonic()
         for _ in range(moves):
             target_mm = chance.randrange(0, 2001) / 100
-            deadline_s = time.monotonic() + chance.uniform(0.0, 0.02)
             try:
-                driver.move_to_coordinate(
-                    target_mm, lambda limit_s=deadline_s: time.monotonic() > limit_s
-                )
+                driver.move_to_coordinate(target_mm, stop_after(chance.uniform(0.0, 0.02)))
             except MotionStopped:
                 stopped += 1
             else:

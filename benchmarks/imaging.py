@@ -42,6 +42,10 @@ GROUP_CHAIN_S = 127.0
 CHAIN_SIZE = 67
 RUNS = 3
 KIB_PER_MIB = 1024.0
+METHODS: Dict[str, Callable[[Traces, Focus], np.ndarray]] = {
+    "phase-shift": phase_shift_image,
+    "back-projection": back_projection_image,
+}
 
 
 def traces(size: int) -> Traces:
@@ -75,8 +79,7 @@ def peak_mib() -> float:
 
 def measure(size: int, method: str) -> Dict[str, float]:
     data, focus = traces(size), Focus(PERMITTIVITY, DEPTH_M)
-    image = {"phase-shift": phase_shift_image, "back-projection": back_projection_image}[method]
-    took = best_s(lambda: image(data, focus))
+    took = best_s(lambda: METHODS[method](data, focus))
     return {**took, "peak_mib": peak_mib()}
 
 

@@ -13,6 +13,7 @@ import multiprocessing
 import statistics
 import time
 from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 from typing import List
 
 from gpr20_common.low.clock import Clock, time_of_day_us
@@ -80,7 +81,7 @@ class Case:
         return "| " + " | ".join((*cells, *(f"{median:.2f}" for median in medians))) + " |"
 
 
-def serve(pipe) -> None:
+def serve(pipe: Connection) -> None:
     """Run the simulated instrument, tell its port, and end when told to."""
     scene = Scene()
     vna = SimulatedAnalyzer(

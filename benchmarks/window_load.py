@@ -21,7 +21,7 @@ from typing import List
 
 import rospy
 from PyQt5.QtCore import Qt, QTimer
-from PyQt5.QtWidgets import QApplication
+from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import resident_mib, simulated_robot
 from window_kit import (
     Operator,
@@ -73,7 +73,7 @@ def processor_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def frames_per_s(window: object) -> float:
+def frames_per_s(window: QWidget) -> float:
     """Return how often the whole window can be drawn in a second."""
     count = 20
     begin_s = time.perf_counter()

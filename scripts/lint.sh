@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Style and types: ruff everywhere, mypy below the high levels, who may import whom, catkin_lint, shell syntax.
+# Style and types: ruff and mypy everywhere, who may import whom, catkin_lint, shell syntax.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -10,10 +10,11 @@ nodes=(catkin_ws/src/*/nodes/*)
 ruff check . "${nodes[@]}"
 ruff format --check . "${nodes[@]}"
 
-# Not the high levels of the nodes: ROS has no types.
-shopt -s nullglob
-levels=(catkin_ws/src/*/src/*/{mid,low,views} catkin_ws/src/*/src/gpr20_{survey,analysis})
-MYPYPATH="$(printf '%s:' catkin_ws/src/*/src)" mypy --no-error-summary "${levels[@]}"
+# The messages are those that the build made.
+packages=(catkin_ws/src/*/src)
+MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)catkin_ws/devel/lib/python3/dist-packages" \
+    mypy --no-error-summary --scripts-are-modules "${packages[@]}" catkin_ws/src/*/nodes/* \
+    benchmarks/*.py scripts/*.py scripts/crash_matrix
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src

@@ -8,35 +8,35 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 cd "$GPR20_ROOT"
 
-# The interpreter of ROS Noetic, if this machine has one.
-python38() {
+# A Python of this version that runs, if this machine has one.
+other_python() {
     local candidate
-    for candidate in python3.8 "$HOME"/.pyenv/versions/3.8.*/bin/python; do
+    for candidate in "python$1" "$HOME/.pyenv/versions/$1".*/bin/python; do
         # A version manager may have a command of that name that only says which to choose.
         if "$candidate" --version >/dev/null 2>&1; then command -v "$candidate"; return; fi
     done
 }
 
-install_python38_packages() {
-    local venv="$GPR20_ROOT/.venv38" python
-    python="$(python38)"
+# Make the virtual environment of another Python: .venv38 for 3.8, .venv313 for 3.13.
+install_other_python() {
+    local pins="requirements/python$1.txt" venv="$GPR20_ROOT/.venv${1/./}" python
+    python="$(other_python "$1")"
     if [ -z "$python" ]; then
-        echo "no Python 3.8 here: the unit tests run under Debian's Python alone"
+        echo "no Python $1 here: its unit tests are skipped"
         return
     fi
-    cat requirements*.txt | cmp -s - "$venv/installed-requirements" && return
+    if cmp -s "$pins" "$venv/installed"; then return; fi
     echo "making the virtual environment $venv"
     rm -rf "$venv"
     "$python" -m venv "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check -r requirements-unit.txt
-    cat requirements*.txt >"$venv/installed-requirements"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$pins"
+    cp "$pins" "$venv/installed"
 }
 
-python38_installation=
-case " ${*:-unit38} " in
-    *" unit38 "*) install_python38_packages & python38_installation=$! ;;
-esac
+install_other_python 3.8 & python38=$!
+install_other_python 3.13 & python313=$!
 scripts/setup.sh --dev
-[ -z "$python38_installation" ] || wait "$python38_installation"
+wait "$python38"
+wait "$python313"
 gpr20_use_workspace
 exec python scripts/run_checks.py "$@"

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Iterable, List, Set, Tuple
+from typing import Any, Iterable, List, Set, Tuple
 
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
@@ -138,10 +138,11 @@ def _bag_samples(path: Path) -> List[str]:
         # Without any, the reader would return every message.
         if not connections:
             return []
-        return [
-            reader.deserialize(raw, connection.msgtype).sample_id
+        messages: Iterable[Any] = (
+            reader.deserialize(raw, connection.msgtype)
             for connection, _time, raw in reader.messages(connections)
-        ]
+        )
+        return [message.sample_id for message in messages]
 
 
 def _mcap_samples(path: Path) -> List[str]:

@@ -106,7 +106,7 @@ def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, 
             "--figures",
             tmp_path / "pictures",
             "--json",
-        )  # fmt: skip
+        )
     )
     assert answer["echoes"][0]["polarization_deg"] is None
     assert (tmp_path / "pictures" / "projections_combined.png").exists()

@@ -347,7 +347,11 @@ def test_device_that_goes_silent_is_found_nowhere(device):
 
 
 def test_server_stops_while_a_client_waits(server, link):
-    reading = InBackground(lambda: pytest.raises(EOFError, link.read, io_timeout_ms=60_000))
+    def read_nothing():
+        with pytest.raises(EOFError):
+            link.read(io_timeout_ms=60_000)
+
+    reading = InBackground(read_nothing)
     wait_until(lambda: reading.is_waiting, "start of the read")
     started_s = time.monotonic()
     server.stop()

@@ -14,6 +14,7 @@ from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.high import diagnostics
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
@@ -80,7 +81,7 @@ class AxisNode:
 
     def _home(self, request: TriggerRequest) -> TriggerResponse:
         stopped = self._stop_since_now()
-        caller = request._connection_header.get("callerid", "")
+        caller = connection_header(request).get("callerid", "")
         client_gone = self._server.watch_node(caller)
         return self._find_zero(lambda: self._driver.homing(lambda: stopped() or client_gone()))
 

@@ -10,6 +10,7 @@ import actionlib
 import rospy
 from std_srvs.srv import Trigger
 
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
@@ -129,7 +130,7 @@ class RosAxis:
     def _hear(self, message: CurrentCoordinate) -> None:
         # A recording that is played beside the robot says where another robot stood: a trace
         # could be taken for one from there.
-        speaker = message._connection_header["callerid"]
+        speaker = connection_header(message)["callerid"]
         if speaker != self._driver:
             self._ignore(speaker)
             return

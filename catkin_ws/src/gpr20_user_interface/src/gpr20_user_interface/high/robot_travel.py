@@ -61,5 +61,6 @@ def _record(record_class: Any, group: Dict[str, Any]) -> Any:
 
 def _number(group: Dict[str, Any], field: str) -> float:
     value = group.get(field)
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return float(value) if is_number else math.nan
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return float(value)
+    return math.nan

@@ -7,6 +7,7 @@ from typing import Any, Callable
 import rospy
 from std_msgs.msg import String
 
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_msgs.msg import SurveyCoverage
 from gpr20_msgs.srv import ListSurveys, ReadSurvey, ReadTraces
@@ -69,7 +70,7 @@ class StorageClient(RosEvents):
 
     def _on_trace(self, message: rospy.AnyMsg) -> None:
         try:
-            trace = trace_message.decode(message._buff, message._connection_header["md5sum"])
+            trace = trace_message.decode(message._buff, connection_header(message)["md5sum"])
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:

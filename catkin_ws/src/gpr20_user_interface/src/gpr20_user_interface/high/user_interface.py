@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any, Callable
 
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
@@ -64,7 +65,7 @@ class UserInterface:
             profiles,
             languages,
         )
-        self.signal.told.connect(self.window.on_event, Qt.ConnectionType.QueuedConnection)
+        _connect_queued(self.signal.told, self.window.on_event)
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""
@@ -117,7 +118,7 @@ def _show(application: QApplication) -> int:
     languages = Languages(application, language_from_code(code))
     folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
     interface = UserInterface(SurveyModel(Clock()), languages, Profiles(ProfileFolder(folder)))
-    interface.signal.shut_down.connect(application.quit, Qt.ConnectionType.QueuedConnection)
+    _connect_queued(interface.signal.shut_down, application.quit)
     # First: what is made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
@@ -127,3 +128,8 @@ def _show(application: QApplication) -> int:
     rospy.signal_shutdown("the window was closed")
     del diagnostics
     return status
+
+
+def _connect_queued(signal: Any, slot: Callable[..., None]) -> None:
+    # PyQt's type stubs lack the second argument of connect().
+    signal.connect(slot, Qt.ConnectionType.QueuedConnection)

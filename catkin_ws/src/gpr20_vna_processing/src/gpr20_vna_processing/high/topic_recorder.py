@@ -9,6 +9,7 @@ from typing import Callable, Iterable, List
 import rosgraph
 import rospy
 
+from gpr20_common.high.connection_header import connection_header
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 
@@ -72,7 +73,7 @@ class TopicRecorder:
         return Counter({topic: len(nodes) for topic, nodes in published})
 
     def _received(self, message: rospy.AnyMsg, topic: str) -> None:
-        header = message._connection_header
+        header = connection_header(message)
         self._record(
             RecordedMessage(
                 topic=topic,
