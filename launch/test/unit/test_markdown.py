@@ -1,0 +1,89 @@
+"""Every Markdown file has short lines, and what it links to or names exists."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+LONGEST_LINE = 100
+
+
+def project_files():
+    """Return the paths of all files but those that git ignores."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=str(ROOT),
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    return [name for name in listed.stdout.splitlines() if (ROOT / name).exists()]
+
+
+def without_fences(text):
+    """Return the text without its code blocks."""
+    return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def anchors(path):
+    """Return the anchors of the headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", without_fences(path.read_text(encoding="utf-8")), re.M)
+    # A link in a heading counts by its text.
+    texts = [re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading) for heading in headings]
+    return {re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", "-") for text in texts}
+
+
+def link_targets(text):
+    """Return the targets of inline and reference-style links that are no URLs."""
+    inline = re.findall(r"\]\(([^)\s]+)\)", text)
+    references = re.findall(r"^\[[^\]]+\]: (\S+)$", text, re.MULTILINE)
+    return [target for target in inline + references if "://" not in target]
+
+
+def named_files(text):
+    """Return the files of the project that code spans name."""
+    endings = "py|sh|test|launch|yaml|toml"
+    return re.findall(rf"`((?:[\w.-]+/)*[\w-]+\.(?:{endings}))`", text)
+
+
+@pytest.fixture(params=[name for name in project_files() if name.endswith(".md")])
+def document(request):
+    return ROOT / request.param
+
+
+def test_no_line_is_longer_than_the_limit(document):
+    lines = document.read_text(encoding="utf-8").splitlines()
+    too_long = [
+        f"{document.relative_to(ROOT)}:{number}"
+        for number, line in enumerate(lines, 1)
+        if len(re.sub(r"https?://\S+", "", line)) > LONGEST_LINE
+    ]
+    assert too_long == []
+
+
+def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
+    broken = []
+    for target in link_targets(without_fences(document.read_text(encoding="utf-8"))):
+        name, _hash, anchor = target.partition("#")
+        path = (document.parent / name).resolve() if name else document
+        if not path.exists() or (anchor and anchor not in anchors(path)):
+            broken.append(target)
+    assert broken == []
+
+
+def test_every_file_that_is_named_exists(document):
+    text = without_fences(document.read_text(encoding="utf-8"))
+    there = [f"/{name}" for name in project_files()]
+    missing = [name for name in named_files(text) if not any(path.endswith(name) for path in there)]
+    assert missing == []
+
+
+def test_every_reference_style_link_is_defined(document):
+    text = without_fences(document.read_text(encoding="utf-8"))
+    defined = {name.lower() for name in re.findall(r"^\[([^\]]+)\]: ", text, re.MULTILINE)}
+    used = {name.lower() for name in re.findall(r"\]\[([^\]]+)\]", text)}
+    assert used == defined
