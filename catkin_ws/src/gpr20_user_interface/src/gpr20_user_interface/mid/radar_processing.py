@@ -31,7 +31,7 @@ class FrequencyToDelay:
 
     Args:
         frequency_hz: Ascending frequencies [Hz], at least two.
-        max_samples: How many delays to keep at most.
+        max_samples: Largest number of delays.
     """
 
     def __init__(self, frequency_hz: np.ndarray, max_samples: int) -> None:
@@ -54,7 +54,7 @@ class FrequencyToDelay:
         return np.arange(self.samples) * self.step_s
 
     def fits(self, frequency_hz: np.ndarray) -> bool:
-        """Say whether a sweep has the frequencies of this transform."""
+        """Return whether a sweep has the frequencies of this transform."""
         return len(frequency_hz) == len(self._frequency_hz) and bool(
             np.allclose(frequency_hz, self._frequency_hz, rtol=1e-9, atol=0.0)
         )

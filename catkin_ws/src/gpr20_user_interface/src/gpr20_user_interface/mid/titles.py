@@ -1,0 +1,56 @@
+"""What the states of a survey, the nodes and their health are called."""
+
+from __future__ import annotations
+
+from typing import Dict
+
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import HealthLevel
+
+_STATES: Dict[SurveyState, Message] = {
+    SurveyState.IDLE: Message("IDLE"),
+    SurveyState.CONFIGURED: Message("CONFIGURED"),
+    SurveyState.CHECKING: Message("CHECKING"),
+    SurveyState.HOMING: Message("HOMING"),
+    SurveyState.SURVEYING: Message("SURVEYING"),
+    SurveyState.PAUSED: Message("PAUSED"),
+    SurveyState.PAUSING: Message("PAUSING"),
+    SurveyState.STOPPING: Message("STOPPING"),
+    SurveyState.FINISHED: Message("FINISHED"),
+    SurveyState.STOPPED: Message("STOPPED"),
+    SurveyState.FAILED: Message("FAILED"),
+}
+
+_LEVELS: Dict[HealthLevel, Message] = {
+    HealthLevel.OK: Message("GOOD"),
+    HealthLevel.WARN: Message("WARNING"),
+    HealthLevel.ERROR: Message("FAULT"),
+    HealthLevel.STALE: Message("OFFLINE"),
+}
+
+_NODES: Dict[str, Message] = {
+    "main_control": Message("Main control"),
+    "vna_acquisition": Message("VNA driver"),
+    "vna_processing": Message("Storage"),
+    "x_axis/axis_driver": Message("X axis"),
+    "y_axis/axis_driver": Message("Y axis"),
+    "z_axis/axis_driver": Message("Z axis"),
+    "height_sensor": Message("Height sensor"),
+    "simulator": Message("Simulator"),
+}
+
+
+def state_title(state: SurveyState) -> Message:
+    """Return a state of a survey as a title."""
+    return _STATES[state]
+
+
+def level_title(level: HealthLevel) -> Message:
+    """Return the health of a node in one word."""
+    return _LEVELS[level]
+
+
+def node_title(name: str) -> Message:
+    """Return what the operator calls a node; one without a title keeps its name."""
+    return _NODES.get(name) or verbatim(name)
