@@ -90,7 +90,7 @@ def filled_map(stored=(), failed=()):
     grid = make_grid()
     coverage = Coverage(grid.planned, stored)
     for index in failed:
-        coverage.note_failed(index, f"reason {index}")
+        coverage.note_failed(index, verbatim(f"reason {index}"))
     model = MapModel()
     model.set_grid(grid)
     model.set_coverage(runs_of(coverage))

@@ -95,7 +95,7 @@ def test_help_and_faults_are_in_the_language_of_the_catalogue(capsys):
         parse(["--help"], spanish)
     text = capsys.readouterr().out
     assert "la campaña terminó: todas las trazas previstas están guardadas" in text
-    assert "(por defecto 15)" in text
+    assert "(por defecto 15)" in " ".join(text.split())
     with pytest.raises(SystemExit):
         parse(["--wait", "0"], spanish)
     assert "'0' no es un número de segundos mayor que cero" in capsys.readouterr().err

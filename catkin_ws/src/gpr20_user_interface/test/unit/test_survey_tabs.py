@@ -107,7 +107,7 @@ def test_the_language_changes_at_once(application):
     show(shown, TabName.RADAR)
     views = shown.window
     assert "Gris: no medido" in views.radar.note.text()
-    assert views.map.next_problem.text() == "Siguiente incompleto"
+    assert views.map.next_problem.text() == "Siguiente\nincompleto"
     assert "INCOMPLETA" in views.past.table.item(0, 1).text()
     click(views.radar.controls.background)
     assert views.radar.controls.background.text() == "Fondo\nincluido"
@@ -116,5 +116,6 @@ def test_the_language_changes_at_once(application):
 
 def test_a_text_without_translation_is_shown_in_english_and_never_empty(application):
     languages = Languages(application, Language.SPANISH)
-    assert QApplication.translate("NoSuchView", "STOP") == "STOP"
+    assert QApplication.translate("AnyView", "NO SUCH TEXT") == "NO SUCH TEXT"
+    assert QApplication.translate("AnyView", "STOP") == "DETENER"
     languages.close()

@@ -117,7 +117,7 @@ def test_a_storage_that_does_not_answer_is_asked_again(window, storage):
     window.on_event(SurveyDescribed(description()))
     window.on_event(stored(2))
     refresh(window, 2)
-    window.on_event(ReadingFailed("service read_traces did not answer"))
+    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
     refresh(window, RETRY_REFRESHES + 2)
     assert storage.asked == [("traces", SURVEY, 0)] * 2
 
@@ -165,10 +165,10 @@ def listed(*surveys, before="", more=False):
     return SurveysListed(before, surveys, more)
 
 
-def past(outcome="stopped", complete=False, survey_id=OTHER, problem="", folder=FOLDER):
+def past(outcome="stopped", complete=False, survey_id=OTHER, problem=None, folder=FOLDER):
     started = "" if problem else "2026-11-21T05:10:00.000000+00:00"
     count = 0 if problem else 7
-    verdict = "INCOMPLETE: 7 of 40"
+    verdict = verbatim("INCOMPLETE: 7 of 40")
     return PastSurvey(
         folder, survey_id, started, outcome, count, 40, verdict, complete, True, problem
     )
@@ -181,7 +181,9 @@ def cell(window, row, column):
 def test_the_list_says_what_became_of_each_survey(window, storage):
     window.show_tab(TabName.SURVEYS)
     assert storage.asked == [("list", "")]
-    damaged = past(problem="survey.json cannot be read", folder="20261120T051000_0f8fad5b")
+    damaged = past(
+        problem=verbatim("survey.json cannot be read"), folder="20261120T051000_0f8fad5b"
+    )
     window.on_event(listed(past(), damaged, past("finished", True)))
     assert cell(window, 0, 0) == "2026-11-21 05:10"
     assert "INCOMPLETE" in cell(window, 0, 1)
@@ -194,7 +196,7 @@ def test_the_list_says_what_became_of_each_survey(window, storage):
 def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
     view = window.past
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past(), past("finished", True), past(problem="torn")))
+    window.on_event(listed(past(), past("finished", True), past(problem=verbatim("torn"))))
     allowed = []
     for row in range(3):
         view.table.selectRow(row)
@@ -245,7 +247,7 @@ def test_pages_of_the_list_are_joined(window, storage):
 
 
 def test_why_the_list_cannot_be_read_is_shown(window):
-    window.on_event(ReadingFailed("service list_surveys did not answer; check its node"))
+    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
     assert "did not answer" in window.past.details.text()
 
 

@@ -158,7 +158,7 @@ class MapView(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
-        self.next_problem.setText(self.tr("Next unfinished stop"))
+        self.next_problem.setText(self.tr("Next\nunfinished stop"))
         self._label_plot(Axis.DEPTH_MM)
         self._drawn = ()
         self._show_legend()
