@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every fault of the simulated robot: what the operator reads, and that the survey goes on.
+"""Every fault of the simulated robot: what the operator reads, and that the survey continues.
 
 A survey that meets a fault pauses; nothing wrong is stored; once the fault is gone it ends
 with every point exactly once.
@@ -165,7 +165,7 @@ class FaultsTest(unittest.TestCase):
         self.wait_for_pause("homing the x axis failed", "stuck closed")
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
-        # The axis has its zero back: it stands where it says.
+        # The axis has its zero back: it is where it reports to be.
         self.assertEqual(self.state.steps(AxisId.X), 100 * self.FAR_MM)
 
     def test_03_an_endstop_stuck_open_does_no_harm_before_the_next_homing(self):
