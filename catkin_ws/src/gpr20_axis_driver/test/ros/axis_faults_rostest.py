@@ -141,7 +141,7 @@ class AxisFaultsTest(unittest.TestCase):
         steps = self.z.steps
         response = self.z.call("homing")
         self.assertFalse(response.success)
-        self.assertIn("to their mark and call the service set_zero", response.message)
+        self.assertIn("to their mark and set the zero of this axis", response.message)
         self.assertEqual(self.z.steps, steps)
         self.assertTrue(self.z.call("set_zero").success)
         wait_until(lambda: self.z.last.homed)
@@ -185,7 +185,7 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertLess(self.x.steps, FAR_MM * X_STEPS_PER_MM)
         state, result = self.x.finish()
         self.assertEqual(state, GoalStatus.ABORTED)
-        self.assertIn("the node hung", result.message)
+        self.assertIn("the axis driver did not respond for 2 s", result.message)
         wait_until(lambda: round(self.x.last.coordinate * X_STEPS_PER_MM) == self.x.steps)
         self.assertTrue(self.x.last.homed)
         self.assertEqual(self.x.move(1.0)[0], GoalStatus.SUCCEEDED)

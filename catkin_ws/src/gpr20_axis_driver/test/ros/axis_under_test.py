@@ -11,9 +11,9 @@ import actionlib
 import rosgraph
 import rosnode
 import rospy
-from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
+from gpr20_msgs.srv import Command
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 
@@ -58,7 +58,7 @@ class Axis:
 
     def call(self, service):
         rospy.wait_for_service(f"{self.group}/{service}", LIMIT_S)
-        return rospy.ServiceProxy(f"{self.group}/{service}", Trigger)()
+        return rospy.ServiceProxy(f"{self.group}/{service}", Command)()
 
     def home(self):
         response = self.call("homing")

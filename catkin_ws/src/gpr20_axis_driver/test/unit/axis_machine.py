@@ -121,7 +121,7 @@ class DirectPulses:
     def __init__(self, runner, count):
         self.runner = runner
         self.memory = count
-        self.failure = ""
+        self.failure = None
 
     @property
     def steps(self):
@@ -141,7 +141,7 @@ class DirectPulses:
         self.memory.rest()
 
     def revive(self):
-        self.failure = ""
+        self.failure = None
 
     def close(self):
         self.runner.close()

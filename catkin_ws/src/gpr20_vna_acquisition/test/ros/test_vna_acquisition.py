@@ -135,10 +135,10 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def test_nothing_works_before_its_time(self):
         self.assertTrue(self.call("connection", False, "").success)
-        self.assert_refused(self.call("get_data"), "call the service connection first")
-        self.assert_refused(self.call("get_freq"), "call the service connection first")
+        self.assert_refused(self.call("get_data"), "connect it first")
+        self.assert_refused(self.call("get_freq"), "connect it first")
         self.connect()
-        self.assert_refused(self.call("get_data"), "call the service freq_sweep_setup first")
+        self.assert_refused(self.call("get_data"), "configure it first")
 
     def test_a_silent_address_is_answered_in_time(self):
         # The port lookup serves 127.x.x.x, so the silence comes from a network without hosts:
@@ -150,13 +150,13 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def test_another_instrument_is_refused(self):
         self.fault("wrong_identity")
-        self.assert_refused(self.call("connection", True, "127.0.0.1"), "expected is Anritsu")
+        self.assert_refused(self.call("connection", True, "127.0.0.1"), "expected Anritsu")
 
     def test_a_refused_setting_is_told_and_nothing_is_measured(self):
         self.set_up_sweep()
         self.fault("refuse_settings")
         answer = self.call("freq_sweep_setup", START_HZ, STOP_HZ, POINTS + 1)
-        self.assert_refused(answer, f"number of points shall be {POINTS + 1} and is")
+        self.assert_refused(answer, f"instead of {POINTS + 1}")
         self.assert_refused(self.call("get_data"), "freq_sweep_setup")
 
     def test_a_single_failure_is_repeated_and_never_becomes_data(self):
@@ -175,7 +175,11 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def test_a_lasting_failure_is_told_and_the_next_sweep_is_good(self):
         self.set_up_sweep()
-        for fault, words in (("truncate", "is cut"), ("nan", "not finite"), ("drop", "closed")):
+        for fault, words in (
+            ("truncate", "incomplete"),
+            ("nan", "not finite"),
+            ("drop", "closed"),
+        ):
             self.fault(fault)
             self.assert_refused(self.call("get_data"), words)
             self.fault("none")
