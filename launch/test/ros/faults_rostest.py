@@ -15,12 +15,12 @@ import numpy as np
 import rospy
 import rostest
 import vxi11
-from std_srvs.srv import Trigger
 from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
 from gpr20_msgs.msg import ControlStatus, SurveyParameters, Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
+    Command,
     Connection,
     FreqSweepSetup,
     GetCalibrationStatus,
@@ -38,13 +38,13 @@ from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 
 TRACES = 18
-RESUMABLE = "resume when it is mended, or stop"
+RESUMABLE = "Fix the fault and resume, or stop."
 NAN = float("nan")
 # What each service must refuse before there is a survey or a connection.
 REFUSED = (
     ("set_survey_parameters", SetSurveyParameters, SurveyParameters(x_start_mm=NAN)),
     ("start_survey", StartSurvey),
-    ("stop_survey", Trigger),
+    ("stop_survey", Command),
     ("resume_survey", ResumeSurvey, ""),
     ("connection", Connection, True, "here"),
     ("freq_sweep_setup", FreqSweepSetup, NAN, -1.0, 0),
@@ -259,7 +259,7 @@ class FaultsTest(unittest.TestCase):
         pid = node_pid("/vna_acquisition")
         os.kill(pid, signal.SIGSTOP)
         try:
-            self.wait_for_pause("vna_acquisition went silent", "did not come back within 3 s")
+            self.wait_for_pause("the VNA driver stopped answering", "no answer within 3 s")
         finally:
             os.kill(pid, signal.SIGCONT)
         self.finish(survey_id)

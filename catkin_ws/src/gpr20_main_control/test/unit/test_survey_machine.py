@@ -12,6 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from keeping_storage import KeepingStorage, folder_of
 from survey_examples import PARAMETERS, TRAVEL
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_survey.plan.survey_parameters import SurveyParametersError
 from gpr20_survey.plan.survey_plan import survey_points
@@ -43,7 +44,7 @@ class GatedAnalyzer(FakeAnalyzer):
                     lambda: self.granted is ticket or self.waiting is not ticket, LIMIT_S
                 )
                 if self.granted is not ticket:
-                    raise DeviceError("nobody waits for this sweep any more")
+                    raise DeviceError(Message("nobody waits for this sweep any more"))
         return super().sweep()
 
     def grant(self):
@@ -101,7 +102,7 @@ class SurveyMachine(RuleBasedStateMachine):
         if state in MEASURING:
             return self.analyzer.waiting is not None and (self.storage.broken or self.all_stored())
         if state is State.CHECKING:
-            return bool(self.nodes.missing()) and "holding" in self.bench.board.status.message
+            return bool(self.nodes.missing()) and "Waiting" in str(self.bench.board.status.message)
         return state is State.PAUSED or state in AT_REST
 
     def all_stored(self):
@@ -244,7 +245,7 @@ class SurveyMachine(RuleBasedStateMachine):
     def lose_zero(self):
         self.bench.x.homed = False
 
-    @rule(node=st.sampled_from(NODES))
+    @rule(node=st.sampled_from(list(NODES)))
     def node_dies(self, node):
         self.nodes.note_silent(node)
         if node == "vna_processing":
@@ -252,9 +253,8 @@ class SurveyMachine(RuleBasedStateMachine):
         if node == "x_axis/axis_driver":
             self.bench.x.homed = False
         self.wait_for_hold()
-        assert f"{node} does not answer" in self.bench.board.status.text or (
-            len(self.nodes.missing()) > 1
-        )
+        shown = self.bench.board.status.full_message
+        assert "does not answer" in shown.sentence() and node in shown.all_details
 
     def wait_for_hold(self):
         deadline_s = time.monotonic() + LIMIT_S
@@ -298,7 +298,7 @@ class SurveyMachine(RuleBasedStateMachine):
             assert set(self.storage.samples[status.survey_id]) == set(range(len(PLAN)))
             assert self.storage.outcomes[status.survey_id] == "finished"
         elif status.state in (State.STOPPED, State.PAUSED, State.FAILED):
-            assert "complete:" not in status.message or "INCOMPLETE" in status.message
+            assert "complete:" not in str(status.message)
 
     @invariant()
     def what_is_shown_as_visited_is_stored(self):
