@@ -20,7 +20,7 @@ POLL_S = 0.02
 
 
 class TopicRecorder:
-    """Hands every message of some topics on as the bytes that came."""
+    """Passes every message of some topics on as the bytes that came."""
 
     def __init__(
         self,
@@ -51,10 +51,10 @@ class TopicRecorder:
         What a publisher sends before is in no recording.
 
         Args:
-            limit_s: At most so long [s].
+            limit_s: Longest wait [s].
 
         Returns:
-            The topics that lack a publisher still; its node may be dead.
+            The topics that still lack a publisher; its node may be dead.
         """
         deadline_s = time.monotonic() + limit_s
         while True:
