@@ -139,7 +139,7 @@ def test_touch_on_a_node_opens_its_message_details_and_values(window):
     )
     show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     QTest.qWait(1)
-    click(window.status.health.row("vna_processing").words)
+    click(window.status.health.row("vna_processing").message)
     assert window.notice.title.text() == "Storage: FAULT"
     assert window.notice.reason.toPlainText() == "the disk is full"
     assert window.notice.details.toPlainText().splitlines() == [

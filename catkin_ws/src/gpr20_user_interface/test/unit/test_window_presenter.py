@@ -58,7 +58,7 @@ class EstimatorThatRecords:
 
 
 class Link(QObject):
-    told = pyqtSignal(object)
+    event_came = pyqtSignal(object)
 
 
 class WatchedModel(SurveyModel):
@@ -155,10 +155,10 @@ def test_granted_request_opens_no_dialog(parts):
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
     window, _, model = parts
     link = Link()
-    link.told.connect(window.on_event, Qt.ConnectionType.QueuedConnection)
+    link.event_came.connect(window.on_event, Qt.ConnectionType.QueuedConnection)
     events = [state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
     for event in events:
-        thread = threading.Thread(target=link.told.emit, args=(event,))
+        thread = threading.Thread(target=link.event_came.emit, args=(event,))
         thread.start()
         thread.join()
     assert model.threads == []

@@ -115,7 +115,7 @@ class ControlClient(RosEvents):
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
-        in_background(lambda: self._tell(self._stop_answer()))
+        in_background(lambda: self._emit(self._stop_answer()))
 
     def pause_survey(self) -> None:
         """Ask to pause the survey; the answer is an event."""
@@ -138,10 +138,10 @@ class ControlClient(RosEvents):
                 self._master.check()
                 for service in (self._stop, *self._axis_stops.values()):
                     service.remember()
-            self._tell(limits)
+            self._emit(limits)
         except (rosgraph.MasterException, OSError) as error:
             reason = Message("the ROS master does not answer", details=error)
-            self._tell(AxisLimits(None, reason, master_alive=False))
+            self._emit(AxisLimits(None, reason, master_alive=False))
         finally:
             self._reading_limits.release()
 
@@ -150,7 +150,7 @@ class ControlClient(RosEvents):
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
-        self._tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
+        self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
     def _stop_answer(self) -> Answer:
@@ -189,11 +189,11 @@ class ControlClient(RosEvents):
         return self._resume.call(START_TIMEOUT_S, survey=survey_id)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
-        in_background(lambda: self._tell(_answer(request, ask)))
+        in_background(lambda: self._emit(_answer(request, ask)))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._tell(health)
+            self._emit(health)
 
 
 def _answer(request: Request, ask: Callable[[], Any]) -> Answer:

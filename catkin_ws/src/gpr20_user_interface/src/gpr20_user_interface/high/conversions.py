@@ -135,7 +135,7 @@ def survey_read(folder: str, response: Any) -> SurveyRead:
 def traces_read(first_index: int, response: Any) -> TracesRead:
     """Convert the answer of `read_traces`."""
     found = [(message.index, serialized(message)) for message in response.traces]
-    unreadable = _reasons(response.unreadable, ())
+    unreadable = _reasons(response.unreadable, response.unreadable_json)
     return page_of_traces(response.survey_id, first_index, found, unreadable)
 
 

@@ -17,13 +17,13 @@ class RosEvents:
 
     def __init__(self, listener: Callable[[Any], None]) -> None:
         self._listener = listener
-        self._telling = threading.Lock()
+        self._emitting = threading.Lock()
         self._closed = False
         self._subscribers: List[rospy.Subscriber] = []
 
     def close(self) -> None:
         """Call the listener no more, even if messages are in flight."""
-        with self._telling:
+        with self._emitting:
             self._closed = True
         for subscriber in self._subscribers:
             subscriber.unregister()
@@ -34,19 +34,19 @@ class RosEvents:
     ) -> None:
         """Emit an event for each message of a topic; `queue_size` None: any number may wait."""
         self._subscribe_raw(
-            name, message_class, lambda message: self._tell(convert(message)), queue_size
+            name, message_class, lambda message: self._emit(convert(message)), queue_size
         )
 
     def _subscribe_raw(
         self, name: str, message_class: Any, received: Callable[[Any], None], queue_size: Any
     ) -> None:
-        """Call a function for each message of a topic; it may `_tell` any number of events."""
+        """Call a function for each message of a topic; it may `_emit` any number of events."""
         self._subscribers.append(
             rospy.Subscriber(name, message_class, received, queue_size=queue_size)
         )
 
-    def _tell(self, event: Any) -> None:
-        with self._telling:
+    def _emit(self, event: Any) -> None:
+        with self._emitting:
             if not self._closed:
                 self._listener(event)
 

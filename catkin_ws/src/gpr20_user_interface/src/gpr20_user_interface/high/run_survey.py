@@ -34,7 +34,7 @@ from gpr20_user_interface.mid.survey_session import SurveySession, outcome_lines
 
 
 def main() -> int:
-    """Run a survey as the command line says; return the exit status."""
+    """Run a survey as the command line asks; return the exit status."""
     arguments = rospy.myargv()[1:]
     catalogue = read_catalogue(terminal_language(arguments, os.environ))
     options = parse_arguments(arguments, catalogue)

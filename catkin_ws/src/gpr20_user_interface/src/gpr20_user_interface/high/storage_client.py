@@ -76,10 +76,10 @@ class StorageClient(RosEvents):
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:
-            self._tell(trace)
+            self._emit(trace)
 
     def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
-        in_background(lambda: self._tell(self._answer(call, convert)))
+        in_background(lambda: self._emit(self._answer(call, convert)))
 
     @staticmethod
     def _answer(call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> TraceEvent:

@@ -45,11 +45,11 @@ class EventSignal(QObject):
 
     # Methods, not the signals' own emit: a signal does not hold a reference to its object, and
     # threads of ROS may outlive every other reference.
-    def tell(self, event: object) -> None:
+    def emit_event(self, event: object) -> None:
         """Emit an event."""
         self.event_came.emit(event)
 
-    def tell_shut_down(self) -> None:
+    def emit_shut_down(self) -> None:
         """Emit that ROS asks this node to end."""
         self.shut_down.emit()
 
@@ -59,10 +59,10 @@ class UserInterface:
 
     def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
         self.signal = EventSignal()
-        self.control = ControlClient(self.signal.tell)
-        self.storage = StorageClient(self.signal.tell)
+        self.control = ControlClient(self.signal.emit_event)
+        self.storage = StorageClient(self.signal.emit_event)
         self.window = MainWindow(
-            WindowPresenter(model, self.control, CostEstimator(self.signal.tell)),
+            WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
             TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
             profiles,
             languages,
@@ -71,7 +71,7 @@ class UserInterface:
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""
-        rospy.on_shutdown(self.signal.tell_shut_down)
+        rospy.on_shutdown(self.signal.emit_shut_down)
         self.control.listen()
         self.control.listen_to_robot()
         self.storage.listen()
@@ -86,7 +86,7 @@ class UserInterface:
 
     def health(self) -> Health:
         """Return the health of this node."""
-        # The snapshot is immutable: safe to look at from ROS's threads.
+        # The snapshot is immutable: safe to read from ROS's threads.
         snapshot = self.window.survey.snapshot
         if snapshot.control_alive:
             return OK, Message("in contact with the main control"), {}

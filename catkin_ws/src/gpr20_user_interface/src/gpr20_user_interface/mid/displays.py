@@ -9,7 +9,6 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.events import ControlState, Progress
-from gpr20_user_interface.mid.titles import state_title
 
 # A line is written for each such part of the survey.
 STEP_PERCENT = 5.0
@@ -115,7 +114,7 @@ class BarDisplay:
         """Move the bar, behind the state of the survey."""
         before = ""
         if state is not None:
-            title = self._catalogue.text(state_title(state.code))
+            title = self._catalogue.text(state.code.label)
             simulated = f"{self._catalogue.tr('SIMULATED')} " if state.simulated else ""
             before = f"{simulated}{title} "
         done, total = progress.visited_points, progress.total_points

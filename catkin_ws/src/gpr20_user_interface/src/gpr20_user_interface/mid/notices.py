@@ -8,7 +8,7 @@ from typing import Dict, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth
-from gpr20_user_interface.mid.titles import level_title, node_title, state_title
+from gpr20_user_interface.mid.titles import level_title, node_title
 
 NO_REPORT = Message("no report")
 
@@ -72,7 +72,7 @@ def refusal_notice(refused: Refused, reason: Message) -> Notice:
 
 def state_notice(state: ControlState) -> Notice:
     """Return the whole status message of the main control."""
-    return Notice(state_title(state.code), state.message, details=state.message.all_details)
+    return Notice(state.code.label, state.message, details=state.message.all_details)
 
 
 def node_notice(node: NodeHealth) -> Notice:

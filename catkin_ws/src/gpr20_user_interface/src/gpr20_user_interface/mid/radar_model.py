@@ -62,7 +62,7 @@ class RadarModel:
         """Take a trace.
 
         Raises:
-            SurveyNotReadableError: It does not belong where it says; it is not shown.
+            SurveyNotReadableError: It does not belong to its place in the plan; it is not shown.
         """
         if self.grid is None or trace.survey_id != self.grid.survey_id:
             raise SurveyNotReadableError(

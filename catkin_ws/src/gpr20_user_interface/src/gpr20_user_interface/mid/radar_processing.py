@@ -88,7 +88,7 @@ def echoes_at(echoes: np.ndarray, step_s: float, delays_s: np.ndarray) -> np.nda
     Args:
         echoes: Complex samples, shape (n, samples).
         step_s: Delay between two samples [s].
-        delays_s: Delays to look at, shape (n, m) [s].
+        delays_s: Delays of the result, shape (n, m) [s].
     """
     place = delays_s / step_s
     last = echoes.shape[1] - 1

@@ -17,7 +17,6 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.titles import state_title
 
 
 class Mode(enum.Enum):
@@ -182,7 +181,7 @@ class SurveyFollower:
                 ExitStatus.REFUSED,
                 Message(
                     "No survey is running. The main control is {state}: {message}",
-                    state=state_title(state.code),
+                    state=state.code.label,
                     message=state.message,
                 ),
             )
@@ -305,6 +304,6 @@ def _replaced(survey_id: str, state: ControlState) -> Message:
         "traces measured so far are in the survey's folder. The main control is {state}: "
         "{message}",
         survey=survey_id,
-        state=state_title(state.code),
+        state=state.code.label,
         message=state.message,
     )

@@ -241,7 +241,7 @@ class SurveyModel:
 
     def _beginning(self) -> Set[Request]:
         # The answer to START may come before the first status of its survey: START stays
-        # locked until then, but not for ever.
+        # locked until then, but not without a limit.
         recent = self._clock.now_s() - self._started_s <= CONTROL_SILENCE_S
         known = self._state is not None and self._state.survey_id == self._started_id
         return {Request.START} if recent and not known else set()

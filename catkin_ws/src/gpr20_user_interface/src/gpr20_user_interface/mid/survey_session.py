@@ -17,7 +17,6 @@ from gpr20_user_interface.mid.events import (
     StopRequested,
 )
 from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
-from gpr20_user_interface.mid.titles import state_title
 
 TICK_S = 0.2
 # Messages, or ticks, by which the progress of a finished survey may lag behind its end.
@@ -109,7 +108,7 @@ class SurveySession:
             return
         self._state = state
         self._display.note(
-            Message("{state}: {message}", state=state_title(state.code), message=state.message)
+            Message("{state}: {message}", state=state.code.label, message=state.message)
         )
         if self._progress is not None:
             self._display.show(self._progress, state)

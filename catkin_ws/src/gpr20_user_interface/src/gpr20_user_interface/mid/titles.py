@@ -1,26 +1,11 @@
-"""What the states of a survey, the nodes and their health are called."""
+"""What the nodes and their health are called."""
 
 from __future__ import annotations
 
 from typing import Dict
 
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import HealthLevel
-
-_STATES: Dict[SurveyState, Message] = {
-    SurveyState.IDLE: Message("IDLE"),
-    SurveyState.CONFIGURED: Message("CONFIGURED"),
-    SurveyState.CHECKING: Message("CHECKING"),
-    SurveyState.HOMING: Message("HOMING"),
-    SurveyState.SURVEYING: Message("SURVEYING"),
-    SurveyState.PAUSED: Message("PAUSED"),
-    SurveyState.PAUSING: Message("PAUSING"),
-    SurveyState.STOPPING: Message("STOPPING"),
-    SurveyState.FINISHED: Message("FINISHED"),
-    SurveyState.STOPPED: Message("STOPPED"),
-    SurveyState.FAILED: Message("FAILED"),
-}
 
 _LEVELS: Dict[HealthLevel, Message] = {
     HealthLevel.OK: Message("GOOD"),
@@ -39,11 +24,6 @@ _NODES: Dict[str, Message] = {
     "height_sensor": Message("Height sensor"),
     "simulator": Message("Simulator"),
 }
-
-
-def state_title(state: SurveyState) -> Message:
-    """Return a state of a survey as a title."""
-    return _STATES[state]
 
 
 def level_title(level: HealthLevel) -> Message:

@@ -63,7 +63,7 @@ class HealthPanel(TranslatedWidget):
     def texts(self, node: str) -> str:
         """Return the level and the message that are shown for a node."""
         row = self.row(node)
-        return f"{row.level.text()}: {row.words.whole}"
+        return f"{row.level.text()}: {row.message.whole}"
 
     def row(self, node: str) -> HealthRow:
         """Return the line of a node."""
@@ -100,7 +100,7 @@ class HealthPanel(TranslatedWidget):
         details = "\n".join(
             f"{shown_text(node_title(node.name))}: {shown_text(node_text(node))}"
             for row, node in zip(self._rows, report.nodes)
-            if node.level in SHOWN_IN_FULL or row.words.is_cut
+            if node.level in SHOWN_IN_FULL or row.message.is_cut
         )
         if details != self.details:
             self._details.setPlainText(details)
@@ -134,10 +134,10 @@ class HealthRow:
 
     def __init__(self, number: int, grid: QGridLayout) -> None:
         self.node: Optional[NodeHealth] = None
-        self.name, self.level, self.words = QLabel(), QLabel(), ElidedLabel()
+        self.name, self.level, self.message = QLabel(), QLabel(), ElidedLabel()
         self.level.setAlignment(Qt.AlignmentFlag.AlignCenter)
         row = FIRST_ROW + number
-        for column, label in enumerate((self.name, self.level, self.words)):
+        for column, label in enumerate((self.name, self.level, self.message)):
             grid.addWidget(label, row, column)
 
     @property
@@ -156,4 +156,4 @@ class HealthRow:
         self.name.setText(shown_text(node_title(node.name)))
         self.level.setText(shown_text(level_title(node.level)))
         set_look(self.level, "level", LOOKS[node.level])
-        self.words.show_text(shown_text(node_text(node)))
+        self.message.show_text(shown_text(node_text(node)))

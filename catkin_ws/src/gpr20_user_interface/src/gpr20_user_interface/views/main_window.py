@@ -35,7 +35,7 @@ from gpr20_user_interface.views.translation import Languages, TranslatedWidget
 
 WIDTH_PX = 800
 HEIGHT_PX = 480
-# Topics come at up to 50 Hz; nobody reads figures that change more often than this.
+# Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
 # A trace must be seen within a second; drawing more often than this costs a core and shows no more.
 DRAW_MS = 250

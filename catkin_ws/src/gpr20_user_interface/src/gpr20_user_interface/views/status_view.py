@@ -20,7 +20,6 @@ from PyQt5.QtWidgets import (
 from gpr20_user_interface.mid.displays import remaining
 from gpr20_user_interface.mid.events import ControlState, Position, Progress
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.titles import state_title
 from gpr20_user_interface.views.health_panel import HealthPanel
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
@@ -91,7 +90,7 @@ class MessagePanel(TranslatedWidget):
         message = "" if self._shown is None else shown_text(self._shown.message)
         if message != self.text.toPlainText():
             self.text.setPlainText(message)
-        title = None if self._shown is None else state_title(self._shown.code)
+        title = None if self._shown is None else self._shown.code.label
         self._title.setText(UNKNOWN if title is None else shown_text(title))
 
     def _on_touched(self) -> None:

@@ -10,7 +10,6 @@ from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
 
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.titles import state_title
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 HEIGHT_PX = 64
@@ -67,7 +66,7 @@ class TopBar(TranslatedWidget):
     def _title(self, snapshot: Snapshot) -> str:
         if snapshot.state is None:
             return UNKNOWN
-        title = shown_text(state_title(snapshot.state.code))
+        title = shown_text(snapshot.state.code.label)
         if not snapshot.running or snapshot.progress is None:
             return title
         # Rounded down: only a complete survey is shown as 100 %.
