@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QLabel, QTextEdit, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.notices import Notice
 from gpr20_user_interface.views.overlay import Overlay
@@ -62,8 +62,8 @@ class NoticeView(Overlay):
         self.details.setPlainText("\n".join(notice.details))
 
 
-def _text_area() -> QPlainTextEdit:
-    area = QPlainTextEdit()
+def _text_area() -> QTextEdit:
+    area = QTextEdit()
     area.setReadOnly(True)
     area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
     return area

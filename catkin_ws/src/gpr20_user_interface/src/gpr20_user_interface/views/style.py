@@ -80,9 +80,9 @@ QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QLabel#simulated {{ {css(TextColours.SIMULATED)} font-weight: bold; padding: 4px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-size: {SMALL_TEXT_PX}px; font-weight: bold;
     padding: 0 6px; }}
-QLabel[level="good"] {{ {css(TextColours.GOOD)} }}
-QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} }}
-QLabel[level="bad"] {{ {css(TextColours.BAD)} }}
+QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 3px; }}
+QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 3px; }}
+QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 3px; }}
 QLabel[level="wrong"] {{ {css(TextColours.WRONG)} }}
 
 QTabWidget::pane {{ border: none; border-top: {BORDER_PX}px solid {BORDER}; }}
@@ -107,7 +107,7 @@ QLineEdit {{ min-height: {TOUCH_PX - 2 * BORDER_PX}px; border: {BORDER_PX}px sol
 QLineEdit[wrong="true"] {{ {css(TextColours.WRONG)} border-color: {TextColours.WRONG.value.ink}; }}
 QLineEdit:disabled {{ {css(TextColours.LOCKED)} }}
 QPlainTextEdit, QTextEdit {{ border: none; min-height: {TOUCH_PX}px; }}
-QPlainTextEdit#details {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
+QTextEdit#details {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
 QListWidget {{ border: {BORDER_PX}px solid {BORDER}; }}
 QListWidget::item {{ min-height: {TOUCH_PX}px; }}
 QListWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
