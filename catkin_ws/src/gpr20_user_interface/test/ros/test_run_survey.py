@@ -221,7 +221,8 @@ class RunSurvey(unittest.TestCase):
         self.fake.pause(Message("the disk is full", details="errno 28"))
         output = self.end_of(process)
         self.assertEqual(process.returncode, 4, output)
-        self.assertIn("EN PAUSA: el disco está lleno (errno 28)", output)
+        self.assertIn("Campaña EN PAUSA", output)
+        self.assertIn("\nel disco está lleno (errno 28)\n", output)
         self.assertIn("trazas", output)
         self.assertIn("ROBOT SIMULADO", output)
 

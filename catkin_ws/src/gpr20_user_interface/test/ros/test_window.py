@@ -107,7 +107,8 @@ class Window(WindowCase):
         self.start()
         self.fake.close()
         wait_until(
-            lambda: "No contact with" in self.window.top_bar.alarm.text(), "the loss is told"
+            lambda: "contact with the main control for" in self.window.top_bar.alarm.text(),
+            "the loss is told",
         )
         # What the robot does is not known: neither stopped nor free to start.
         self.assertEqual(self.title(), "SURVEYING")
