@@ -115,7 +115,7 @@ class Alarm:
 
     Attributes:
         kind: What is wrong.
-        silent_s: Since when there is no contact with the main control [s]; 0 for other alarms.
+        silent_s: Time without contact with the main control [s]; 0 for other alarms.
         reason: The fault that a node reports; None for other alarms.
     """
 

@@ -26,6 +26,8 @@ LOOKS: Dict[HealthLevel, str] = {
 # The line of a node that does not report has no more text.
 SHOWN_IN_FULL = (HealthLevel.WARN, HealthLevel.ERROR)
 FIRST_ROW = 2
+# As high as eight lines can be, so that a finger hits one.
+ROW_PX = 28
 # Below everything: takes the room that is left.
 LAST_ROW = 100
 MEGABYTES_PER_GIGABYTE = 1000.0
@@ -137,6 +139,7 @@ class HealthRow:
         self.name, self.level, self.message = QLabel(), QLabel(), ElidedLabel()
         self.level.setAlignment(Qt.AlignmentFlag.AlignCenter)
         row = FIRST_ROW + number
+        grid.setRowMinimumHeight(row, ROW_PX)
         for column, label in enumerate((self.name, self.level, self.message)):
             grid.addWidget(label, row, column)
 
