@@ -249,7 +249,7 @@ class FaultsTest(unittest.TestCase):
         self.check_adc_fault("STUCK", "is stuck", "check its plug and supply")
 
     def test_31_a_height_out_of_range(self):
-        self.check_adc_fault("OUT_OF_RANGE", "it measures from 0.1 to 0.8 m", "check that it sees")
+        self.check_adc_fault("OUT_OF_RANGE", "it measures from 0.1 to 0.8 m", "sees the ground")
 
     # What hangs, and what waits.
 

@@ -31,7 +31,7 @@ def move(target):
 
 
 def wait_for_end():
-    # Not by wait_for_result, which waits for ever for a result that comes too early.
+    # Not by wait_for_result, which waits for ever for a result that arrives too early.
     deadline_s = time.monotonic() + LIMIT_S
     while client.gh.get_comm_state() != actionlib.CommState.DONE:
         assert time.monotonic() < deadline_s, "the goal never ended"

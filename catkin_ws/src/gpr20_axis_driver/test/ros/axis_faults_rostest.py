@@ -39,12 +39,12 @@ class AxisFaultsTest(unittest.TestCase):
         cls.z = Axis(AxisId.Z)
 
     def assert_stopped_within(self, axis, requested_ns, ramp_s):
-        """The axis stands, its last pulse came in time, and its coordinate is exact."""
+        """The axis is at rest, its last pulse came in time, and its coordinate is exact."""
         wait_until(lambda: axis.last is not None and not axis.last.moving)
         self.assertLess((axis.last_pulse_ns - requested_ns) * 1e-9, ramp_s + STOP_S)
         steps = axis.steps
-        axis.heard.clear()
-        self.assertTrue(axis.heard.wait(LIMIT_S))
+        axis.received.clear()
+        self.assertTrue(axis.received.wait(LIMIT_S))
         self.assertEqual(axis.steps, steps)
         if axis.last.homed:
             step_size = 1.0 / X_STEPS_PER_MM if axis is self.x else 1.8
@@ -177,7 +177,7 @@ class AxisFaultsTest(unittest.TestCase):
         os.kill(pid, signal.SIGSTOP)
         hung_ns = time.monotonic_ns()
         try:
-            # Longer than a computer may stall, and than the pulses go on without the node.
+            # Longer than a computer may stall, and than the pulses continue without the node.
             wait_until(lambda: time.monotonic_ns() - self.x.last_pulse_ns > 3_000_000_000)
         finally:
             os.kill(pid, signal.SIGCONT)

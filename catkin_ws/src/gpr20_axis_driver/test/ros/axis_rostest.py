@@ -110,7 +110,7 @@ class AxisTest(unittest.TestCase):
         self.x.readings.clear()
         self.x.move(100.0)
         stamps = [r.header.stamp.to_sec() for r in self.x.readings if r.moving]
-        # 50 Hz, and 10 Hz at rest; the median knows nothing of a computer that stalls.
+        # 50 Hz, and 10 Hz at rest; the median ignores a computer that stalls.
         self.assertLess(statistics.median(np.diff(stamps)), 0.05)
 
 

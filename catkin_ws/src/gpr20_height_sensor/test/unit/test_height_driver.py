@@ -1,4 +1,4 @@
-"""A height is a robust value of fresh readings, or there is none and the reason is said."""
+"""A height is a robust value of fresh readings, or an error with the reason."""
 
 from __future__ import annotations
 

@@ -14,6 +14,8 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from gpr20_common.high.graph_message import message_from
+from gpr20_common.message import received_message
 from gpr20_msgs.srv import (
     Connection,
     FreqSweepSetup,
@@ -97,7 +99,7 @@ class VnaAcquisitionTest(unittest.TestCase):
             took_s = (answer.sweep_ended - answer.sweep_started).to_sec()
             self.assertGreaterEqual(took_s, POINTS * 350e-6)
             self.assertEqual(answer.sweep_started.nsecs % 1000, 0)
-            # The probe answers with one large number: both are remarkable, neither is refused.
+            # The probe answers with one large number: both get a remark, neither is refused.
             self.assertIn("S21 is strong", answer.quality[0])
             self.assertIn(f"{POINTS} of {POINTS} points in a row", answer.quality[1])
             numbers.append(answer.s21_real[0])
@@ -147,6 +149,9 @@ class VnaAcquisitionTest(unittest.TestCase):
         answer = self.call("connection", True, "192.0.2.1")
         self.assertLess(time.monotonic() - begun_s, 10.0)
         self.assert_refused(answer, "no connection to the VNA at 192.0.2.1")
+        message = message_from(answer)
+        self.assertIn("no connection to the VNA at {address} ({reason})", message.template)
+        self.assertEqual(message.values["address"], "192.0.2.1")
 
     def test_another_instrument_is_refused(self):
         self.fault("wrong_identity")
@@ -197,8 +202,10 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.set_up_sweep()
         self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
         self.fault("drop")
-        told, values = self.wait_for_report(lambda status, _: status.level > DiagnosticStatus.OK)
-        self.assertIn("127.0.0.1", told.message)
+        fault, values = self.wait_for_report(lambda status, _: status.level > DiagnosticStatus.OK)
+        self.assertIn("127.0.0.1", fault.message)
+        message = received_message("", values["message_json"])
+        self.assertEqual(message.values["address"], "127.0.0.1")
         self.assertEqual(values["linked"], "False")
         self.fault("none")
         self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
@@ -213,7 +220,7 @@ class VnaAcquisitionTest(unittest.TestCase):
                 values = {pair.key: pair.value for pair in status.values}
                 if "vna_acquisition" in status.name and accepted(status, values):
                     return status, values
-        return self.fail("the diagnostics did not tell what they should")
+        return self.fail("the diagnostics did not report this")
 
 
 if __name__ == "__main__":

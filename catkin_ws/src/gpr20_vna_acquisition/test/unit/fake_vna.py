@@ -1,4 +1,4 @@
-"""An instrument without a network, and a clock that nobody waits for."""
+"""An instrument without a network, and a clock without waiting."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FakeClock(Clock):
 
 
 class FakeVna:
-    """The instrument: keeps settings, sweeps in fake time, and can be made to misbehave.
+    """The instrument: stores settings, sweeps in fake time, and can be made to misbehave.
 
     The real part of every point is the number of the sweep, the imaginary part that of the point.
     """

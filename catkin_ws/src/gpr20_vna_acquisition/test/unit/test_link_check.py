@@ -1,4 +1,4 @@
-"""An instrument that nobody uses is monitored: a pulled cable is reported, and that it is back."""
+"""An idle instrument is monitored: a pulled cable is reported, and its return."""
 
 from __future__ import annotations
 
@@ -80,10 +80,10 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
 def test_what_was_wrong_is_told_until_connecting_anew_has_ended(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
-    told = []
-    bench.vna.before = lambda message: told.append(bench.driver.state.trouble)
+    reported = []
+    bench.vna.before = lambda message: reported.append(bench.driver.state.trouble)
     bench.driver.connect_to_vna(ADDRESS)
-    assert set(told) == {NO_ANSWER} and bench.driver.state.trouble is None
+    assert set(reported) == {NO_ANSWER} and bench.driver.state.trouble is None
 
 
 def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
@@ -98,9 +98,9 @@ def test_the_check_leaves_the_error_of_the_last_request(bench):
     bench.vna.spoil = lambda answer: b"#9"
     with pytest.raises(VnaSweepError):
         bench.driver.get_trace()
-    told = bench.driver.state.last_error
+    reported = bench.driver.state.last_error
     check_after(bench, CHECK_S)
-    assert told and bench.driver.state.last_error == told
+    assert reported and bench.driver.state.last_error == reported
 
 
 @pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])

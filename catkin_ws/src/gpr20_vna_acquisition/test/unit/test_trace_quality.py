@@ -1,4 +1,4 @@
-"""What is remarkable about a trace is said with it; what is no measurement is refused."""
+"""A trace carries remarks on its quality; data that no measurement gives are refused."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def test_any_finite_data_can_be_judged(data, calibration, duration_s):
         for remark in stored_remarks(remarks):
             assert len(remark) <= MAX_REMARK_CHARACTERS
         for message in remarks:
-            # They go to the diagnostics as JSON, which knows no infinite number.
+            # They go to the diagnostics as JSON, which has no infinite numbers.
             assert received_message("", message.to_json()) == message
             json.loads(message.to_json(), parse_constant=pytest.fail)
 
@@ -186,7 +186,7 @@ def test_a_part_that_is_zero_is_a_measurement(part):
     refuse_impossible(sweep)
 
 
-# What the driver makes of it.
+# The same, through the driver.
 
 
 def test_a_trace_of_zeros_is_repeated_and_never_given_to_the_survey():
@@ -268,7 +268,7 @@ def test_a_newly_configured_sweep_has_a_usual_duration_of_its_own():
     assert bench.driver.get_trace().quality == ()
 
 
-# However often and for whatever reason a sweep was repeated, its remarks say so.
+# The remarks of a repeated sweep give the number of its failures and every reason.
 
 
 def cut(answer):

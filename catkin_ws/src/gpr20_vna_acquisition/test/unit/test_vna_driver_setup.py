@@ -1,4 +1,4 @@
-"""The right instrument, set up as asked, or an error that says what is wrong."""
+"""The right instrument, set up as requested, or an error with the reason."""
 
 from __future__ import annotations
 

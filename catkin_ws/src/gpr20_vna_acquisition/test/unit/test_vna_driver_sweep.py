@@ -1,4 +1,4 @@
-"""One fresh sweep per request, or an error that says why there is none."""
+"""One fresh sweep per request, or an error with the reason."""
 
 from __future__ import annotations
 
@@ -133,8 +133,8 @@ def test_after_so_many_spoilt_answers_the_sweep_fails_with_the_reason():
 
 def test_the_same_data_twice_are_refused():
     bench = Bench(attempts=2).configured()
-    kept = bench.vna.block(bench.vna.points_data())
-    bench.vna.spoil = lambda answer: kept
+    old = bench.vna.block(bench.vna.points_data())
+    bench.vna.spoil = lambda answer: old
     bench.driver.get_trace()
     with pytest.raises(VnaError, match="exactly the same data"):
         bench.driver.get_trace()

@@ -1,4 +1,4 @@
-"""Whatever the other side does, the link answers, or fails in time with our error."""
+"""Whatever the other side does, the link answers, or fails in time with VnaConnectionError."""
 
 from __future__ import annotations
 

@@ -153,8 +153,8 @@ class HeightDriver:
             raise SensorRangeError(
                 Message(
                     "the height sensor reads {distance} m; it measures from {nearest_m:g} to "
-                    "{farthest_m:g} m; check that it faces the ground, and the height of the "
-                    "antennas",
+                    "{farthest_m:g} m; check the height of the antennas and that the sensor sees "
+                    "the ground",
                     # It can be infinite, which JSON does not know.
                     distance=f"{distance_m:.3f}",
                     nearest_m=nearest_m,
