@@ -1,4 +1,4 @@
-"""A robot made of plain objects, and a control over it, for the tests of the survey."""
+"""A robot of plain objects, and a main control over it, for the tests of the survey."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ class FakeHeightSensor:
 
 
 class FakeStorage:
-    """Keeps samples in memory."""
+    """Stores samples in memory."""
 
     def __init__(self):
         self.records = []
@@ -257,7 +257,7 @@ class Bench:
         self.coverages.append((coverage.states, coverage.verdict()))
 
     def release(self):
-        """Let go of everything that a test has blocked."""
+        """Release everything that a test has blocked."""
         self.storage.free.set()
         for axis in self.axes:
             axis.blocked.set()
@@ -287,7 +287,7 @@ class Bench:
         self.complete()
 
     def wait_for_visited(self, points, limit_s=LIMIT_S):
-        """Wait until so many points are stored."""
+        """Wait until a number of points is stored."""
         with self._changed:
             assert self._changed.wait_for(
                 lambda: self.board.status.visited_points >= points, limit_s

@@ -1,4 +1,4 @@
-"""Calls that a survey gave up and that reach their node when it is back: they change nothing."""
+"""Calls that a survey gave up and that reach their node later: they change nothing."""
 
 import threading
 import time
@@ -62,18 +62,18 @@ def bench():
 
 
 def release_between_setup_and_question(bench):
-    """Let the held call reach its node after the fresh sweep was set up, if that can be."""
+    """Let the held call reach its node after the new sweep was set up, if that is possible."""
     analyzer = bench.analyzer
     connections = len(analyzer.connections)
 
     def late_calls_end():
         analyzer.late_calls_end = lambda: None
         analyzer.node_is_back.set()
-        # The fresh call and the late one.
+        # The new call and the late one.
         wait_until(lambda: len(analyzer.connections) == connections + 2)
 
     analyzer.late_calls_end = late_calls_end
-    # If the fresh calls wait for the late one, nobody asks for the frequencies before it ends.
+    # If the new calls wait for the late one, the frequencies are not read before it ends.
     threading.Timer(0.3, analyzer.node_is_back.set).start()
 
 

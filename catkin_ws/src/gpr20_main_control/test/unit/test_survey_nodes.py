@@ -116,7 +116,7 @@ def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(patient_b
         if bench.analyzer.sweeps == 5:
             bench.analyzer.on_sweep = lambda: None
             bench.analyzer.failures = 1
-            # Nobody knows yet; the survey has to ask.
+            # The loss is not known yet; the survey has to poll.
             bench.nodes.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
 
     bench.analyzer.on_sweep = fail
@@ -237,10 +237,10 @@ def test_a_survey_that_was_still_open_is_told_and_can_be_resumed(bench):
     bench.storage.interrupted = "20260101T000000_01234567"
     bench.start()
     bench.wait_for(State.FINISHED)
-    said = [str(status.message) for status in bench.history]
+    messages = [str(status.message) for status in bench.history]
     assert any(
         "survey 20260101T000000_01234567 was still open; it is closed as interrupted" in one
-        for one in said
+        for one in messages
     )
 
 

@@ -27,7 +27,7 @@ def test_after_an_axis_was_homed_again_the_last_point_is_measured_as_a_control(b
     bench.wait_for(State.FINISHED)
     report = bench.storage.reports[-1]
     (control,) = report["controls"]
-    # The fifth sweep was taken twice: the trace says 5 or less, the control one more than all.
+    # The fifth point was measured twice; the repeat measurement is not among the traces.
     assert control["index"] == bench.storage.samples[4].index
     assert report["coverage"].count("r") == 1
     assert [sample.index for sample in bench.storage.samples] == list(range(24))
@@ -95,8 +95,10 @@ def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench
     # The first sweep of this analyzer is 1 + 1j everywhere, which is what is stored.
     assert control["difference_db"] is None
     assert control["height_difference_m"] == 0.0
-    said = [str(status.message) for status in bench.history]
-    assert any("point 1 was measured again and differs by -inf dB" in message for message in said)
+    messages = [str(status.message) for status in bench.history]
+    assert any(
+        "point 1 was measured again and differs by -inf dB" in message for message in messages
+    )
 
 
 @pytest.mark.parametrize(

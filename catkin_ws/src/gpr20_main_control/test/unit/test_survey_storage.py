@@ -1,4 +1,4 @@
-"""Storing beside the survey, and what is told of it: disk, metadata, coverage."""
+"""Storing in the background, and its records: disk, metadata, coverage."""
 
 import json
 import threading
@@ -42,7 +42,7 @@ def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
     assert "could not be stored: the disk is full" in str(status.message)
     bench.control.resume("")
     bench.wait_for(State.FINISHED)
-    # The storage may have been restarted: the survey is opened again, not anew.
+    # The storage may have been restarted: the survey is reopened, not opened a second time.
     assert len(bench.storage.records) == 1
     assert bench.storage.reopenings == ["survey"]
     assert [sample.index for sample in bench.storage.samples] == list(range(24))

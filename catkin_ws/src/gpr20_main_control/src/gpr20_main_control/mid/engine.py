@@ -89,7 +89,7 @@ class SurveyEngine:
         self._pause_requested.set()
 
     def resume(self) -> None:
-        """Continue after a pause; the state has changed before."""
+        """Continue after a pause; the caller has changed the state."""
         self._resume.set()
 
     def _continue(self) -> bool:

@@ -29,7 +29,7 @@ class SurveyPlan:
     Attributes:
         parameters: What it measures.
         config: The robot that measures.
-        settings: How it is carried out.
+        settings: Settings of its execution.
         points: All points in the order of their visit.
         durations_s: Duration of each point [s].
         survey_id: UUID; empty before the survey begins.

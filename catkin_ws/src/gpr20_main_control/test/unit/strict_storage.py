@@ -10,8 +10,8 @@ from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey
 
 
-class KeepingStorage:
-    """Keeps every survey; one at a time is open."""
+class StrictStorage:
+    """Stores every survey; one at a time is open."""
 
     def __init__(self):
         self.records = {}
