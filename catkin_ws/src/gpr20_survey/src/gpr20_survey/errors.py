@@ -74,11 +74,11 @@ _ADVICE = {
 
 @contextlib.contextmanager
 def storing(failure: Message, path: Path) -> Iterator[None]:
-    """Turn an error of the disk into one that says what to do.
+    """Turn an error of the disk into one with advice on what to do.
 
     Args:
         failure: What could not be done, with the path: the first half of the sentence.
-        path: Where it was done; another file that an error concerns is named, too.
+        path: Where it was done; if an error concerns another file, the message names that too.
 
     Raises:
         StorageFailedError: The body raised an OSError.
@@ -91,7 +91,7 @@ def storing(failure: Message, path: Path) -> Iterator[None]:
 
 def _failed(failure: Message, path: Path, error: OSError) -> Message:
     advice = _advice(error)
-    # One of our own says everything itself.
+    # An error of our own has no technical text beside its message.
     details = "" if isinstance(error, ProcessingError) else error
     file = _other_file(error, path)
     if file is None:
@@ -106,7 +106,7 @@ def _failed(failure: Message, path: Path, error: OSError) -> Message:
 
 
 def _other_file(error: OSError, path: Path) -> Optional[str]:
-    # Of two names the second is the new one, which is what fails most often.
+    # Of two names the second is the new one, which fails most often.
     file = error.filename2 or error.filename
     # A temporary file has the name of the file that it becomes within its own.
     if not isinstance(file, str) or path.name in os.path.basename(file):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
+from gpr20_common.message import Message, received_message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_vna_processing.mid.survey_archive import (
     MAX_POINTS_PER_PAGE,
@@ -86,6 +87,44 @@ def test_a_report_that_may_be_older_than_the_last_traces_gives_no_verdict(kit, a
     kit.processing.interrupt_other(OTHER_SURVEY)
     (cut_off,), _more = archive.list("", 10)
     assert (running.verdict, cut_off.verdict, cut_off.outcome) == ("", "", "interrupted")
+
+
+VERDICT = Message("INCOMPLETE: {stored} of {planned}", stored=5, planned=18)
+
+
+def verdict_of(kit, archive, report):
+    fill(kit)
+    kit.processing.report(SURVEY, json.dumps(report))
+    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    (ended,), _more = archive.list("", 10)
+    assert ended.verdict == report["verdict"]
+    return ended.verdict_json
+
+
+def test_the_list_holds_template_and_values_of_the_verdict(kit, archive):
+    report = {"verdict": str(VERDICT), "verdict_message": json.loads(VERDICT.to_json())}
+    assert received_message("", verdict_of(kit, archive, report)) == VERDICT
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        None,
+        "INCOMPLETE: 5 of 18",
+        [],
+        {},
+        {"template": "INCOMPLETE: 5 of 18"},
+        {"template": "INCOMPLETE: {stored} of 18", "values": {}},
+        {"template": "INCOMPLETE: {stored.__class__} of 18", "values": {"stored": 5}},
+        {"template": "INCOMPLETE: 5 of {planned:999999999}", "values": {"planned": 18}},
+        {"template": "complete: all 18 planned traces are stored", "values": {}},
+        {"template": "INCOMPLETE: 5 of 18", "values": [1]},
+        {"template": "{text}", "values": {"text": {"template": str(VERDICT), "values": {}}}},
+        {"template": str(VERDICT), "values": {"unused": "x" * 5000}},
+    ],
+)
+def test_a_verdict_that_is_old_or_was_changed_is_text_alone(kit, archive, record):
+    assert verdict_of(kit, archive, {"verdict": str(VERDICT), "verdict_message": record}) == ""
 
 
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):

@@ -24,7 +24,7 @@ def free_bytes(folder: Path) -> int:
 
 
 def temporary_path(path: Path) -> Path:
-    """Return a free name beside a file that readers pass over."""
+    """Return a free name in the folder of a file; readers ignore it."""
     name = f"{TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}"
     return path.with_name(name)
 

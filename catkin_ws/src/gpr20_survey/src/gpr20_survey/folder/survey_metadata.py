@@ -20,7 +20,7 @@ MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
 
-# What the storage itself writes into survey.json, beside the metadata.
+# What the storage itself writes into survey.json, in addition to the metadata.
 OWN_KEYS = frozenset(
     {
         "format",

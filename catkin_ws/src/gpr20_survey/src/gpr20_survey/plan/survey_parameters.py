@@ -1,4 +1,4 @@
-"""What a survey measures, and the checks that the user interface and the control both make."""
+"""What a survey measures, and the checks that both the user interface and the control make."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
 
 
 class Rule(enum.Enum):
-    """What is asked of the parameters of a survey, one by one."""
+    """The rules for the parameters of a survey."""
 
     ADDRESS = "address"
     START_FREQUENCY = "start frequency"

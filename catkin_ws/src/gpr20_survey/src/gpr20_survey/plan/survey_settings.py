@@ -1,4 +1,4 @@
-"""How the control carries surveys out; set for a robot, not for a survey."""
+"""How the control carries out surveys; set for a robot, not for a survey."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class HeightPolicy(enum.Enum):
 
 @dataclass(frozen=True)
 class SurveySettings:
-    """How the control carries surveys out.
+    """How the control carries out surveys.
 
     Attributes:
         settle_s: Time for vibrations to die down between a move and the sweep [s].

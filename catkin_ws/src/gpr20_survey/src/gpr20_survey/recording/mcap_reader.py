@@ -153,7 +153,7 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
 
 def _uncompressed(data: bytes) -> Chunk:
     chunk = Chunk.read(_stream(data))
-    # The size is asked of the frame first: a damaged one must not fill the memory.
+    # The size in the frame is checked first: a damaged one must not fill the memory.
     if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
         raise ValueError("the storage does not write such chunks")
     if zstandard.frame_content_size(chunk.data) != chunk.uncompressed_size:

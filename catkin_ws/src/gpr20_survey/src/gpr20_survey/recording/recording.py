@@ -27,7 +27,7 @@ class RecordedMessage:
     time_ns: int
     """When it was received [ns since 1970, UTC]."""
     latching: bool = False
-    """Whether the publisher keeps the last message for late subscribers."""
+    """Whether the publisher sends its last message to late subscribers."""
 
     @property
     def size_bytes(self) -> int:

@@ -199,13 +199,13 @@ class ProcessingNode:
 
     def _connect_recorder(self) -> None:
         try:
-            lacking = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
+            missing = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
         except (rosgraph.MasterException, OSError) as error:
             # Traces do not depend on the master; missing positions do not refuse a survey.
             rospy.logwarn("the master did not list the publishers: %s", error)
             return
-        if lacking:
-            rospy.logwarn("recording begins without a publisher of %s", ", ".join(lacking))
+        if missing:
+            rospy.logwarn("recording begins without a publisher of %s", ", ".join(missing))
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""

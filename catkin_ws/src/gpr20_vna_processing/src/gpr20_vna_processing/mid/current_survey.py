@@ -256,6 +256,6 @@ class CurrentSurvey:
 
 
 def _copied_bytes(folder: Path) -> int:
-    """Return what reopening a survey may need beside its files: both recordings may be copied."""
+    """Return the space that reopening a survey may need: both recordings may be copied [bytes]."""
     recordings = [folder / name for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)]
     return sum(path.lstat().st_size for path in recordings if path.is_file())

@@ -20,9 +20,7 @@ from typing import (
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import (
-    StorageFailedError,
     SurveyRefusedError,
-    TraceRefusedError,
     printable,
     storing,
 )
@@ -34,6 +32,7 @@ from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
 
 COMMIT_BYTES = 1 << 20
@@ -45,7 +44,7 @@ class _PendingTrace:
 
     trace: Trace
     message: RecordedMessage
-    lacking: List[Recording]
+    missing: List[Recording]
     """Recordings that were not given the message yet."""
 
 
@@ -190,9 +189,9 @@ class OpenSurvey:
             StorageFailedError: The disk refused.
         """
         for pending in self._pending.values():
-            while pending.lacking:
-                pending.lacking[0].write_alone(pending.message)
-                pending.lacking.pop(0)
+            while pending.missing:
+                pending.missing[0].write_alone(pending.message)
+                pending.missing.pop(0)
         for recording in self._recordings:
             with self._storing(recording):
                 recording.commit()
@@ -271,9 +270,7 @@ class OpenSurvey:
 
     def _refuse_ending(self) -> None:
         if self._ending:
-            raise SurveyRefusedError(
-                Message("the survey is being closed; stop it again", details="close_survey")
-            )
+            raise SurveyRefusedError(refusals.CLOSING)
 
     def _describe(self, description: Dict[str, Any]) -> None:
         path = self.folder / survey_folder.SURVEY_FILE
@@ -288,35 +285,12 @@ class OpenSurvey:
 
     def _check_survey(self, trace: Trace) -> None:
         if self._ending:
-            raise TraceRefusedError(
-                Message(
-                    "{trace} is refused: {reason}",
-                    trace=trace.label,
-                    reason=Message(
-                        "the survey is being closed; stop it again", details="close_survey"
-                    ),
-                )
-            )
+            raise refusals.trace_while_closing(trace)
         if trace.survey_id != self.survey_id:
-            raise TraceRefusedError(
-                Message(
-                    "{trace} belongs to survey {survey}, but {open_survey} is open",
-                    trace=trace.label,
-                    survey=trace.survey_id,
-                    open_survey=self.survey_id,
-                )
-            )
+            raise refusals.trace_of_another_survey(trace, self.survey_id)
         index = self._indices.get(trace.sample_id, trace.index)
         if index != trace.index:
-            raise TraceRefusedError(
-                Message(
-                    "sample {sample} is already stored with index {stored_index}, not {index}; "
-                    "every sample needs its own id",
-                    sample=trace.sample_id,
-                    stored_index=index,
-                    index=trace.index,
-                )
-            )
+            raise refusals.sample_stored(trace, index)
 
     @property
     def _traces(self) -> Path:
@@ -324,21 +298,6 @@ class OpenSurvey:
 
     def _check_same(self, trace: Trace, path: Path) -> None:
         if trace.fingerprint() != self._prints[trace.index]:
-            raise TraceRefusedError(
-                Message(
-                    "{trace} is refused: index {index} is already stored with other content in "
-                    "{folder}, which was left alone",
-                    trace=trace.label,
-                    index=trace.index,
-                    folder=printable(self._traces),
-                )
-            )
+            raise refusals.index_stored(trace, self._traces)
         if not path.is_file():
-            raise StorageFailedError(
-                Message(
-                    "{trace} is already stored, but its file is missing from {folder}; stop and "
-                    "resume the survey: its recordings hold the trace",
-                    trace=trace.label,
-                    folder=printable(self._traces),
-                )
-            )
+            raise refusals.file_missing(trace, self._traces)

@@ -39,7 +39,7 @@ class Limits:
     disk_reserve_bytes: int = 500 * BYTES_PER_MB
     timeout_s: float = 60.0
     long_timeout_s: float = 600.0
-    """For what reads the whole survey: reopening and closing it."""
+    """For requests that read the whole survey: reopening and closing it."""
     period_s: float = 2.0
 
 
@@ -79,7 +79,7 @@ class ProcessingState:
     folder: str
     stored_traces: int
     unrecorded: int
-    """Messages of other topics that are in no recording, beside those the queue dropped."""
+    """Messages of other topics that are in no recording, without those the queue dropped."""
     last_error: Optional[Message]
     """What was refused or failed last; None once something succeeded again."""
     failing: bool

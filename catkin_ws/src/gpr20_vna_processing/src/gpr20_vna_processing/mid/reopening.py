@@ -32,6 +32,7 @@ from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.stored_forms import RecordedTraces, StoredForms
 
 MAX_RESUMPTIONS = 100_000
@@ -120,40 +121,21 @@ class Reopening:
 
     def _refuse_foreign(self) -> None:
         if self._forms.foreign and not self._forms.truth:
-            raise SurveyRefusedError(
-                Message(
-                    "survey.json in {folder} is that of survey {survey}, but every trace there "
-                    "belongs to another; put the right survey.json there",
-                    folder=printable(self._folder),
-                    survey=self._description["survey_id"],
-                )
-            )
+            raise refusals.only_foreign_traces(self._folder, self._description["survey_id"])
 
     def _refuse_complete(self) -> None:
         stored = len(self._forms.truth)
         planned = self._description.get("planned_traces", self._description.get("stored_traces"))
         finished = self._description.get("outcome") == "finished"
         if finished and stored == planned and self._forms.intact():
-            raise SurveyRefusedError(
-                Message(
-                    "the survey in {folder} is finished and complete with {stored} traces; "
-                    "nothing is left to measure, start a new survey",
-                    folder=printable(self._folder),
-                    stored=stored,
-                )
-            )
+            raise refusals.survey_complete(self._folder, stored)
 
     def _mark_open(self, now: str) -> None:
+        path = self._folder / survey_folder.SURVEY_FILE
         resumed = self._description.get("resumed", [])
         if not isinstance(resumed, list) or len(resumed) >= MAX_RESUMPTIONS:
-            raise SurveyRefusedError(
-                Message(
-                    "'resumed' in {path} is not a list of at most {most} times",
-                    path=printable(self._folder / survey_folder.SURVEY_FILE),
-                    most=MAX_RESUMPTIONS,
-                )
-            )
-        self._keep_damaged_description()
+            raise refusals.wrong_resumptions(path, MAX_RESUMPTIONS)
+        self._save_damaged_description()
         self._description = {
             **self._description,
             "ended": None,
@@ -162,10 +144,9 @@ class Reopening:
             "stored_traces": len(self._forms.truth),
             "resumed": [*resumed, now],
         }
-        path = self._folder / survey_folder.SURVEY_FILE
         durable_files.replace_file(path, survey_metadata.encode(self._description))
 
-    def _keep_damaged_description(self) -> None:
+    def _save_damaged_description(self) -> None:
         path = self._folder / survey_folder.SURVEY_FILE
         try:
             if survey_metadata.read_description(path) == self._description:
@@ -207,12 +188,12 @@ class Reopening:
                     lost = lost - {trace.index}
 
     def _set_aside(self, path: Path, reason: Message) -> None:
-        kept = durable_files.move_aside(path, self._damaged)
+        target = durable_files.move_aside(path, self._damaged)
         self._repairs.append(
             Message(
                 "moved {file} to {folder}/: {reason}",
                 file=printable(path.name),
-                folder=kept.parent.name,
+                folder=target.parent.name,
                 reason=reason,
             )
         )
@@ -247,7 +228,7 @@ class Reopening:
         try:
             recordings.append(self._resume_bag() or self._write_again(self._forms.bag))
             recordings.append(self._write_again(self._forms.mcap))
-            # Last: it vouches for files, and beside a survey that has not ended is known to be old.
+            # Last: it vouches for files; in a survey that has not ended it is known to be old.
             self._remove_manifest()
         except BaseException:
             for recording in recordings:
@@ -267,15 +248,15 @@ class Reopening:
         if bag is None:
             return None
         try:
-            lacking = self._forms.truth.keys() - self._forms.bag.prints.keys()
-            self._add(lacking, bag, self._forms.bag.name)
+            missing = self._forms.truth.keys() - self._forms.bag.prints.keys()
+            self._add(missing, bag, self._forms.bag.name)
         except BaseException:
             bag.abandon()
             raise
         return bag
 
     def _write_again(self, recorded: RecordedTraces) -> Recording:
-        """Put a whole new file into the place of a recording; a damaged one is kept aside."""
+        """Replace a recording by a whole new file; a damaged one stays in `damaged/`."""
         path = recorded.stored.path
         temporary = durable_files.temporary_path(path)
         new: Recording
@@ -301,29 +282,29 @@ class Reopening:
 
     def _copy(self, recorded: RecordedTraces, new: Recording) -> None:
         """Write every true trace once and all other messages."""
-        lacking = set(self._forms.truth)
-        for message in map(self._forms.with_sure_type, recorded.stored.messages()):
+        missing = set(self._forms.truth)
+        for message in map(self._forms.with_certain_type, recorded.stored.messages()):
             if message.datatype != trace_message.DATATYPE:
                 if message.topic != self._topics.trace_topic:
                     new.write(message)
             else:
                 trace = self._forms.true_trace(message)
-                if trace is not None and trace.index in lacking:
-                    lacking.remove(trace.index)
+                if trace is not None and trace.index in missing:
+                    missing.remove(trace.index)
                     own = self._topics.trace(trace, message.time_ns)
                     new.write_alone(replace(own, topic=message.topic))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
-        self._add(lacking, new, recorded.name)
+        self._add(missing, new, recorded.name)
 
-    def _add(self, lacking: AbstractSet[int], new: Recording, name: str) -> None:
-        for index in sorted(lacking):
+    def _add(self, missing: AbstractSet[int], new: Recording, name: str) -> None:
+        for index in sorted(missing):
             trace = self._read(index)
             new.write_alone(self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
         new.commit()
-        if lacking:
+        if missing:
             self._repairs.append(
-                Message("added {count} traces to {file}", count=len(lacking), file=name)
+                Message("added {count} traces to {file}", count=len(missing), file=name)
             )

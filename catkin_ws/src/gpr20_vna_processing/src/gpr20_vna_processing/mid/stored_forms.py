@@ -68,10 +68,10 @@ class RecordedTraces:
                 self.prints[trace.index] = trace.fingerprint()
         self.faults = [*self.stored.faults, *self.faults]
 
-    def compare_types(self, sure: Dict[str, Type]) -> None:
-        """Add a fault for every topic whose type is not the sure one."""
+    def compare_types(self, certain: Dict[str, Type]) -> None:
+        """Add a fault for every topic whose type is not the certain one."""
         for topic, types in self.types.items():
-            if topic in sure and types != {sure[topic]}:
+            if topic in certain and types != {certain[topic]}:
                 self.faults.append(
                     Message("{file} holds a damaged message type", file=self.name, details=topic)
                 )
@@ -145,12 +145,12 @@ class StoredForms:
         return not self.faults_of(self.bag) and self.bag.types.keys() <= self._types.keys()
 
     def md5sums(self) -> Dict[str, Set[str]]:
-        """Return the checksums of the types of each topic, those that are certain if any are."""
+        """Return the checksums of the types of each topic, the certain ones where there are any."""
         found: Dict[str, Set[str]] = {}
         for recorded in self.recordings:
             for topic, types in recorded.types.items():
-                sure = {self._types[topic]} if topic in self._types else types
-                found.setdefault(topic, set()).update(md5sum for _name, md5sum, _text in sure)
+                certain = {self._types[topic]} if topic in self._types else types
+                found.setdefault(topic, set()).update(md5sum for _name, md5sum, _text in certain)
         return found
 
     def trace_of(self, message: RecordedMessage) -> Optional[Trace]:
@@ -180,8 +180,8 @@ class StoredForms:
             return None
         return trace
 
-    def with_sure_type(self, message: RecordedMessage) -> RecordedMessage:
-        """Return a message with the type that its topic certainly has, if that is known."""
+    def with_certain_type(self, message: RecordedMessage) -> RecordedMessage:
+        """Return a message with the type that its topic has for certain, if that is known."""
         datatype, md5sum, definition = self._types.get(
             message.topic, (message.datatype, message.md5sum, message.definition)
         )
