@@ -51,7 +51,11 @@ class RunSurvey(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             universal_newlines=True,
-            env={**os.environ, "ROS_MASTER_URI": master or os.environ["ROS_MASTER_URI"]},
+            env={
+                **os.environ,
+                "LANGUAGE": "en",
+                "ROS_MASTER_URI": master or os.environ["ROS_MASTER_URI"],
+            },
         )
         self.processes.append(process)
         return process
