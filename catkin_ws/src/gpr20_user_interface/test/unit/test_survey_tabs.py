@@ -108,7 +108,7 @@ def test_the_language_changes_at_once(application):
     views = shown.window
     assert "Gris: no medido" in views.radar.note.text()
     assert views.map.next_problem.text() == "Siguiente\nincompleto"
-    assert "INCOMPLETA" in views.past.table.item(0, 1).text()
+    assert views.past.table.item(0, 1).text() == "INCOMPLETA (simulada)"
     click(views.radar.controls.background)
     assert views.radar.controls.background.text() == "Fondo\nincluido"
     shown.close()

@@ -115,8 +115,8 @@ class BarDisplay:
         before = ""
         if state is not None:
             title = self._catalogue.text(state.code.label)
-            simulated = f"{self._catalogue.tr('SIMULATED')} " if state.simulated else ""
-            before = f"{simulated}{title} "
+            simulated = self._catalogue.tr("SIMULATED")
+            before = f"{simulated} {title} " if state.simulated else f"{title} "
         done, total = progress.visited_points, progress.total_points
         self._bar.show(done, total, before, self._catalogue.text(remaining(progress)))
 

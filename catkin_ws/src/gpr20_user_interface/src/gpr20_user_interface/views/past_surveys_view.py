@@ -99,7 +99,9 @@ class PastSurveysView(TranslatedWidget):
             Verdict.RUNNING: self.tr("running"),
             Verdict.UNREADABLE: self.tr("CANNOT BE READ"),
         }[self._surveys.verdict(survey)]
-        return f"{word} ({self.tr('simulated')})" if survey.simulated else word
+        # Not inside an f-string, where xgettext finds no text.
+        simulated = self.tr("simulated")
+        return f"{word} ({simulated})" if survey.simulated else word
 
     def _show_choice(self) -> None:
         chosen = self.chosen
