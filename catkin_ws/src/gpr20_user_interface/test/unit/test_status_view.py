@@ -96,6 +96,15 @@ def test_line_of_a_node_that_is_cut_is_read_to_its_end_below(window):
     assert window.status.health.details == f"VNA driver: {words}"
 
 
+def test_faults_are_read_before_warnings(window):
+    nodes = (
+        NodeHealth("main_control", HealthLevel.WARN, verbatim("paused"), {}),
+        NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {}),
+    )
+    show(window, snapshot(SurveyState.PAUSED, health=HealthReport(nodes)))
+    assert window.status.health.details == "Height sensor: stuck\nMain control: paused"
+
+
 def test_scroll_bar_goes_when_a_long_text_gives_way_to_a_short_one(window):
     window.show_tab(TabName.STATUS)
     bar = window.status.health.findChild(QTextEdit).verticalScrollBar()

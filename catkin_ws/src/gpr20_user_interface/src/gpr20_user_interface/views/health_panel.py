@@ -99,10 +99,15 @@ class HealthPanel(TranslatedWidget):
             self._rows.append(HealthRow(len(self._rows), self._grid))
         for row, node in zip(self._rows, report.nodes):
             row.show(node)
-        details = "\n".join(
-            f"{shown_text(node_title(node.name))}: {shown_text(node_text(node))}"
+        in_full = [
+            node
             for row, node in zip(self._rows, report.nodes)
             if node.level in SHOWN_IN_FULL or row.message.is_cut
+        ]
+        details = "\n".join(
+            f"{shown_text(node_title(node.name))}: {shown_text(node_text(node))}"
+            # Faults first: the message of the main control, a warning, is the status as well.
+            for node in sorted(in_full, key=lambda node: node.level, reverse=True)
         )
         if details != self.details:
             self._details.setPlainText(details)
