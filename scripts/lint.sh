@@ -13,7 +13,7 @@ ruff format --check . "${nodes[@]}"
 # The messages are those that the build made.
 packages=(catkin_ws/src/*/src)
 MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)catkin_ws/devel/lib/python3/dist-packages" \
-    mypy --no-error-summary --scripts-are-modules "${packages[@]}" catkin_ws/src/gpr20_*/nodes/* \
+    mypy --no-error-summary --scripts-are-modules "${packages[@]}" catkin_ws/src/*/nodes/* \
     benchmarks/*.py scripts/*.py scripts/crash_matrix
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo

@@ -48,40 +48,37 @@ install_debian_packages() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# What is imported (requirements/*.in), and the versions that this Python gets.
 install_python_packages() {
-    local files=(requirements.txt) arguments=() file stamp
-    # Surveys are analysed elsewhere than on the robot.
-    [ "$robot" = yes ] || files+=(requirements-analysis.txt)
-    [ "$dev" = no ] || files+=(requirements-dev.txt)
-    [ "$robot" = no ] || files+=(requirements-robot.txt)
+    local lists=(nodes.in) version pins arguments=() list chosen stamp="$GPR20_VENV/installed"
+    [ "$dev" = no ] || lists+=(test.in lint.in)
+    [ "$robot" = no ] || lists+=(robot.in)
+    version="$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
+    pins="$GPR20_ROOT/requirements/python$version.txt"
+    if [ ! -f "$pins" ]; then
+        echo "setup.sh: there is no $pins for /usr/bin/python3; add it to scripts/requirements.sh" >&2
+        exit 1
+    fi
+    for list in "${lists[@]}"; do arguments+=(-r "$GPR20_ROOT/requirements/$list"); done
+    # Surveys are analysed elsewhere than on the robot. The command gpr20 runs from its sources.
+    [ "$robot" = yes ] || arguments+=(--editable "$GPR20_WORKSPACE/src/gpr20_analysis[all]")
+    chosen="${arguments[*]}
+$(cat "$pins" "$GPR20_ROOT"/requirements/*.in "$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml")"
+    if [ -f "$stamp" ] && [ "$chosen" = "$(cat "$stamp")" ]; then return 0; fi
     if [ ! -x "$GPR20_VENV/bin/python" ]; then
         echo "making the virtual environment $GPR20_VENV"
         /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
     fi
-    for file in "${files[@]}"; do
-        stamp="$GPR20_VENV/installed-$file"
-        cmp -s "$GPR20_ROOT/$file" "$stamp" || arguments+=(-r "$GPR20_ROOT/$file")
-    done
-    [ ${#arguments[@]} -gt 0 ] || return 0
-    echo "installing Python packages: ${arguments[*]}"
-    "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check "${arguments[@]}"
-    for file in "${files[@]}"; do cp "$GPR20_ROOT/$file" "$GPR20_VENV/installed-$file"; done
-}
-
-# The command gpr20; its sources run from where they are.
-install_analysis() {
-    local project="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml" stamp="$GPR20_VENV/installed-pyproject.toml"
-    if [ "$robot" = yes ] || cmp -s "$project" "$stamp"; then return 0; fi
-    echo "installing the command gpr20"
-    "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
-        --editable "$GPR20_WORKSPACE/src/gpr20_analysis"
-    cp "$project" "$stamp"
+    echo "installing Python packages: ${lists[*]}"
+    "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
+        --constraint "$pins" "${arguments[@]}"
+    printf '%s\n' "$chosen" >"$stamp"
 }
 
 # Python sources run from where they are; only these files decide what the build makes.
 build_inputs() {
     (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 \( -name package.xml -o -name CMakeLists.txt \
-        -o -name setup.py -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
+        -o -name setup.py -o -name CATKIN_IGNORE -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
         -o -path '*/env-hooks/*' \) -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
         echo "$GPR20_ROOT")
 }
@@ -104,5 +101,4 @@ build_workspace() {
 
 install_debian_packages
 install_python_packages
-install_analysis
 build_workspace

@@ -133,9 +133,7 @@ def _torn_mcap(path: Path) -> Set[str]:
 
 
 def _bag_samples(path: Path) -> List[str]:
-    # The types of rosbags are made for the Path of Python 3.10.
-    paths: List[Any] = [path]
-    with AnyReader(paths) as reader:
+    with AnyReader([path]) as reader:
         connections = [one for one in reader.connections if one.topic == "/trace"]
         # Without any, the reader would return every message.
         if not connections:

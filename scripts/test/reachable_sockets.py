@@ -22,7 +22,7 @@ def reachable_at(processes):
     """Yield (command line, address) of everything that listens by TCP or receives by UDP."""
     for process, command_line in processes.items():
         try:
-            connections = process.connections(kind="inet")
+            connections = process.net_connections(kind="inet")
         except (psutil.NoSuchProcess, psutil.ZombieProcess):
             continue
         for one in connections:

@@ -14,6 +14,8 @@ from robot_kit import free_port
 from rosbags.highlevel import AnyReader
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
+pytestmark = [pytest.mark.real_time, pytest.mark.takes(150)]
+
 
 def fenced_lines(text):
     """Return the lines inside fences, in order."""
@@ -109,7 +111,7 @@ def printed_lines(printed, begin, end):
 
 
 def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, tmp_path):
-    printed, folder = clean_survey
+    printed, _folder = clean_survey
     # Somebody else may replay on this computer.
     lines = printed_lines(printed.replace("11411", str(free_port())), "Replay it", "or there")
     for commands, said in (

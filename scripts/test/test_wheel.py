@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.takes(60)
+
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = ROOT / "catkin_ws/src/gpr20_analysis"
 SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys"
-# It has what the requirements name and neither ROS nor this project.
-PYTHON = ROOT / ".venv38/bin/python"
+# They have what the requirements name and neither ROS nor this project.
+VENVS = [".venv38", ".venv313"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
 LIMIT_S = 300
 
@@ -33,16 +35,19 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
     assert not [name for name in names if name.startswith("gpr20_common/high")]
 
 
-@pytest.mark.skipif(not PYTHON.exists(), reason="no Python without ROS here (.venv38)")
+@pytest.mark.parametrize("venv", VENVS)
 @pytest.mark.parametrize(
     "command", [["verify"], ["report", "-o", "report.html", "--permittivity", "4"]]
 )
-def test_the_wheel_alone_reads_a_survey(wheel, tmp_path, command):
+def test_the_wheel_alone_reads_a_survey(wheel, tmp_path, command, venv):
+    python = ROOT / venv / "bin/python"
+    if not python.exists():
+        pytest.skip(f"no {venv} here")
     survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
     environment = {**os.environ, "PYTHONPATH": str(wheel)}
     name, *options = command
     ended = subprocess.run(
-        [PYTHON, "-m", "gpr20_analysis.commands.main", name, str(survey), *options],
+        [python, "-m", "gpr20_analysis.commands.main", name, str(survey), *options],
         cwd=tmp_path,
         env=environment,
         capture_output=True,

@@ -72,7 +72,7 @@ class AxisTest(unittest.TestCase):
     def test_6_a_new_goal_replaces_the_one_under_way(self):
         first = Axis(AxisId.X)
         first.begin_move(FAR_MM)
-        state, result = self.x.move(1.0)
+        state, _result = self.x.move(1.0)
         self.assertEqual(state, GoalStatus.SUCCEEDED)
         self.assertEqual(self.x.steps, 100)
         self.assertEqual(first.finish()[0], GoalStatus.PREEMPTED)

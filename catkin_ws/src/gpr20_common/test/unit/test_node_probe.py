@@ -10,6 +10,8 @@ import pytest
 from gpr20_common.errors import NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 
+pytestmark = pytest.mark.real_time
+
 LIMIT_S = 0.5
 
 

@@ -23,6 +23,8 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_simulator.low.vxi11_core import Limits, NetworkFault
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
+pytestmark = pytest.mark.real_time
+
 # A call that takes longer hangs.
 LIMIT_S = 10.0
 LIMITS = Limits(receive_size=1024, reply_size=2000, message_size=5000, links=3, connections=8)
@@ -347,7 +349,11 @@ def test_device_that_goes_silent_is_found_nowhere(device):
 
 
 def test_server_stops_while_a_client_waits(server, link):
-    reading = InBackground(lambda: pytest.raises(EOFError, link.read, io_timeout_ms=60_000))
+    def read_nothing():
+        with pytest.raises(EOFError):
+            link.read(io_timeout_ms=60_000)
+
+    reading = InBackground(read_nothing)
     wait_until(lambda: reading.is_waiting, "start of the read")
     started_s = time.monotonic()
     server.stop()

@@ -1,3 +1,1 @@
 """What a GPR-20 survey is: parameters, plan, traces, folder and recordings; without ROS and Qt."""
-
-__version__ = "0.1.0"

@@ -176,7 +176,7 @@ def assert_within_5_s(condition):
 
 
 def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
-    window, control, _ = parts
+    window, _control, _ = parts
     window.on_event(state(SurveyState.CONFIGURED))
     window.refresh()
     click(window.control.start)

@@ -31,6 +31,8 @@ from hypothesis import strategies as st
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import connect
 
+pytestmark = pytest.mark.real_time
+
 
 @pytest.fixture
 def server():

@@ -9,6 +9,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.errors import StorageFailedError, TraceRefusedError
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, StorageThread
 
+pytestmark = pytest.mark.real_time
+
 TIME_LIMIT_S = 10.0
 
 

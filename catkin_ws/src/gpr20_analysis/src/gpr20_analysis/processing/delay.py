@@ -111,7 +111,7 @@ def known_height(survey: xr.Dataset) -> xr.DataArray:
     height_m = require(survey, HEIGHT, SAMPLE_DIMS)
     lacking = (usable(survey) & ~(height_m > 0.0)).transpose(*SAMPLE_DIMS)
     if bool(lacking.any()):
-        turn, row, column = np.argwhere(lacking.values)[0]
+        _turn, row, column = np.argwhere(lacking.values)[0]
         raise DamagedSurveyError(
             f"{int(lacking.sum())} usable samples have no height, the first at "
             f"x {float(survey['x'][column]) * MM_PER_M:g} mm, "

@@ -194,7 +194,7 @@ class _Assembly:
         def texts(values: List[str]) -> np.ndarray:
             return placed(values, "", f"<U{max([1, *map(len, values)])}")
 
-        never = np.datetime64("NaT").astype(np.int64)
+        never = np.datetime64("NaT", "ns").astype(np.int64)
         times_ns = [[NS_PER_US * one for one in sample.times_us] for sample in samples]
         timestamp, started, ended = (
             placed([one[place] for one in times_ns], never, np.int64).astype("datetime64[ns]")

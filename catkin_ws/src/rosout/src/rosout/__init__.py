@@ -1,1 +1,0 @@
-"""The log of all nodes, heard on loopback alone."""

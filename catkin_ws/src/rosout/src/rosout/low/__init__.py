@@ -1,1 +1,0 @@
-"""External things of the log: its file."""

@@ -1,1 +1,0 @@
-"""How an entry of the log reads; no ROS."""
