@@ -31,10 +31,11 @@ from window_kit import (
     virtual_screen,
 )
 
+from gpr20_common.catalogue import Language
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05
