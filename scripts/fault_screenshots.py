@@ -7,6 +7,7 @@ catalogue.
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Iterator, List
 
@@ -43,6 +44,10 @@ class LastStatus:
     def __init__(self) -> None:
         self.status = ControlStatus()
         self._subscriber = rospy.Subscriber("control_status", ControlStatus, self._note)
+
+    def ended(self, survey: str) -> bool:
+        """Return whether a survey has ended."""
+        return self.status.survey_id == survey and self.status.code in ENDED
 
     def _note(self, status: ControlStatus) -> None:
         self.status = status
@@ -86,11 +91,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> List[s
         operator.call("simulator/set_fault", SetFault, device=device, fault="NONE", count=0)
         if last.status.code == ControlStatus.PAUSED:
             operator.stop()
-        run_until(
-            lambda survey=survey: last.status.survey_id == survey and last.status.code in ENDED,
-            "the survey ends",
-            LIMIT_S,
-        )
+        run_until(partial(last.ended, survey), "the survey ends", LIMIT_S)
     interface.end()
     languages.close()
     return untranslated
