@@ -84,7 +84,7 @@ def test_a_fault_of_the_program_is_told_in_one_line(tmp_path, capsys, monkeypatc
     folder = make_survey(tmp_path, ALL, "finished")
     assert main(["info", str(folder)]) == 3
     error = capsys.readouterr().err
-    assert "fault of the program itself (ZeroDivisionError" in error
+    assert "program error ZeroDivisionError" in error
     assert "Traceback" not in error
     monkeypatch.setenv("GPR20_TRACEBACK", "1")
     assert main(["info", str(folder)]) == 3

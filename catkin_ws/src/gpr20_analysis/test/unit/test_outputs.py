@@ -72,7 +72,7 @@ def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsy
     precious = occupy(output)
     assert main(arguments) == 3
     error = capsys.readouterr().err
-    assert f"{output.name} exists; --overwrite replaces it" in error
+    assert f"{output.name} exists; replace it with --overwrite" in error
     assert precious.read_text() == "precious"
     assert main([*arguments, "--overwrite"]) == 0
     assert output.exists()
