@@ -58,7 +58,7 @@ def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
 def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
     narrow = ["--step", "background", "--step", "band:start_hz=1e9,stop_hz=1.1e9"]
     told_why = refused(capsys, "image", survey_file, "--permittivity", 4, *narrow)
-    assert "take a wider band" in told_why
+    assert "use a wider band" in told_why
 
 
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
@@ -113,7 +113,7 @@ def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, 
 
 
 def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
-    assert "1 samples have no numbers" in refused(capsys, "image", holed_file, "--permittivity", 4)
+    assert "1 samples have no data" in refused(capsys, "image", holed_file, "--permittivity", 4)
     options = ("--permittivity", 4, "--leave-out-missing")
     text = told(capsys, "image", holed_file, *options, status=NOT_COMPLETE)
     assert "note: 1 of 242 samples were left out" in text

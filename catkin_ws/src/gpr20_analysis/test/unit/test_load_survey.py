@@ -133,4 +133,5 @@ def test_the_order_of_the_files_does_not_matter(tmp_path):
 def test_the_list_of_missing_samples_follows_the_flags(folder):
     survey = load_survey(folder)
     survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
-    assert dataset.missing_samples(survey) == ["damaged: x 20 mm, y 15 mm, 0 deg"]
+    (missing,) = dataset.missing_samples(survey)
+    assert str(missing) == "damaged: x 20 mm, y 15 mm, 0 deg"

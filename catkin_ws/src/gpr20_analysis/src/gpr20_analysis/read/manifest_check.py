@@ -67,7 +67,7 @@ def _differences(path: Path, name: str, listed: Any) -> List[Message]:
         ]
     if listed != {"sha256": sha256, "size": size}:
         return [
-            Message("{file} differs from the manifest: its size or SHA-256 is another", file=name)
+            Message("{file} differs from the manifest: its size or SHA-256 has changed", file=name)
         ]
     return []
 
