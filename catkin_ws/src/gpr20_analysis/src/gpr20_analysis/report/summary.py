@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message, received_message, verbatim
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
 SIMULATED = Message("SIMULATED: the data show no real ground")
@@ -190,9 +190,11 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
             unit=unit,
         )
         rows.append((Message("axis {axis}", axis=axis), text))
-    verdict = _mapping(described, "report").get("verdict")
-    if verdict:
-        rows.append((Message("verdict of the robot"), verbatim(str(verdict))))
+    report = _mapping(described, "report")
+    if report.get("verdict"):
+        recorded = json.dumps(report.get("verdict_message"))
+        verdict = received_message(str(report["verdict"]), recorded)
+        rows.append((Message("verdict of the robot"), verdict))
     return rows
 
 
