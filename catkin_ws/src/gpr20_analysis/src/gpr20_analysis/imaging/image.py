@@ -182,9 +182,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     measured = recorded.values
     present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
     if not options.leave_out_missing:
-        require_complete(
-            survey, Message("an image without --leave-out-missing and without the step fill")
-        )
+        require_complete(survey, Message("an image without --leave-out-missing"))
         if not np.all(present):
             raise WrongDatasetError(
                 Message(

@@ -59,8 +59,9 @@ def echo_row(echo: Echo, catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
     """Return an echo as a row of a table below `echo_heading`."""
     widths_m = (echo.width_x_m, echo.width_y_m, echo.width_depth_m)
     turn_deg = echo.polarization_deg
+    name = Message("{rotation_deg:g} deg", rotation_deg=turn_deg)
     return (
-        catalogue.tr("combined") if np.isnan(turn_deg) else f"{turn_deg:g} deg",
+        catalogue.text(Message("combined") if np.isnan(turn_deg) else name),
         *(_mm(one) for one in (echo.x_m, echo.y_m, echo.depth_m)),
         f"{echo.level_db:.1f}",
         f"{echo.above_noise_db:.1f}",

@@ -93,10 +93,9 @@ def _check_readable(source: SurveySource, table: TraceTable) -> None:
 
 def _refusal(name: str, faults: List[Fault]) -> Message:
     return Message(
-        "{source} has {count} faults: {faults}; check with `gpr20 verify` whether another "
+        "{source} is damaged: {faults}; check with `gpr20 verify` whether another "
         "recording of the survey is intact, or leave these samples out with --accept-damaged",
         source=name,
-        count=len(faults),
         faults=first_of([fault.message for fault in faults], FAULTS_LISTED),
     )
 

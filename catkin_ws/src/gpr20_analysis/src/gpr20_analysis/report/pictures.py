@@ -130,7 +130,10 @@ def _parameters(
         (catalogue.tr("depths"), depths),
         (catalogue.tr("method"), options.method.value),
         (catalogue.tr("window"), options.window.value),
-        (catalogue.tr("widest angle in air"), f"{options.widest_angle_deg:g} deg"),
+        (
+            catalogue.tr("widest angle in air"),
+            catalogue.tr("{angle_deg:g} deg", angle_deg=options.widest_angle_deg),
+        ),
         (catalogue.tr("height"), height),
     ]
 

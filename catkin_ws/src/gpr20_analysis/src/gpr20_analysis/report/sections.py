@@ -143,7 +143,7 @@ def _quality(survey: xr.Dataset, catalogue: Catalogue) -> Section:
         section.figures.append((catalogue.tr("Antenna height above the ground"), figure))
     section.rows = [
         (
-            f"{turn:g} deg",
+            catalogue.tr("{rotation_deg:g} deg", rotation_deg=turn),
             catalogue.tr(
                 "{usable} of {total} samples usable", usable=int(own.sum()), total=own.size
             ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -53,8 +53,9 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     if dataset.IMAGE in survey:
         rows.append((Message("image"), _image(survey)))
         rows.append((Message("depth"), _axis(survey[dataset.DEPTH].values)))
-    turns = ", ".join(f"{one:g} deg" for one in survey[dataset.POLARIZATION].values)
-    rows.append((Message("polarizations"), verbatim(turns)))
+    turns_deg = survey[dataset.POLARIZATION].values
+    turns = [Message("{rotation_deg:g} deg", rotation_deg=one) for one in turns_deg]
+    rows.append((Message("polarizations"), _listed(turns)))
     rows.append((verbatim("x"), _axis(survey[dataset.X].values)))
     rows.append((verbatim("y"), _axis(survey[dataset.Y].values)))
     if dataset.FREQUENCY in survey.coords:
@@ -74,19 +75,29 @@ def _samples(survey: xr.Dataset) -> Message:
     quality = survey[dataset.QUALITY].values
     usable = int(np.count_nonzero((quality & int(dataset.UNUSABLE)) == 0))
     text = Message("{usable} of {total} of the grid", usable=usable, total=quality.size)
-    for flag, name in FLAG_NAMES.items():
-        count = int(np.count_nonzero(quality & int(flag)))
-        if count:
-            text = Message("{before}, {count} {flag}", before=text, count=count, flag=name)
+    missing, damaged, no_height, remarked = (
+        int(np.count_nonzero(quality & int(flag)))
+        for flag in (
+            dataset.Quality.MISSING,
+            dataset.Quality.DAMAGED,
+            dataset.Quality.NO_HEIGHT,
+            dataset.Quality.REMARKED,
+        )
+    )
+    counts = [
+        (missing, Message("{count} missing", count=missing)),
+        (damaged, Message("{count} damaged", count=damaged)),
+        (no_height, Message("{count} no height", count=no_height)),
+        (remarked, Message("{count} remarked", count=remarked)),
+    ]
+    return _listed([text, *(message for count, message in counts if count)])
+
+
+def _listed(messages: Sequence[Message]) -> Message:
+    text = messages[0]
+    for one in messages[1:]:
+        text = Message("{before}, {next}", before=text, next=one)
     return text
-
-
-FLAG_NAMES = {
-    dataset.Quality.MISSING: Message("missing"),
-    dataset.Quality.DAMAGED: Message("damaged"),
-    dataset.Quality.NO_HEIGHT: Message("no height"),
-    dataset.Quality.REMARKED: Message("remarked"),
-}
 
 
 def _image(survey: xr.Dataset) -> Message:
