@@ -53,7 +53,7 @@ def new_window(languages: Languages, folder: Path) -> UserInterface:
 
 
 class Operator:
-    """Starts surveys through the services, as another window would, and hears how they go."""
+    """Starts surveys through the services, as another window would, and follows their progress."""
 
     def __init__(self) -> None:
         self.code = -1

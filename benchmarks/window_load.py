@@ -6,7 +6,7 @@ this process, so its own counters are those of the window.
 
     scripts/bench.sh window_load --minutes 120        (memory over two hours)
 
-A heartbeat of 10 ms tells how long the window's thread was busy with something else: beyond
+A heartbeat of 10 ms measures how long the window's thread was busy with something else: beyond
 50 ms it could not have drawn 20 frames a second.
 """
 

@@ -146,7 +146,7 @@ class SurveyClient:
 
 def node_pid(name):
     """Return the process of a node."""
-    # Not from its cache: a node that was started anew is elsewhere.
+    # Not from its cache: a restarted node has another address.
     server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
     _code, _message, pid = ServerProxy(server).getPid(rospy.get_name())
     return pid

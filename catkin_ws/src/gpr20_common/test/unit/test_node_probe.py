@@ -1,4 +1,4 @@
-"""Asking nodes over real sockets: alive, dead, hanging, unknown, started anew."""
+"""Asking nodes over real sockets: alive, dead, hanging, unknown, restarted."""
 
 import socket
 import threading

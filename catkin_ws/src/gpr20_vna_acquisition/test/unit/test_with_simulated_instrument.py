@@ -30,7 +30,7 @@ SWEEP = SweepSettings(600e6, 6e9, 301)
 
 
 class Robot:
-    """Antennas that move until they are told to stop."""
+    """Antennas that move until they are stopped."""
 
     def __init__(self) -> None:
         self.stopped_at_mm = None

@@ -61,8 +61,8 @@ class ServiceClient:
             given_up.set()
             raise ServiceUnavailableError(
                 Message(
-                    "service {service} did not answer within {limit_s:g} s; check that its node "
-                    "runs and does not hang",
+                    "the service {service} did not answer within {limit_s:g} s; check that its "
+                    "node is running and not hung",
                     service=self._name,
                     limit_s=timeout_s,
                 )
@@ -73,7 +73,7 @@ class ServiceClient:
         if isinstance(answer, Exception):
             raise ServiceUnavailableError(
                 Message(
-                    "service {service} could not be called; check that its node runs",
+                    "the service {service} could not be called; check that its node is running",
                     service=self._name,
                     details=answer,
                 )
