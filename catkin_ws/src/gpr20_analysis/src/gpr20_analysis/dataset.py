@@ -161,8 +161,8 @@ def require_complete(survey: xr.Dataset, purpose: Message) -> None:
     if absent:
         raise DamagedSurveyError(
             Message(
-                "{count} samples have no data ({samples}); {purpose} needs all of them, so apply the "
-                "step fill first",
+                "{count} samples have no data ({samples}); {purpose} needs all of them, so apply "
+                "the step fill first",
                 count=len(absent),
                 samples=first_of(absent, NAMED),
                 purpose=purpose,
