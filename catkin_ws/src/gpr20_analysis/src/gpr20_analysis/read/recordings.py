@@ -22,7 +22,7 @@ from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
 
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
@@ -203,7 +203,7 @@ def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
     stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
-        raise UnreadableFileError("; ".join(map(str, stored.faults)))
+        raise UnreadableFileError(in_a_row(stored.faults))
 
 
 @contextlib.contextmanager
