@@ -42,7 +42,7 @@ class Gain(enum.Enum):
 
 
 def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
-    """Keep one polarization.
+    """Select one polarization.
 
     Raises:
         WrongDatasetError: It was not measured.

@@ -101,7 +101,7 @@ def apply_window(survey: xr.Dataset, window: Window = Window.HANN) -> xr.Dataset
 
 
 def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Dataset:
-    """Keep the frequencies from start to stop, both included [Hz].
+    """Select the frequencies from start to stop, both included [Hz].
 
     Raises:
         WrongDatasetError: Fewer than two frequencies would be left.
