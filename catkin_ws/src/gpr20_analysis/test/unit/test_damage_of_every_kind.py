@@ -119,7 +119,7 @@ def test_missing_samples_are_told_by_every_command(cut_short, tmp_path, capsys, 
     status, written = run(command, source, tmp_path)
     assert status == NOT_COMPLETE
     assert len(written) == (command != "info")
-    assert "NO NUMBERS: missing: " in capsys.readouterr().err
+    assert "NO DATA: missing: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", COMMANDS)
