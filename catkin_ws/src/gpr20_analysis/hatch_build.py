@@ -1,4 +1,4 @@
-"""Puts what gpr20_analysis needs of the workspace into its wheel: no ROS is among it."""
+"""Adds the parts of other packages that gpr20_analysis needs to its wheel, none of them ROS."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ NEEDED = {
 
 
 class NeededPackages(BuildHookInterface):  # type: ignore[type-arg]
-    """Takes them along, except when the sources run from where they are.
+    """Adds the packages to the wheel, except to an editable installation.
 
-    An editable installation finds them by `dev-mode-dirs`. Copies, which `force-include` of
-    pyproject.toml would make there too, come first on Python's path and hide later changes.
+    An editable installation finds them by `dev-mode-dirs`. Copies, which `force-include` in
+    pyproject.toml would make there too, would come first on Python's path and hide later changes.
     """
 
     def initialize(self, version: str, build_data: Dict[str, Any]) -> None:
-        """Name what goes into the wheel."""
+        """Add the files to the wheel."""
         if version == "editable":
             return
         for package, parts in NEEDED.items():

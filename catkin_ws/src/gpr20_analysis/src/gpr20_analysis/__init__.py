@@ -1,7 +1,7 @@
 """Offline reading, checking, processing and imaging of GPR-20 surveys, without ROS.
 
-The names of `__all__` are the public interface, docs/analysis.md shows them at work. Each is loaded
-when it is first used, so that importing this package costs nothing.
+The names in `__all__` are the public interface, shown in docs/analysis.md. Each is loaded when it
+is first used, so that importing this package is fast.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Outputs that take their name only when they are whole."""
+"""Outputs that appear under their name only when they are complete."""
 
 from __future__ import annotations
 
@@ -9,33 +9,40 @@ from pathlib import Path
 from typing import Iterator
 
 from gpr20_analysis.errors import ExportError
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 
 BESIDE = ".gpr20-"
-"""Begins the name of the folder in which an output is written, beside its place."""
+"""Prefix of the temporary folder, beside the output, in which it is written."""
 
 
 @contextlib.contextmanager
 def atomic_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
-    """Yield the place where a file or folder is to be written, of the same name.
+    """Yield a temporary path of the same name to write a file or folder to.
 
-    At the end it is moved to its path, where it replaces what is there. Ctrl-C or an error leaves
-    what was there as it was, and nothing half written.
+    At the end the output is moved to its path and replaces what exists there. After Ctrl-C or an
+    error the former content is unchanged and no partial output is left.
 
     Args:
-        path: File or folder; folders above it are made.
-        bytes_needed: Refuse at once if less is free. HDF5 needs it: its library crashes when a
-            disk becomes full.
+        path: File or folder; missing parent folders are created.
+        bytes_needed: Refuse at once if less is free, because the HDF5 library crashes when a disk
+            becomes full.
 
     Raises:
-        ExportError: The disk refused.
+        ExportError: The output cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         free = shutil.disk_usage(str(path.parent)).free
         if free < bytes_needed:
             raise ExportError(
-                f"{path} needs about {bytes_needed / 1e6:.1f} MB, but {free / 1e6:.1f} MB are free "
-                "there; make space, or name another place"
+                Message(
+                    "{path} needs about {needed_mb:.1f} MB, but only {free_mb:.1f} MB are free; "
+                    "free some space or choose another place",
+                    path=path,
+                    needed_mb=bytes_needed / 1e6,
+                    free_mb=free / 1e6,
+                )
             )
         beside = Path(tempfile.mkdtemp(prefix=BESIDE, dir=str(path.parent)))
     except OSError as error:
@@ -56,8 +63,11 @@ def _put(written: Path, path: Path, replaced: Path) -> None:
     written.replace(path)
 
 
-def _refusal(path: Path, error: OSError) -> str:
-    return (
-        f"{path} cannot be written ({error.strerror or error}); look for space and permission "
-        f"in {path.absolute().parent}, or name another place"
+def _refusal(path: Path, error: OSError) -> Message:
+    return Message(
+        "{path} cannot be written: {reason}; check free space and permissions of {folder}, or "
+        "choose another place",
+        path=path,
+        reason=os_reason(error),
+        folder=path.absolute().parent,
     )

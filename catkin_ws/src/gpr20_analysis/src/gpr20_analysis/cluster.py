@@ -1,8 +1,8 @@
 """Work on a dask cluster instead of in this process.
 
-A cluster is used where its Client is dask's default scheduler. Work is cut so that a part does the
-very same operations as the whole does for it, in the same order; so results do not depend on who
-works nor on how many.
+A cluster is used where its Client is dask's default scheduler. Work is split so that each part
+performs the same operations in the same order as the whole would. Results therefore do not depend
+on the workers or on their number.
 """
 
 from __future__ import annotations
@@ -17,23 +17,24 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.dataset import A_SCAN, POLARIZATION, S21, Y
-from gpr20_analysis.errors import AnalysisError, MissingLibraryError
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
+from gpr20_common.message import Message
 
 if TYPE_CHECKING:
     from distributed import Client
 
 TIME_LIMIT_S = 10.0
-# Fewer would leave a worker idle while the slowest part is finished.
+# With fewer parts, workers would be idle while the slowest part is finished.
 PARTS_PER_WORKER = 3
 
 
 @contextlib.contextmanager
 def connected(address: Optional[str]) -> Iterator[None]:
-    """Make a cluster dask's default scheduler while this is open; without an address do nothing.
+    """Make a cluster dask's default scheduler inside a `with`; without an address do nothing.
 
     Raises:
         MissingLibraryError: dask's distributed is not installed.
-        AnalysisError: Nobody answers there, or the cluster has no workers.
+        AnalysisError: No scheduler answers at the address, or the cluster has no workers.
     """
     if not address:
         yield
@@ -41,52 +42,57 @@ def connected(address: Optional[str]) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError as error:
-        raise MissingLibraryError(
-            "--scheduler needs dask's distributed: pip install 'gpr20_analysis[cluster]'"
-        ) from error
+        raise MissingLibraryError(library_missing("distributed", "cluster")) from error
     try:
         client = Client(address, timeout=TIME_LIMIT_S, set_as_default=True)
     except (OSError, ValueError) as error:
         raise AnalysisError(
-            f"no dask scheduler answers at {address} within {TIME_LIMIT_S:g} s: {error}"
+            Message(
+                "no dask scheduler answers at {address} within {limit_s:g} s",
+                address=address,
+                limit_s=TIME_LIMIT_S,
+                details=error,
+            )
         ) from error
     with client:
         if not client.nthreads():
             raise AnalysisError(
-                f"the cluster at {address} has no workers; start some with 'dask worker {address}'"
+                Message(
+                    "the cluster at {address} has no workers; start them with "
+                    "'dask worker {address}'",
+                    address=address,
+                )
             )
         yield
 
 
 def parts() -> int:
-    """Return into how many parts a work should be cut; 1: it should not."""
+    """Return the number of parts to split work into; 1 without a cluster."""
     client = _client()
     return 1 if client is None else PARTS_PER_WORKER * len(client.nthreads())
 
 
-def distribute(
-    function: Callable[[Any, Any], Any], shared: Any, things: Sequence[Any]
-) -> List[Any]:
-    """Return function(shared, thing) of each thing, in their order, computed by the cluster.
+def distribute(function: Callable[[Any, Any], Any], shared: Any, items: Sequence[Any]) -> List[Any]:
+    """Return function(shared, item) of each item, in order, computed by the cluster if any.
 
     Args:
-        function: Of a module; it may be called in another process.
-        shared: What all calls need, sent once.
-        things: What they differ in.
+        function: A function of a module, since it may be called in another process.
+        shared: First argument of all calls, sent once.
+        items: Second argument of each call.
     """
     client = _client()
     if client is None:
-        return [function(shared, thing) for thing in things]
+        return [function(shared, item) for item in items]
     # Large arguments are sent once, ahead of the tasks that need them.
     common = client.scatter([shared], broadcast=True, hash=False)[0]
-    sent = client.scatter(list(things), hash=False)
+    sent = client.scatter(list(items), hash=False)
     tasks = [client.submit(function, common, one, pure=False) for one in sent]
-    found: List[Any] = client.gather(tasks)
-    return found
+    results: List[Any] = client.gather(tasks)
+    return results
 
 
-def spread(data: xr.Dataset) -> xr.Dataset:
-    """Return a Dataset whose numbers are lazy, some rows at each worker; as it is without any."""
+def persist(data: xr.Dataset) -> xr.Dataset:
+    """Return a Dataset whose rows are in the memory of the workers; without a cluster itself."""
     client = _client()
     for name in (S21, A_SCAN):
         if client is not None and name in data and data[name].chunks is None:
@@ -98,32 +104,32 @@ def spread(data: xr.Dataset) -> xr.Dataset:
 
 @contextlib.contextmanager
 def fetched(data: xr.Dataset) -> Iterator[xr.Dataset]:
-    """Lend a Dataset whose blocks the workers compute, while this process writes them."""
+    """Yield a Dataset whose blocks are computed by the workers and written by this process."""
     client = _client()
     if client is None:
         yield data
         return
-    lent = data
+    found = data
     for name, values in data.data_vars.items():
         if values.chunks is not None:
             blocks = _Blocks(values.data, client)
             array = dask.array.from_array(blocks, chunks=values.chunks, asarray=False, name=False)
-            lent = lent.assign({name: values.copy(data=array)})
-    # Only the workers compute; the threads here wait for them, and write.
-    here = dask.config.set(scheduler="threads", num_workers=parts())
-    with here, warnings.catch_warnings():
+            found = found.assign({name: values.copy(data=array)})
+    # Only the workers compute; the local threads wait for them and write.
+    threads = dask.config.set(scheduler="threads", num_workers=parts())
+    with threads, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Running on a single-machine scheduler")
-        yield lent
+        yield found
 
 
 def slices(count: int, number: int) -> List[slice]:
-    """Return slices that cut so many things into parts of about equal size, none empty."""
+    """Return slices that divide `count` items into parts of about equal size, none empty."""
     edges = np.linspace(0, count, min(number, count) + 1).astype(int)
     return [slice(int(first), int(after)) for first, after in zip(edges[:-1], edges[1:])]
 
 
 class _Blocks:
-    """An array of which what is looked at is computed on the cluster."""
+    """An array whose blocks are computed on the cluster when they are read."""
 
     def __init__(self, array: dask.array.Array, client: Client) -> None:
         self.shape, self.dtype, self.ndim = array.shape, array.dtype, array.ndim

@@ -1,9 +1,9 @@
-"""The Dataset of a survey: names, units and flags that every step agrees on.
+"""The Dataset of a survey: names, units and flags that all steps use.
 
 `s21` is complex128 with dimensions (polarization, y, x, frequency); `height`, `timestamp`,
 `sweep_started`, `sweep_ended`, `quality`, `remarks`, `sample_id` and `index` have (polarization,
 y, x). All units are SI, but rotations are in degrees. A sample that is missing or damaged is NaN
-in `s21`; `quality` says which of both, attribute `missing` lists them.
+in `s21`; `quality` tells which, and attribute `missing` lists them.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.sentences import first_of
+from gpr20_common.message import Message
 
 FORMAT = "gpr20-dataset/1"
 POLARIZATION, Y, X, FREQUENCY, DELAY, DEPTH = (
@@ -29,10 +31,10 @@ SAMPLE_DIMS = (POLARIZATION, Y, X)
 S21_DIMS = (*SAMPLE_DIMS, FREQUENCY)
 S21, A_SCAN, IMAGE = "s21", "a_scan", "image"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
-LIST_ATTRIBUTES = ("missing", "faults", "notes")
-"""Attributes that are lists of sentences."""
 
 MM_PER_M = 1000.0
+NAMED = 3
+"""Number of samples that a message about many names."""
 
 ATTRIBUTES = {
     POLARIZATION: {"units": "degree", "long_name": "rotation of the antennas"},
@@ -44,24 +46,24 @@ ATTRIBUTES = {
     S21: {"units": "1", "long_name": "transmission S21"},
     A_SCAN: {"units": "1", "long_name": "A-scan"},
     HEIGHT: {"units": "m", "long_name": "antenna height above the ground"},
-    "index": {"long_name": "place in the survey's plan, -1 without a sample"},
+    "index": {"long_name": "index in the survey's plan, -1 without a sample"},
     "sample_id": {"long_name": "name of the sample"},
-    "remarks": {"long_name": "remarks of the robot on the sample"},
+    "remarks": {"long_name": "remarks of the robot about the sample"},
 }
 
 
 class Quality(enum.IntFlag):
-    """What is to be known of a sample."""
+    """Flags of a sample."""
 
     GOOD = 0
     MISSING = 1
-    """It was never stored, or cannot be read."""
+    """It was not stored, or cannot be read."""
     DAMAGED = 2
-    """It is stored, but cannot be trusted; its numbers are left out."""
+    """It is stored but damaged; its values are left out."""
     NO_HEIGHT = 4
     """The height of the antennas was not measured."""
     REMARKED = 8
-    """The robot made remarks; see `remarks`."""
+    """The robot added remarks; see `remarks`."""
 
 
 QUALITY_ATTRIBUTES = {
@@ -73,7 +75,7 @@ UNUSABLE = Quality.MISSING | Quality.DAMAGED
 
 
 def described(data: xr.Dataset) -> xr.Dataset:
-    """Return a Dataset whose variables say their units and meanings."""
+    """Return a Dataset whose variables have units and long names."""
     for name in data.variables:
         data[name].attrs.update(ATTRIBUTES.get(str(name), {}))
     data[QUALITY].attrs.update(QUALITY_ATTRIBUTES)
@@ -81,27 +83,40 @@ def described(data: xr.Dataset) -> xr.Dataset:
 
 
 def usable(survey: xr.Dataset) -> xr.DataArray:
-    """Return which samples hold numbers, bool (polarization, y, x)."""
+    """Return which samples have data, bool (polarization, y, x)."""
     return (survey[QUALITY] & int(UNUSABLE)) == 0
 
 
-def missing_samples(survey: xr.Dataset) -> List[str]:
-    """Return one phrase for each sample without numbers: its place, rotation and why."""
+def missing_samples(survey: xr.Dataset) -> List[Message]:
+    """Return a message for each sample without data: missing or damaged, and its position."""
     quality = survey[QUALITY].transpose(*SAMPLE_DIMS).values
     absent = (quality & int(UNUSABLE)) != 0
     damaged = (quality[absent] & int(Quality.DAMAGED)) != 0
     return [
-        f"{'damaged' if why else 'missing'}: {place}"
-        for why, place in zip(damaged, samples_at(survey, absent))
+        Message("damaged: {position}", position=position)
+        if is_damaged
+        else Message("missing: {position}", position=position)
+        for is_damaged, position in zip(damaged, positions_of(survey, absent))
     ]
 
 
-def samples_at(survey: xr.Dataset, chosen: np.ndarray) -> List[str]:
-    """Return the place and rotation of each sample that is chosen, bool (polarization, y, x)."""
+def damaged_samples(survey: xr.Dataset) -> List[Message]:
+    """Return a message for each damaged sample."""
+    quality = survey[QUALITY].transpose(*SAMPLE_DIMS).values
+    damaged = (quality & int(Quality.DAMAGED)) != 0
+    return [Message("damaged: {position}", position=one) for one in positions_of(survey, damaged)]
+
+
+def positions_of(survey: xr.Dataset, chosen: np.ndarray) -> List[Message]:
+    """Return the position and rotation of each chosen sample, bool (polarization, y, x)."""
     turns_deg, y_m, x_m = (survey[axis].values for axis in SAMPLE_DIMS)
     return [
-        f"x {float(x_m[column]) * MM_PER_M:g} mm, y {float(y_m[row]) * MM_PER_M:g} mm, "
-        f"{float(turns_deg[turn]):g} deg"
+        Message(
+            "x {x_mm:g} mm, y {y_mm:g} mm, {rotation_deg:g} deg",
+            x_mm=float(x_m[column]) * MM_PER_M,
+            y_mm=float(y_m[row]) * MM_PER_M,
+            rotation_deg=float(turns_deg[turn]),
+        )
         for turn, row, column in np.argwhere(chosen)
     ]
 
@@ -113,18 +128,31 @@ def require(survey: xr.Dataset, variable: str, dims: Sequence[str]) -> xr.DataAr
         WrongDatasetError: It is missing or has other dimensions.
     """
     if variable not in survey:
-        held = ", ".join(sorted(str(name) for name in survey.data_vars))
-        raise WrongDatasetError(f"the data hold no '{variable}'; they hold {held or 'nothing'}")
+        raise WrongDatasetError(
+            Message(
+                "the data do not contain '{variable}'; they contain: {names}",
+                variable=variable,
+                names=", ".join(sorted(str(name) for name in survey.data_vars)) or "-",
+            )
+        )
     if set(survey[variable].dims) != set(dims):
         raise WrongDatasetError(
-            f"'{variable}' has dimensions {tuple(survey[variable].dims)}; it must have "
-            f"{tuple(dims)}"
+            Message(
+                "'{variable}' has the dimensions {found}; it must have {needed}",
+                variable=variable,
+                found=", ".join(map(str, survey[variable].dims)),
+                needed=", ".join(dims),
+            )
         )
     return survey[variable].transpose(*dims)
 
 
-def require_complete(survey: xr.Dataset, purpose: str) -> None:
-    """Check that no sample is missing, for what cannot do without one.
+def require_complete(survey: xr.Dataset, purpose: Message) -> None:
+    """Check that no sample is missing.
+
+    Args:
+        survey: The survey.
+        purpose: What needs all samples, for the message.
 
     Raises:
         DamagedSurveyError: A sample is missing or damaged.
@@ -132,6 +160,11 @@ def require_complete(survey: xr.Dataset, purpose: str) -> None:
     absent = missing_samples(survey)
     if absent:
         raise DamagedSurveyError(
-            f"{len(absent)} samples have no numbers ({'; '.join(absent[:3])}"
-            f"{', ...' if len(absent) > 3 else ''}); {purpose} needs every one"
+            Message(
+                "{count} samples have no data ({samples}); {purpose} needs all of them, so apply "
+                "the step fill first",
+                count=len(absent),
+                samples=first_of(absent, NAMED),
+                purpose=purpose,
+            )
         )

@@ -1,8 +1,12 @@
-"""What the analysis refuses."""
+"""The errors of the analysis, and the messages that several of them share."""
 
 from __future__ import annotations
 
+from pathlib import PurePath
+from typing import Iterable
+
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 
 
 class AnalysisError(Gpr20Error):
@@ -10,23 +14,23 @@ class AnalysisError(Gpr20Error):
 
 
 class UnreadableFileError(AnalysisError, ValueError):
-    """A file is not as the storage wrote it."""
+    """A file is damaged or has another content than it should."""
 
 
 class DamagedSurveyError(AnalysisError, ValueError):
-    """Samples of a survey cannot be trusted; the faults are named."""
+    """Samples of a survey are damaged or missing; the message names them."""
 
 
 class WrongDatasetError(AnalysisError, ValueError):
-    """A Dataset lacks what a step needs, or holds what it cannot work on."""
+    """A Dataset does not suit a step, or an option is not allowed."""
 
 
 class TooLargeError(AnalysisError, MemoryError):
-    """What must be in memory at once does not fit into it."""
+    """The data do not fit into the memory."""
 
 
 class ExportError(AnalysisError, ValueError):
-    """A survey cannot be written in the format that was asked for."""
+    """An output cannot be written, or the format cannot hold the survey."""
 
 
 class MissingLibraryError(AnalysisError, ImportError):
@@ -34,4 +38,29 @@ class MissingLibraryError(AnalysisError, ImportError):
 
 
 class RecipeError(AnalysisError, ValueError):
-    """A chain of steps is not written as it must be, or names what is not there."""
+    """A chain of steps is malformed, or a step or parameter is unknown."""
+
+
+def library_missing(library: str, extra: str = "") -> Message:
+    """Return the message for a library that is not installed.
+
+    Args:
+        library: Its name.
+        extra: The extra of this package that brings it; empty: this package itself.
+    """
+    package = f"gpr20_analysis[{extra}]" if extra else "gpr20_analysis"
+    return Message(
+        "{library} is not installed; install it with: pip install '{package}'",
+        library=library,
+        package=package,
+    )
+
+
+def wrong_ending(path: PurePath, endings: Iterable[str]) -> Message:
+    """Return the message for an output whose name has the wrong ending."""
+    return Message("{file} must end in {endings}", file=path.name, endings=", ".join(endings))
+
+
+def not_there(path: PurePath) -> Message:
+    """Return the message for an input that does not exist."""
+    return Message("{path} does not exist", path=path)

@@ -1,4 +1,4 @@
-"""Numbers that are larger than the memory may be: dask arrays in chunks of whole rows."""
+"""Arrays that may be larger than the memory: dask arrays in chunks of whole rows."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ import xarray as xr
 
 from gpr20_analysis.dataset import POLARIZATION, SAMPLE_DIMS, X
 from gpr20_analysis.errors import TooLargeError
+from gpr20_common.message import Message
 
 MIB = 1 << 20
 
 
 def in_rows(values: xr.DataArray) -> xr.DataArray:
-    """Return lazy values (polarization, y, x, any) in chunks of whole rows; others as they are."""
+    """Return lazy values (polarization, y, x, any) in chunks of whole rows, others unchanged."""
     if values.chunks is None:
         return values
     return values.chunk({POLARIZATION: 1, X: -1, values.dims[-1]: -1})
@@ -25,7 +26,7 @@ def in_rows(values: xr.DataArray) -> xr.DataArray:
 def beside(small: xr.DataArray, values: xr.DataArray) -> xr.DataArray:
     """Return (polarization, y, x) in the chunks of lazy values.
 
-    Whole, it would be one thing that every chunk needs: dask then computes all of them at once.
+    As a single array it would be an input of every chunk, and dask would compute all at once.
     """
     if values.chunks is None:
         return small
@@ -35,12 +36,12 @@ def beside(small: xr.DataArray, values: xr.DataArray) -> xr.DataArray:
 def with_neighbours(
     function: Callable[[np.ndarray], np.ndarray], values: xr.DataArray, rows: int
 ) -> xr.DataArray:
-    """Return what a function makes of values that need others beside them.
+    """Return the result of a function that needs neighbouring rows.
 
     Args:
-        function: Takes and returns (polarization, y, x, any), of which it may get some rows only.
+        function: Takes and returns (polarization, y, x, any); it may get some of the rows only.
         values: The same dimensions.
-        rows: How many rows before and after its own it has to see.
+        rows: Number of rows that it needs before and after each row.
     """
     if values.chunks is None:
         return values.copy(data=function(values.values))
@@ -50,13 +51,13 @@ def with_neighbours(
     return values.copy(data=lazy)
 
 
-def require_room(values: xr.DataArray, times: float, purpose: str) -> None:
-    """Check, before lazy values are loaded whole, that they fit into the memory.
+def require_room(values: xr.DataArray, times: float, purpose: Message) -> None:
+    """Check that lazy values fit into the memory before they are loaded completely.
 
     Args:
-        values: What will be loaded; nothing is checked of what is in memory already.
-        times: How many times its size the work needs.
-        purpose: What it is needed for, for the message.
+        values: Values to load; those already in memory are not checked.
+        times: Memory needed, in multiples of their size.
+        purpose: What needs them, for the message.
 
     Raises:
         TooLargeError: They do not fit.
@@ -64,14 +65,19 @@ def require_room(values: xr.DataArray, times: float, purpose: str) -> None:
     needed = times * values.nbytes
     if values.chunks is not None and needed > available_bytes():
         raise TooLargeError(
-            f"{purpose} needs {needed / MIB:.0f} MiB of memory, of which "
-            f"{available_bytes() / MIB:.0f} MiB are free; take a part with the steps band or "
-            "polarization (gpr20 process works on a survey of any size), or another machine"
+            Message(
+                "{purpose} needs {needed_mib:.0f} MiB of memory, but only {free_mib:.0f} MiB are "
+                "free; select a part with the steps band or polarization (gpr20 process works on "
+                "surveys of any size), or use a larger machine",
+                purpose=purpose,
+                needed_mib=needed / MIB,
+                free_mib=available_bytes() / MIB,
+            )
         )
 
 
 def available_bytes() -> int:
-    """Return what the system can give without swapping, or this process's own limit if less."""
+    """Return the memory available without swapping, or this process's limit if it is less."""
     limits = (resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_DATA, resource.RLIMIT_AS))
     own = (limit for limit in limits if limit != resource.RLIM_INFINITY)
     return min([psutil.virtual_memory().available, *own])

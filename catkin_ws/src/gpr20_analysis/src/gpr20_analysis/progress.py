@@ -1,4 +1,4 @@
-"""How far a long work has come, for whoever wants to show it."""
+"""Progress of long operations, for callers that show it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import Any, Callable, Iterable, Optional, TypeVar
 
 Item = TypeVar("Item")
 Progress = Callable[[Iterable[Item], Optional[int]], Iterable[Item]]
-"""Takes an iterable and its length, and shows how far its user has come."""
+"""Takes an iterable and its length, if known, and shows how much of it was used."""
 
 
-def silent(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
+def no_progress(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
     """Show no progress."""
     return items

@@ -1,4 +1,4 @@
-"""The command gpr20-verify: `gpr20 verify` under the name it had first."""
+"""The command gpr20-verify, the same as `gpr20 verify`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from gpr20_analysis.commands import main as gpr20
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Check the folder that is named; return the exit status."""
+    """Check a survey's folder; return the exit status."""
     return gpr20.main(["verify", *(sys.argv[1:] if arguments is None else arguments)])
 
 

@@ -102,4 +102,4 @@ def test_decibels_are_below_the_maximum_and_keep_nan():
 
 def test_notes_of_the_data_stand_below_the_figure():
     noted = IMAGE.assign_attrs(notes=["3 samples were left out"])
-    assert "3 samples were left out" in remarks_of(noted)
+    assert "3 samples were left out" in [str(one) for one in remarks_of(noted)]

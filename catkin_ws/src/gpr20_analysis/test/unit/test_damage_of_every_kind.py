@@ -121,7 +121,7 @@ def test_missing_samples_are_told_by_every_command(cut_short, tmp_path, capsys, 
     status, written = run(command, source, tmp_path)
     assert status == NOT_COMPLETE
     assert len(written) == (command != "info")
-    assert "NO NUMBERS: missing: " in capsys.readouterr().err
+    assert "NO DATA: missing: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -149,7 +149,7 @@ def test_a_file_cut_short_is_refused_or_told_by_every_command(
     assert status in (NOT_COMPLETE, REFUSED)
     assert status == NOT_COMPLETE or not written
     error = capsys.readouterr().err
-    assert kind in error or "NO NUMBERS" in error
+    assert kind in error or "NO DATA" in error
     assert "Traceback" not in error
 
 
@@ -194,7 +194,9 @@ def test_a_dataset_of_somebody_else_is_read_with_a_word_on_its_missing_checksum(
     write_dataset(load_survey(whole), tmp_path / "s.nc")
     with xr.open_dataset(str(tmp_path / "s.nc"), engine="h5netcdf") as stored:
         stored.load().to_netcdf(str(tmp_path / "o.nc"), engine="h5netcdf")
-    assert any("no checksum" in note for note in load_survey(tmp_path / "o.nc").attrs["notes"])
+    assert any(
+        "no gpr20 checksum" in note for note in load_survey(tmp_path / "o.nc").attrs["notes"]
+    )
     xr.Dataset({"rain": ("day", [1.0, 2.0])}).to_netcdf(str(tmp_path / "w.nc"), engine="h5netcdf")
     assert main(["info", str(tmp_path / "w.nc")]) == REFUSED
 

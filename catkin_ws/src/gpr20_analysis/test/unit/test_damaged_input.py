@@ -132,7 +132,7 @@ def test_two_samples_of_one_place_are_refused(folder):
     name = trace_file(folder, VICTIM).name.replace(f"{VICTIM:06d}", f"{VICTIM + 1:06d}")
     path.rename(path.with_name(name))
     assert other.index == VICTIM + 1
-    with pytest.raises(DamagedSurveyError, match="same place"):
+    with pytest.raises(DamagedSurveyError, match="same position"):
         load_survey(folder / "traces")
     survey = load_survey(folder / "traces", accept_damaged=True)
     assert not np.isin(survey["index"].values, [VICTIM, VICTIM + 1]).any()
@@ -179,7 +179,7 @@ def test_samples_with_the_same_numbers_are_noted(tmp_path):
     same = {"s21_real": np.arange(5.0), "s21_imag": np.ones(5)}
     folder = make_survey(tmp_path, ALL, "finished", {3: same, 8: same})
     notes = load_survey(folder).attrs["notes"]
-    assert any("exactly the numbers of another" in note for note in notes)
+    assert any("exactly the values of another" in note for note in notes)
 
 
 def test_a_damaged_description_is_refused(folder):
@@ -199,5 +199,5 @@ def test_positions_on_no_grid_are_refused(folder):
         name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{values['z_coord_deg']:+07.2f}.json"
         (folder / "traces" / name).write_text(json.dumps(values) + "\n")
     assert SURVEY
-    with pytest.raises(DamagedSurveyError, match="no grid"):
+    with pytest.raises(DamagedSurveyError, match="not a grid"):
         load_survey(folder / "traces")

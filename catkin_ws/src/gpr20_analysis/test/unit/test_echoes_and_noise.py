@@ -40,8 +40,8 @@ def test_a_target_stands_above_noise_and_noise_is_told_to_be_doubtful():
     assert len(echoes) > 5 and all(one.above_noise_db < 2.0 for one in echoes[1:])
     (told,) = doubtful_echoes(echoes)
     count = sum(one.above_noise_db <= 0.0 for one in echoes)
-    assert told.startswith(f"{count} of the {len(echoes)} are no brighter")
-    assert echo_lines(echoes)[-1] == told
+    assert str(told).startswith(f"{count} of the {len(echoes)} echoes are not brighter")
+    assert echo_lines(echoes)[-1] == str(told)
 
 
 def test_nothing_is_doubted_where_all_echoes_stand_out():

@@ -80,11 +80,11 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(tmp_path, capsy
 
 
 def test_a_fault_of_the_program_is_told_in_one_line(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(info_command, "summarize", lambda survey: 1 / 0)
+    monkeypatch.setattr(info_command, "summary_of", lambda survey: 1 / 0)
     folder = make_survey(tmp_path, ALL, "finished")
     assert main(["info", str(folder)]) == 3
     error = capsys.readouterr().err
-    assert "fault of the program itself (ZeroDivisionError" in error
+    assert "program error ZeroDivisionError" in error
     assert "Traceback" not in error
     monkeypatch.setenv("GPR20_TRACEBACK", "1")
     assert main(["info", str(folder)]) == 3

@@ -65,10 +65,10 @@ def test_without_its_source_a_simulation_is_refused_or_can_only_be_looked_at(tmp
     arguments = ["import", str(tmp_path / "a.out"), str(output), "--format", "gprmax", *BAND]
     assert main(arguments) == 3
     error = capsys.readouterr().err
-    assert "does not tell the signal of its source" in error and "--source" in error
+    assert "does not contain the source signal" in error and "--source" in error
     assert main([*arguments, "--height", "0.1", "--source", "none"]) == 0
     assert main(["image", str(output), "--permittivity", "4"]) == 3
-    assert "every delay is late by the source's" in capsys.readouterr().err
+    assert "every delay includes that of the source" in capsys.readouterr().err
 
 
 def test_the_source_may_be_a_file_of_times_and_values(tmp_path):
@@ -91,7 +91,7 @@ def test_two_simulations_of_one_place_by_their_polarization_are_two_samples(tmp_
 
 def test_a_band_that_the_source_does_not_reach_is_refused_with_the_one_it_does(tmp_path):
     make_gprmax(tmp_path / "a.h5", version=4)
-    with pytest.raises(UnreadableFileError, match=r"take --band 1e\+09 [67]\.\d+e\+09 POINTS"):
+    with pytest.raises(UnreadableFileError, match=r"use --band 1e\+09 [67]\.\d+e\+09 POINTS"):
         read_gprmax(tmp_path, Band(1e9, 12e9, 101), 0.1)
 
 
@@ -107,9 +107,9 @@ def test_a_time_step_too_coarse_for_the_band_is_refused(tmp_path, capsys):
     [
         (lambda file: file.attrs.update(nrx=2), "2 receivers"),
         (lambda file: file.attrs.update(nsrc=3), "3 sources"),
-        (lambda file: file.attrs.update(Iterations=7), "not the merged one"),
+        (lambda file: file.attrs.update(Iterations=7), "instead of the merged one"),
         (lambda file: file["srcs/src1"].attrs.update(Polarisation="z"), "along x or y"),
-        (lambda file: file["rxs/rx1/Ey"].write_direct(np.full(COUNT, np.nan)), "no numbers"),
+        (lambda file: file["rxs/rx1/Ey"].write_direct(np.full(COUNT, np.nan)), "NaN values"),
         (lambda file: file["srcs/src1/excitation/samples"].write_direct(np.zeros(COUNT)), "zero"),
     ],
 )

@@ -60,7 +60,7 @@ def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
 def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
     narrow = ["--step", "background", "--step", "band:start_hz=1e9,stop_hz=1.1e9"]
     told_why = refused(capsys, "image", survey_file, "--permittivity", 4, *narrow)
-    assert "take a wider band" in told_why
+    assert "use a wider band" in told_why
 
 
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
@@ -115,7 +115,7 @@ def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, 
 
 
 def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
-    assert "1 samples have no numbers" in refused(capsys, "image", holed_file, "--permittivity", 4)
+    assert "1 samples have no data" in refused(capsys, "image", holed_file, "--permittivity", 4)
     options = ("--permittivity", 4, "--leave-out-missing")
     text = told(capsys, "image", holed_file, *options, status=NOT_COMPLETE)
     assert "note: 1 of 242 samples were left out" in text
@@ -146,23 +146,26 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
         told(capsys, "plot", kind, image, *options, "-o", picture)
         assert picture.stat().st_size > 10_000
     reason = refused(capsys, "plot", "c-scan", image, "--delay", 2, "-o", tmp_path / "x.png")
-    assert "--delay is of a survey" in reason
+    assert "--delay is for surveys" in reason
 
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (("image", "SURVEY", "--permittivity", "0.2"), "permittivity is 0.2"),
-        (("image", "SURVEY", "--depth", "0", "0.3", "0"), "--depth"),
+        (
+            ("image", "SURVEY", "--permittivity", "0.2"),
+            "permittivity is 0.2; it must lie between 1 and 100",
+        ),
+        (("image", "SURVEY", "--depth", "0", "0.3", "0.3001"), "gives 1 depths; use 2 to 5000"),
         (("image", "SURVEY", "-o", "picture.jpg"), "must end in"),
-        (("image", "SURVEY", "--step", "migrate"), "there is no step"),
+        (("image", "SURVEY", "--step", "migrate"), "unknown step"),
         (("process", "SURVEY", "-o", "x.nc"), "no step was given"),
-        (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside of the survey"),
+        (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside the data"),
         (("plot", "c-scan", "SURVEY", "-o", "x.png"), "--delay"),
-        (("plot", "c-scan", "SURVEY", "--depth", "50", "-o", "x.png"), "--depth is of an image"),
+        (("plot", "c-scan", "SURVEY", "--depth", "50", "-o", "x.png"), "--depth is for images"),
         (("plot", "b-scan", "SURVEY", "--until", "0", "-o", "x.png"), "--until"),
         (("plot", "height", "SURVEY", "-o", "x.jpg"), "must end in"),
-        (("plot", "projection", "SURVEY", "-o", "x.png"), "no 'image'"),
+        (("plot", "projection", "SURVEY", "-o", "x.png"), "do not contain 'image'"),
     ],
 )
 def test_wrong_arguments_are_refused_with_a_reason(survey_file, capsys, arguments, reason):

@@ -145,7 +145,7 @@ def test_level_ground_is_the_same_by_either_way(survey):
 
 @pytest.mark.parametrize("method", [Method.PHASE_SHIFT, Method.KIRCHHOFF])
 def test_uneven_ground_is_refused_by_methods_that_take_it_as_level(method):
-    with pytest.raises(WrongDatasetError, match="imaged by the back-projection"):
+    with pytest.raises(WrongDatasetError, match="needs --method back-projection"):
         ImageOptions(method, 4.0, ground=Ground.UNEVEN)
 
 

@@ -64,6 +64,6 @@ def test_what_is_interrupted_leaves_nothing_behind(survey_file, tmp_path, number
     finally:
         process.kill()
     assert process.returncode == 3
-    assert error.splitlines()[-1] == "gpr20 export: interrupted; nothing half written is left"
+    assert error.splitlines()[-1] == "gpr20 export: interrupted; no partial output is left"
     assert "Traceback" not in error
     assert list(tmp_path.iterdir()) == []

@@ -85,13 +85,13 @@ def test_a_lazy_dataset_holds_the_same_and_goes_through_steps_to_a_file(
 def test_an_image_of_more_than_the_memory_is_refused_before_it_is_loaded(folder, monkeypatch):
     monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
     options = ImageOptions(permittivity=4.0, height_m=0.2)
-    with pytest.raises(TooLargeError, match="take a part with the steps band or polarization"):
+    with pytest.raises(TooLargeError, match="select a part with the steps band or polarization"):
         image_survey(load_survey(folder, lazy_bytes=0), options)
 
 
 def test_a_merged_file_of_more_than_the_memory_is_refused(folder, tmp_path, monkeypatch):
     monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
-    with pytest.raises(TooLargeError, match="merged file needs"):
+    with pytest.raises(TooLargeError, match="merged HDF5 file needs"):
         write_merged(load_survey(folder, lazy_bytes=0), tmp_path / "s.h5", "s")
 
 

@@ -72,7 +72,7 @@ def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsy
     precious = occupy(output)
     assert main(arguments) == 3
     error = capsys.readouterr().err
-    assert f"{output.name} exists; --overwrite replaces it" in error
+    assert f"{output.name} exists; replace it with --overwrite" in error
     assert precious.read_text() == "precious"
     assert main([*arguments, "--overwrite"]) == 0
     assert output.exists()
@@ -86,7 +86,7 @@ def test_nothing_is_written_into_the_folder_of_a_survey(call, folder, capsys):
     inside = [str(folder / name) if one == name else one for one in arguments]
     assert inside != arguments
     assert main([*inside, "--overwrite"]) == 3
-    assert "lies in the folder of a survey" in capsys.readouterr().err
+    assert "is in the folder of the survey" in capsys.readouterr().err
     assert sorted(folder.rglob("*")) == before
 
 
@@ -110,14 +110,14 @@ def test_what_is_read_is_not_written(folder, tmp_path, capsys):
     assert main(["export", str(folder), str(path), "--format", "netcdf"]) == 0
     arguments = ["process", str(path), "--step", "background", "-o", str(path), "--overwrite"]
     assert main(arguments) == 3
-    assert "is read by this very command" in capsys.readouterr().err
+    assert "is an input of this command" in capsys.readouterr().err
     load_survey(path)
 
 
 def test_one_name_for_two_outputs_is_refused(folder, tmp_path, capsys):
     path = str(tmp_path / "i.nc")
     assert main(["image", str(folder), *IMAGE, "-o", path, "-o", path]) == 3
-    assert "named twice" in capsys.readouterr().err
+    assert "given twice" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("ending", [KeyboardInterrupt, MemoryError, OSError(28, "No space left")])
@@ -148,7 +148,7 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(folder, tmp_path
     (tmp_path / "file").write_text("")
     output = str(tmp_path / "file" / "x.nc")
     assert main(["process", str(folder), "--step", "background", "-o", output]) == 3
-    assert "is no folder" in capsys.readouterr().err
+    assert "is not a folder" in capsys.readouterr().err
 
 
 def test_a_disk_that_refuses_is_told_with_the_outputs_own_name():

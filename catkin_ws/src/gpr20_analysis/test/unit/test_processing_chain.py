@@ -76,10 +76,10 @@ def test_a_step_can_name_a_reference_survey(tmp_path):
         ("time:padding=nan", "'nan'"),
         ("background:method=average", "median"),
         ("background:method", "parameter=value"),
-        ("background:rank=1,rank=2", "once each"),
-        ("band:start_hz=1e9", "needs its parameter 'stop_hz'"),
-        ("coupling", "needs its parameter 'reference'"),
-        ("", "there is no step"),
+        ("background:rank=1,rank=2", "each only once"),
+        ("band:start_hz=1e9", "needs the parameter 'stop_hz'"),
+        ("coupling", "needs the parameter 'reference'"),
+        ("", "unknown step"),
     ],
 )
 def test_steps_that_make_no_sense_are_refused_with_what_is_allowed(text, told):

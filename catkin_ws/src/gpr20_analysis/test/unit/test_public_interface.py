@@ -27,7 +27,7 @@ def test_the_example_of_the_document_runs(tmp_path, monkeypatch):
     importlib.import_module("recorded_survey").make(folder, 3, 4, 101)
     names = {}
     exec(example(), names)  # noqa: S102
-    assert names["verdict"].startswith("complete and intact")
+    assert str(names["verdict"]).startswith("complete and intact")
     assert names["survey"].s21.shape == (2, 4, 3, 101)
     assert names["image"].image.dims == ("polarization", "depth", "y", "x")
     assert gpr20_analysis.load_survey("survey.nc").equals(names["survey"])

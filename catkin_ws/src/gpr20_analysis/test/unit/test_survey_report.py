@@ -48,7 +48,7 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     status, text = report(tmp_path, ALL - 4, "stopped")
     assert status == 1
-    assert text.index("4 of 18 samples have no numbers") < text.index("Coverage and quality")
+    assert text.index("4 of 18 samples have no data") < text.index("Coverage and quality")
     assert "No image was made" in text
     assert "missing: x " in text
 
@@ -63,7 +63,7 @@ def test_words_of_a_survey_are_never_markup(tmp_path):
 
 def test_a_report_must_be_html_or_pdf(tmp_path, capsys):
     assert main(["report", str(tmp_path), "--output", str(tmp_path / "r.txt")]) == 3
-    assert "must end in .html or .pdf" in capsys.readouterr().err
+    assert "must end in .html, .pdf" in capsys.readouterr().err
 
 
 def test_a_report_as_pdf_has_its_text_and_a_page_for_each_figure(whole, tmp_path):

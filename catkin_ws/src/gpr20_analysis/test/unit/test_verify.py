@@ -39,8 +39,12 @@ def change_json(path: Path, **changes) -> None:
     path.write_text(json.dumps(values, indent=2) + "\n")
 
 
+def texts(messages):
+    return [str(one) for one in messages]
+
+
 def without_manifest_faults(found):
-    return [fault for fault in found.faults if "manifest" not in fault]
+    return [fault for fault in texts(found.faults) if "manifest" not in fault]
 
 
 def test_a_whole_survey_is_complete_and_intact(finished, capsys):
@@ -95,7 +99,7 @@ def test_no_byte_of_any_file_can_be_changed_unseen(copy):
             path.write_bytes(changed)
             found = verify_survey(copy)
             assert found.status == 2, path
-            assert "complete" not in found.verdict
+            assert "complete" not in str(found.verdict)
         path.write_bytes(content)
     assert verify_survey(copy).status == 0
 
@@ -110,8 +114,8 @@ def test_damage_is_found_without_the_manifest_too(copy):
     trace.write_text(json.dumps(values) + "\n")
     faults = without_manifest_faults(verify_survey(copy))
     assert faults == [
-        "trace 4 has other numbers in survey.bag than in its JSON file",
-        "trace 4 has other numbers in survey.mcap than in its JSON file",
+        "trace 4 has other values in survey.bag than in its JSON file",
+        "trace 4 has other values in survey.mcap than in its JSON file",
     ]
     trace.write_bytes(original[trace])
     assert without_manifest_faults(verify_survey(copy)) == []
@@ -121,7 +125,7 @@ def test_damage_is_found_without_the_manifest_too(copy):
     bag[bag.index(numbers) + 3] ^= 1
     (copy / "survey.bag").write_bytes(bag)
     faults = without_manifest_faults(verify_survey(copy))
-    assert faults == ["trace 4 has other numbers in survey.bag than in its JSON file"]
+    assert faults == ["trace 4 has other values in survey.bag than in its JSON file"]
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
@@ -136,7 +140,7 @@ def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(
         (copy / name).write_bytes(changed if chance.random() < 0.7 else content[:place])
         found = verify_survey(copy)
         assert found.status == 2
-        assert any(name in fault for fault in found.faults)
+        assert any(name in fault for fault in texts(found.faults))
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "manifest.json", "survey.json"])
@@ -144,23 +148,23 @@ def test_a_file_that_is_gone_is_named(copy, name):
     (copy / name).unlink()
     found = verify_survey(copy)
     assert found.status == 2
-    assert any(name in fault for fault in found.faults)
+    assert any(name in fault for fault in texts(found.faults))
 
 
 def test_a_trace_that_is_gone_is_missed_everywhere(copy):
     path = sorted((copy / "traces").iterdir())[3]
     path.unlink()
-    faults = " ".join(verify_survey(copy).faults)
-    assert f"traces/{path.name} is in the manifest but is gone" in faults
+    faults = " ".join(texts(verify_survey(copy).faults))
+    assert f"traces/{path.name} is in the manifest but does not exist" in faults
     assert "trace 3 is in survey.bag but has no readable JSON file" in faults
     assert "trace 3 is in survey.mcap but has no readable JSON file" in faults
-    assert "tells of 18 stored traces, but 17 are readable" in faults
-    assert "says finished, but not every planned trace" in faults
+    assert "records 18 stored traces, but 17 are readable" in faults
+    assert "records the outcome finished, but planned traces are missing" in faults
 
 
 def test_a_file_that_was_added_is_named(copy):
     (copy / "traces" / "note.txt").write_text("hello")
-    assert verify_survey(copy).faults == ["traces/note.txt is not in the manifest"]
+    assert texts(verify_survey(copy).faults) == ["traces/note.txt is not in the manifest"]
 
 
 def test_a_name_that_is_no_text_is_told(copy):
@@ -177,14 +181,14 @@ def test_a_link_in_the_place_of_a_file_is_not_followed(copy, tmp_path):
     path = sorted((copy / "traces").iterdir())[0]
     path.rename(tmp_path / "elsewhere.json")
     path.symlink_to(tmp_path / "elsewhere.json")
-    assert any(path.name in fault for fault in verify_survey(copy).faults)
+    assert any(path.name in fault for fault in texts(verify_survey(copy).faults))
 
 
 def test_a_trace_at_another_place_than_planned_is_named(tmp_path):
     folder = make_survey(tmp_path, 18, "finished", misplaced={5: {"x_coord_mm": 10.02}})
     assert without_manifest_faults(verify_survey(folder)) == [
-        "trace 5 was taken at x 10.02, planned was 20",
-        "survey.json says finished, but not every planned trace is readable",
+        "trace 5 was measured at x 10.02 instead of 20",
+        "survey.json records the outcome finished, but planned traces are missing or unreadable",
     ]
 
 
@@ -192,17 +196,17 @@ def test_a_trace_with_other_frequencies_than_planned_is_named(tmp_path):
     short = planned_trace(5).frequency_hz[:4]
     misplaced = {5: {"frequency_hz": short, "s21_real": short, "s21_imag": short}}
     folder = make_survey(tmp_path, 18, "stopped", misplaced=misplaced)
-    assert verify_survey(folder).faults == ["trace 5 has 4 points, planned were 5"]
+    assert texts(verify_survey(folder).faults) == ["trace 5 has 4 frequencies instead of 5"]
 
 
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"planned_traces": 7}, "tells of 7 planned traces, but its parameters plan 18"),
-        ({"stored_traces": 18}, "tells of 18 stored traces, but 7 are readable"),
-        ({"outcome": "finished"}, "says finished, but"),
-        ({"report": {"verdict": "complete: all 7"}}, "the report in survey.json says complete"),
-        ({"axes": {}}, "what was planned cannot be told"),
+        ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
+        ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
+        ({"outcome": "finished"}, "the outcome finished, but"),
+        ({"report": {"verdict": "complete: all 7"}}, "the report in survey.json is complete, but"),
+        ({"axes": {}}, "the plan is unknown"),
         ({"parameters": {**PARAMETERS, "x_points": 10**9}}, "number of traces"),
         ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
     ],
@@ -212,12 +216,12 @@ def test_words_that_contradict_the_files_are_faults(stopped, tmp_path, changes, 
     change_json(folder / "survey.json", **changes)
     found = verify_survey(folder)
     assert found.status == 2
-    assert any(reason in fault for fault in found.faults)
+    assert any(reason in fault for fault in texts(found.faults))
 
 
 def test_a_folder_that_is_no_survey_is_told_apart(tmp_path, capsys):
     assert main([str(tmp_path)]) == 3
-    assert "is no folder of a survey" in capsys.readouterr().err
+    assert "is not the folder of a survey" in capsys.readouterr().err
     assert main([str(tmp_path / "missing")]) == 3
 
 
@@ -225,7 +229,7 @@ def test_many_faults_are_counted_and_told_on_request(copy, capsys):
     for path in (copy / "traces").iterdir():
         path.write_text("{")
     assert main([str(copy)]) == 2
-    assert "more; --all tells them" in capsys.readouterr().out
+    assert "more; --all prints all of them" in capsys.readouterr().out
     assert main(["--all", str(copy)]) == 2
     assert "--all" not in capsys.readouterr().out
 

@@ -138,11 +138,11 @@ def test_a_strange_thing_beside_the_data_does_not_keep_a_survey_open_but_is_told
     put(folder / "notes.txt")
     go_on_and_close(kit)
     (told,) = check_files(folder, SURVEY)
-    assert told.startswith("notes.txt cannot be read: this is")
+    assert str(told).startswith("notes.txt cannot be read: this is")
     (folder / "notes.txt").unlink()
     (folder / "notes.txt").touch()
     (told,) = check_files(folder, SURVEY)
-    assert told.startswith("notes.txt has no SHA-256 in the manifest")
+    assert str(told).startswith("notes.txt has no SHA-256 in the manifest")
 
 
 @pytest.mark.parametrize("put", [put_folder, put_socket, put_pipe])
@@ -150,7 +150,7 @@ def test_a_check_does_not_wait_for_what_stands_in_the_place_of_the_manifest(fold
     (folder / "manifest.json").unlink()
     put(folder / "manifest.json")
     (told,) = check_files(folder, SURVEY)
-    assert "manifest.json cannot be read" in told
+    assert "manifest.json cannot be read" in str(told)
 
 
 def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(kit, folder):

@@ -1,1 +1,1 @@
-"""The command gpr20: one module a subcommand."""
+"""The command gpr20: one module for each subcommand."""

@@ -1,4 +1,4 @@
-"""gpr20 export: a survey in a format of others."""
+"""gpr20 export: write a survey in another format."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ from gpr20_analysis.formats.conversion import (
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,32 +34,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="file, ending in "
         + ", ".join(f"{one.ending} ({name})" for name, one in EXPORTS.items() if one.ending)
-        + "; a new folder for the formats of one file per sample",
+        + "; a new folder for the formats with one file per sample",
     )
     parser.add_argument("--format", choices=EXPORTS, required=True, help="what to write")
     parser.add_argument(
         "--domain",
         choices=("frequency", "time"),
         help="merged-hdf5: A-scans over frequency or, by inverse Fourier transform, over time; "
-        "default as the data are",
+        "default: as in the data",
     )
     outputs.add_overwrite(parser)
     inputs.add_scheduler(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the survey; return the exit status."""
     check_ending(chosen.output, chosen.format)
     _check([chosen.output], chosen)
-    survey = inputs.load(chosen)
+    survey = inputs.load(chosen, catalogue)
     _check(output_paths(survey, chosen.output, chosen.format), chosen)
     with cluster.connected(chosen.scheduler):
         transformed = _transformed(survey, chosen)
         with cluster.fetched(transformed) as fetched:
-            progress = inputs.progress_bar("writing")
+            progress = inputs.progress_bar(catalogue.tr("writing"))
             written = export_survey(fetched, chosen.output, chosen.format, progress)
     for path, content in written.items():
-        print(f"{path}: {content}")
+        print(f"{path}: {catalogue.text(content)}")
     return inputs.status_of(survey)
 
 
@@ -67,16 +69,16 @@ def _transformed(survey: xr.Dataset, chosen: argparse.Namespace) -> xr.Dataset:
     if dataset.A_SCAN in survey:
         if chosen.domain == "frequency":
             raise ExportError(
-                "the data are A-scans over time; --domain time exports them as they are"
+                Message("the data are A-scans over time; export them with --domain time")
             )
     elif chosen.domain == "time":
-        return to_time(cluster.spread(survey), Window.NONE, _padding_for_real_parts(survey))
+        return to_time(cluster.persist(survey), Window.NONE, _padding_for_real_parts(survey))
     return survey
 
 
 def _padding_for_real_parts(survey: xr.Dataset) -> float:
-    # The group's programs work on the real part alone, which needs two samples per period of the
-    # highest frequency; the complex values would need fewer.
+    # The group's programs use only the real part, which needs two samples per period of the
+    # highest frequency; complex values would need fewer.
     sweep = FrequencyGrid.of(survey)
     return 2.0 * float(sweep.frequency_hz[-1]) / (sweep.step_hz * sweep.count)
 
@@ -90,4 +92,4 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
     outputs.check(written, [chosen.survey], chosen.overwrite)
 
 
-COMMAND = Command("Write a survey in a format of others.", add_arguments, run)
+COMMAND = Command("Write a survey in another format.", add_arguments, run)

@@ -1,4 +1,4 @@
-"""gpr20 info: what a survey holds and what is missing in it."""
+"""gpr20 info: what a survey contains and what is missing in it."""
 
 from __future__ import annotations
 
@@ -7,28 +7,33 @@ import json
 
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.report.summary import summarize
+from gpr20_analysis.report.summary import summarize, summary_of
+from gpr20_analysis.sentences import LIST_ATTRIBUTES
+from gpr20_common.catalogue import Catalogue
+
+TITLE_WIDTH = 24
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     inputs.add_survey(parser)
-    parser.add_argument("--json", action="store_true", help="for programs: everything, as JSON")
+    parser.add_argument(
+        "--json", action="store_true", help="print everything as JSON, for programs"
+    )
 
 
-def run(chosen: argparse.Namespace) -> int:
-    """Tell what the survey holds and return the exit status."""
-    survey = inputs.load(chosen)
-    told = summarize(survey)
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    """Print what the survey contains and return the exit status."""
+    survey = inputs.load(chosen, catalogue)
     if chosen.json:
-        lists = {key: survey.attrs.get(key, []) for key in ("missing", "faults", "notes")}
-        print(json.dumps({**told, **lists}, indent=2))
+        lists = {name: survey.attrs.get(name, []) for name in LIST_ATTRIBUTES}
+        print(json.dumps({**summarize(survey), **lists}, indent=2))
     else:
-        for title, text in told.items():
-            print(f"{title + ':':20}{text}")
+        for title, text in summary_of(survey):
+            print(f"{catalogue.text(title) + ':':{TITLE_WIDTH}}{catalogue.text(text)}")
     return inputs.status_of(survey)
 
 
 COMMAND = Command(
-    "Tell what a survey holds, and name what is missing or damaged in it.", add_arguments, run
+    "Show what a survey contains, and what is missing or damaged in it.", add_arguments, run
 )

@@ -1,4 +1,4 @@
-"""The arguments by which a subcommand takes a survey, and how it tells of what is wrong in it."""
+"""The input of a subcommand: its arguments, and the warnings about a survey."""
 
 from __future__ import annotations
 
@@ -23,12 +23,17 @@ from gpr20_analysis.processing.chain import (
     steps_from_recipe,
 )
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.sentences import FAULTS, LIST_ATTRIBUTES, MISSING, limited, sentences_of, shown
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
+from gpr20_survey.errors import printable
 
-TOLD = 8
+LISTED = 8
+"""Number of sentences of a list that are printed."""
 
 
 def add_survey(parser: argparse.ArgumentParser) -> None:
-    """Declare the survey and what may be wrong in it."""
+    """Declare the survey, and whether it may be damaged."""
     parser.add_argument(
         "survey",
         type=Path,
@@ -37,7 +42,7 @@ def add_survey(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accept-damaged",
         action="store_true",
-        help="leave damaged samples out, marked, instead of refusing the survey",
+        help="mark damaged samples and leave them out, instead of refusing the survey",
     )
 
 
@@ -47,40 +52,54 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
         "--scheduler",
         metavar="ADDRESS",
         help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
-        "package and, for surveys of more than 1 GiB, see the same files",
+        "package and, for surveys of more than 1 GiB, access to the same files",
     )
 
 
-def load(chosen: argparse.Namespace) -> xr.Dataset:
-    """Load the survey that was named, and say on stderr what is missing or damaged in it.
+def load(chosen: argparse.Namespace, catalogue: Catalogue) -> xr.Dataset:
+    """Load the survey and print on stderr what is missing or damaged in it.
 
     Raises:
         AnalysisError: It cannot be loaded.
     """
-    survey = load_survey(chosen.survey, chosen.accept_damaged, progress_bar("reading traces"))
-    tell(survey)
+    progress = progress_bar(catalogue.tr("reading traces"))
+    survey = load_survey(chosen.survey, chosen.accept_damaged, progress)
+    print_warnings(survey, catalogue)
     return survey
 
 
 def status_of(survey: xr.Dataset) -> int:
-    """Return the exit status that says how whole a survey is, or was before steps filled it."""
+    """Return the exit status for a survey, before steps filled missing samples."""
     if survey.attrs.get("faults"):
         return DAMAGED
     return NOT_COMPLETE if survey.attrs.get("missing") else DONE
 
 
-def tell(survey: xr.Dataset, where: str = "") -> None:
-    """Say on stderr what is missing or damaged in a survey."""
-    for key, word in (("faults", "DAMAGED"), ("missing", "NO NUMBERS"), ("notes", "note")):
-        sentences = survey.attrs.get(key, [])
-        for sentence in sentences[:TOLD]:
-            print(f"{word}{where}: {sentence}", file=sys.stderr)
-        if len(sentences) > TOLD:
-            print(f"{word}{where}: and {len(sentences) - TOLD} more", file=sys.stderr)
+def print_warnings(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> None:
+    """Print on stderr what is missing or damaged in a survey.
+
+    Args:
+        survey: The survey.
+        catalogue: Language of the output.
+        path: Where it was read from, if it is not the survey of the command.
+    """
+    for name in LIST_ATTRIBUTES:
+        for one in limited(sentences_of(survey, name), LISTED):
+            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
+            warning = _labelled(name, sentence)
+            print(printable(shown(warning, catalogue)), file=sys.stderr)
+
+
+def _labelled(name: str, sentence: Message) -> Message:
+    if name == FAULTS:
+        return Message("DAMAGED: {sentence}", sentence=sentence)
+    if name == MISSING:
+        return Message("NO DATA: {sentence}", sentence=sentence)
+    return Message("note: {sentence}", sentence=sentence)
 
 
 def progress_bar(what: str) -> Any:
-    """Return a `Progress` that draws a bar on a terminal and is silent elsewhere."""
+    """Return a `Progress` that draws a bar on a terminal and nothing elsewhere."""
 
     def shown(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
         return tqdm(items, total=total, desc=what, disable=None, leave=False)
@@ -95,16 +114,17 @@ def add_steps(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME[:PARAMETER=VALUE,...]",
-        help="a step, as often as wanted, in their order; " + "; ".join(map(_shown, FUNCTIONS)),
+        help="a step; may be repeated, steps are applied in order; "
+        + "; ".join(map(_usage, FUNCTIONS)),
     )
-    parser.add_argument("--recipe", type=Path, help="YAML file with a list of steps, taken first")
+    parser.add_argument("--recipe", type=Path, help="YAML file with a list of steps, applied first")
 
 
 def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[Step]:
-    """Return the steps that were asked for, or the default if none was.
+    """Return the chosen steps, or the default without any.
 
     Raises:
-        RecipeError: A step is not written as it must be.
+        RecipeError: A step is malformed.
     """
     steps = steps_from_recipe(read_recipe(chosen.recipe)) if chosen.recipe else []
     steps += [step_from_text(text) for text in chosen.step]
@@ -112,7 +132,7 @@ def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[St
 
 
 def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
-    """Return every file and folder that is read, which must not be written."""
+    """Return all files and folders that are read, which must not be written."""
     named = [
         Path(step.parameters[key])
         for step in steps
@@ -122,35 +142,43 @@ def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
     return [chosen.survey, *([chosen.recipe] if chosen.recipe else []), *named]
 
 
-def process(survey: xr.Dataset, steps: Sequence[Step]) -> Tuple[xr.Dataset, int]:
-    """Apply the steps; return the result and the exit status for the surveys it was made of.
+def process(
+    survey: xr.Dataset, steps: Sequence[Step], catalogue: Catalogue
+) -> Tuple[xr.Dataset, int]:
+    """Apply the steps; return the result and the exit status for all surveys that were read.
 
-    A survey that a step names is refused if it is damaged, and what it lacks is told.
+    A survey that a step names is refused if it is damaged; warnings about it are printed.
     """
     statuses = [status_of(survey)]
 
     def read(path: str) -> xr.Dataset:
-        reference = load_survey(path, progress=progress_bar(f"reading {path}"))
-        tell(reference, f" in {path}")
+        progress = progress_bar(catalogue.tr("reading {path}", path=path))
+        reference = load_survey(path, progress=progress)
+        print_warnings(reference, catalogue, path)
         statuses.append(status_of(reference))
         return reference
 
-    for step in progress_bar("processing")(steps, len(steps)):
+    for step in progress_bar(catalogue.tr("processing"))(steps, len(steps)):
         survey = apply_steps(survey, [step], read)
     return survey, max(statuses)
 
 
 def require_steps(steps: Sequence[Step]) -> None:
-    """Check that something is to be done.
+    """Check that there is a step.
 
     Raises:
         RecipeError: There is no step.
     """
     if not steps:
-        raise RecipeError(f"no step was given; use --step or --recipe with {', '.join(FUNCTIONS)}")
+        raise RecipeError(
+            Message(
+                "no step was given; use --step or --recipe with: {steps}",
+                steps=", ".join(FUNCTIONS),
+            )
+        )
 
 
-def _shown(name: str) -> str:
+def _usage(name: str) -> str:
     parameters = ",".join(
         f"{key}={_choice(kind)}" for key, (kind, _) in parameters_of(name).items()
     )

@@ -7,82 +7,129 @@ import os
 import signal
 import sys
 import traceback
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 from gpr20_analysis import __version__
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
+from gpr20_analysis.errors import library_missing
+from gpr20_analysis.sentences import shown
+from gpr20_common.catalogue import (
+    Catalogue,
+    Language,
+    language_from_code,
+    language_from_environment,
+)
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_survey.errors import printable
 
 EXTRAS = {"matplotlib": "plots"}
-"""Libraries that whole commands are made of, and the extra that brings each."""
+"""Optional libraries that whole commands need, and the extra of each."""
+EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
+"""Errors whose message is sufficient; all others are program errors."""
 TRACEBACK = "GPR20_TRACEBACK"
-"""Environment variable: if set, an error that is a fault of the program shows where it arose."""
+"""Environment variable: if set, a program error prints its traceback."""
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Run the subcommand that is named; return the exit status."""
+    """Run a subcommand; return the exit status."""
     given = sys.argv[1:] if arguments is None else arguments
     if arguments is None:
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # it cleans up like Ctrl-C
     try:
+        language, given = _language(given)
+        catalogue = read_catalogue(language)
+    except SystemExit:
+        return REFUSED
+    try:
+        return _run(given, language, catalogue)
+    except KeyboardInterrupt:
+        reason = Message("interrupted; no partial output is left")
+    except Exception as error:
+        if os.environ.get(TRACEBACK) and not isinstance(error, EXPECTED):
+            traceback.print_exc()
+        reason = _reason(error, given)
+    print(f"gpr20 {' '.join(given[:1])}: {printable(shown(reason, catalogue))}", file=sys.stderr)
+    return REFUSED
+
+
+def _run(given: List[str], language: Language, catalogue: Catalogue) -> int:
+    try:
         chosen = _parser(given).parse_args(given)
-        status: int = chosen.run(chosen)
+        chosen.language = language.value
+        status: int = chosen.run(chosen, catalogue)
         sys.stdout.flush()
         return status
     except SystemExit as ending:
         return REFUSED if ending.code else 0
     except BrokenPipeError:
-        # Who read it, such as `head`, has enough; the interpreter must not try to write the rest.
+        # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
-    except (Gpr20Error, OSError, MemoryError) as error:
-        return _refused(given, _told(error))
-    except ModuleNotFoundError as error:
-        return _refused(given, _missing(error))
-    except KeyboardInterrupt:
-        return _refused(given, "interrupted; nothing half written is left")
-    except Exception as error:
-        if os.environ.get(TRACEBACK):
-            traceback.print_exc()
-        return _refused(
-            given,
-            f"failed by a fault of the program itself ({type(error).__name__}: {error}); please "
-            f"report it with what {TRACEBACK}=1 gpr20 {' '.join(given)} prints",
-        )
 
 
-def _refused(given: List[str], reason: str) -> int:
-    print(f"gpr20 {' '.join(given[:1])}: {reason}", file=sys.stderr)
-    return REFUSED
-
-
-def _missing(error: ModuleNotFoundError) -> str:
-    extra = EXTRAS.get((error.name or "").split(".")[0])
-    wanted = f"gpr20_analysis[{extra}]" if extra else "gpr20_analysis"
-    return f"{error.name} is not installed: pip install '{wanted}'"
-
-
-def _told(error: BaseException) -> str:
+def _reason(error: Exception, given: List[str]) -> Message:
+    if isinstance(error, Gpr20Error):
+        return error.message
+    if isinstance(error, ModuleNotFoundError):
+        name = error.name or ""
+        return library_missing(name, EXTRAS.get(name.split(".")[0], ""))
     if isinstance(error, MemoryError):
-        return f"the memory does not suffice ({error or 'no more is known'}); use fewer samples"
-    if isinstance(error, OSError) and error.strerror and error.filename:
-        return f"{error.filename}: {error.strerror}"
-    return str(error)
+        return Message("not enough memory; use fewer samples", details=error)
+    if isinstance(error, OSError) and error.filename:
+        return Message("{file}: {reason}", file=error.filename, reason=os_reason(error))
+    if isinstance(error, OSError):
+        return os_reason(error)
+    return Message(
+        "program error {error}; please report it with the output of {command}",
+        error=f"{type(error).__name__}: {error}",
+        command=f"{TRACEBACK}=1 gpr20 {' '.join(given)}",
+    )
+
+
+def _language(given: List[str]) -> Tuple[Language, List[str]]:
+    """Return the language of the output, and the arguments without the option that sets it."""
+    parser = argparse.ArgumentParser(
+        prog="gpr20", parents=[_language_option()], add_help=False, allow_abbrev=False
+    )
+    chosen, others = parser.parse_known_args(given)
+    if chosen.language is None:
+        return language_from_environment(os.environ), others
+    return language_from_code(chosen.language), others
+
+
+def _language_option() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument(
+        "--language",
+        choices=[one.value for one in Language],
+        help="language of messages, reports and figures; default from the environment (LANG)",
+    )
+    return parser
 
 
 def _parser(given: List[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="gpr20", description="Offline analysis of GPR-20 surveys.", epilog=EXIT_STATUS
+        prog="gpr20",
+        description="Offline analysis of GPR-20 surveys.",
+        epilog=EXIT_STATUS,
+        parents=[_language_option()],
     )
     parser.add_argument("--version", action="version", version=f"gpr20 {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
     for name, summary in command.SUMMARIES.items():
-        # Help lists every command, but only the chosen one's libraries are loaded.
+        # Help lists every command, but only the libraries of the chosen one are loaded.
         if given[:1] == [name]:
             chosen = command.load(name)
             own = commands.add_parser(
-                name, help=summary, description=chosen.description, epilog=EXIT_STATUS
+                name,
+                help=summary,
+                description=chosen.description,
+                epilog=EXIT_STATUS,
+                parents=[_language_option()],
             )
             chosen.add_arguments(own)
             own.set_defaults(run=chosen.run)

@@ -1,4 +1,4 @@
-"""The outputs of a subcommand: checked before any work, never replaced unless that is asked for."""
+"""The outputs of a subcommand: checked before any work, replaced only with --overwrite."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, List, Sequence
 
-from gpr20_analysis.errors import ExportError
+from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, is_dataset
+from gpr20_common.message import Message
 from gpr20_survey.folder import survey_folder
 
 SURVEY_PARTS = (survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER)
@@ -21,9 +22,9 @@ class Output:
     """One file or folder that a subcommand writes.
 
     Attributes:
-        path: Where.
-        holds: Patterns of the names in a folder; only a folder that holds nothing else is replaced.
-        marked_by: Name in a folder that shows that all of it is such an output.
+        path: File or folder.
+        holds: Patterns of the names in a folder; a folder with other names is not replaced.
+        marked_by: Name in a folder which shows that the folder is such an output.
     """
 
     path: Path
@@ -32,11 +33,11 @@ class Output:
 
     @property
     def is_folder(self) -> bool:
-        """Whether a folder is written, not a file."""
+        """Whether the output is a folder instead of a file."""
         return bool(self.holds or self.marked_by)
 
     def may_delete(self, names: Sequence[str]) -> bool:
-        """Say whether a folder of these names is such an output, and nothing else."""
+        """Return whether a folder with these names is such an output and nothing else."""
         if self.marked_by:
             return self.marked_by in names
         return all(any(fnmatch(name, pattern) for pattern in self.holds) for name in names)
@@ -46,37 +47,43 @@ def dataset_output(path: Path) -> Output:
     """Return the output of a Dataset: a file .nc or a folder .zarr.
 
     Raises:
-        ExportError: The name ends in something else.
+        ExportError: The path has another ending.
     """
     if not is_dataset(path):
-        raise ExportError(f"{path} must end in {NETCDF} or {ZARR}")
+        raise ExportError(wrong_ending(path, (NETCDF, ZARR)))
     return Output(path, marked_by=".zgroup" if path.suffix == ZARR else "")
 
 
 def add_overwrite(parser: argparse.ArgumentParser) -> None:
-    """Declare the option without which nothing is replaced."""
+    """Declare the option to replace existing outputs."""
     parser.add_argument(
-        "--overwrite", action="store_true", help="replace outputs that exist; else they are refused"
+        "--overwrite",
+        action="store_true",
+        help="replace existing outputs, which are refused otherwise",
     )
 
 
 def check(outputs: Sequence[Output], inputs: Sequence[Path], overwrite: bool) -> None:
-    """Check that outputs can be written and may be.
+    """Check that outputs can and may be written.
 
     Args:
-        outputs: What will be written.
-        inputs: What is read, which is never written.
-        overwrite: What exists may be replaced.
+        outputs: Outputs of the command.
+        inputs: Its inputs, which are never written.
+        overwrite: Whether existing outputs may be replaced.
 
     Raises:
-        ExportError: It names the output, why it is refused, and what to do.
+        ExportError: An output cannot or must not be written.
     """
     places: List[Path] = []
     for output in outputs:
         own = output.path.absolute()
         place = own.parent.resolve() / own.name
         if place in places:
-            raise ExportError(f"{output.path} is named twice; give each output a name of its own")
+            raise ExportError(
+                Message(
+                    "{path} is given twice; each output needs a different name", path=output.path
+                )
+            )
         places.append(place)
         _check_apart(output.path, place, inputs)
         if os.path.lexists(str(place)):
@@ -87,38 +94,67 @@ def check(outputs: Sequence[Output], inputs: Sequence[Path], overwrite: bool) ->
 
 def _check_apart(path: Path, place: Path, inputs: Sequence[Path]) -> None:
     if place in [one.resolve() for one in inputs]:
-        raise ExportError(f"{path} is read by this very command; name another output")
+        raise ExportError(
+            Message("{path} is an input of this command; choose another output", path=path)
+        )
     for folder in place.parents:
         if all((folder / name).exists() for name in SURVEY_PARTS):
             raise ExportError(
-                f"{path} lies in the folder of a survey, {folder}, which holds what was measured "
-                "and nothing else; name another place"
+                Message(
+                    "{path} is in the folder of the survey {folder}, which is for measured data "
+                    "only; choose another place",
+                    path=path,
+                    folder=folder,
+                )
             )
 
 
 def _check_replaceable(output: Output, overwrite: bool) -> None:
     path = output.path
     if path.is_dir() != output.is_folder:
-        wanted, there = ("folder", "file") if output.is_folder else ("file", "folder")
-        raise ExportError(f"{path} is a {there}, but a {wanted} is to be written; name another one")
+        if output.is_folder:
+            message = Message(
+                "{path} is a file, but the output is a folder; choose another", path=path
+            )
+        else:
+            message = Message(
+                "{path} is a folder, but the output is a file; choose another", path=path
+            )
+        raise ExportError(message)
     names = [one.name for one in path.iterdir()] if output.is_folder else []
     if output.is_folder and not names:
         return
     if not overwrite:
-        raise ExportError(f"{path} exists; --overwrite replaces it, or name another place")
+        raise ExportError(
+            Message(
+                "{path} exists; replace it with --overwrite, or choose another place", path=path
+            )
+        )
     if output.is_folder and not output.may_delete(names):
         raise ExportError(
-            f"{path} holds more than such an output (e.g. {min(names)}), which would be deleted; "
-            "name another folder"
+            Message(
+                "{path} contains other files (e.g. {name}), which would be deleted; choose another "
+                "folder",
+                path=path,
+                name=min(names),
+            )
         )
 
 
 def _check_parent(path: Path, place: Path) -> None:
     above = next(one for one in place.parents if one.exists())
     if not above.is_dir():
-        raise ExportError(f"{path} cannot be written: {above} is no folder")
+        raise ExportError(
+            Message("{path} cannot be written: {above} is not a folder", path=path, above=above)
+        )
     if not os.access(str(above), os.W_OK | os.X_OK):
-        raise ExportError(f"{path} cannot be written: {above} is read-only; name another place")
+        raise ExportError(
+            Message(
+                "{path} cannot be written: {above} is read-only; choose another place",
+                path=path,
+                above=above,
+            )
+        )
 
 
 if TYPE_CHECKING:
@@ -129,12 +165,12 @@ RESOLUTION_DPI = 300
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, SVG or PDF, by the name's ending.
+    """Write a figure as PNG, SVG or PDF, depending on the ending of the path.
 
     Raises:
-        ExportError: The name ends in something else.
+        ExportError: The path has another ending.
         OSError: It cannot be written.
     """
     if path.suffix not in FORMATS:
-        raise ExportError(f"{path.name} must end in {', '.join(FORMATS)}")
+        raise ExportError(wrong_ending(path, FORMATS))
     figure.savefig(str(path), dpi=RESOLUTION_DPI)

@@ -15,8 +15,10 @@ from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
 from gpr20_analysis.dataset import A_SCAN, DELAY, DEPTH, IMAGE, MM_PER_M, X, Y
-from gpr20_analysis.errors import ExportError, WrongDatasetError
+from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.processing.delay import to_time
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +31,7 @@ KINDS: Dict[str, Tuple[str, ...]] = {
     "height": (),
     "projection": ("rotation",),
 }
-"""The figures, and the options that say what of the data each shows."""
+"""The figures, and the options of each."""
 NS_PER_S = 1e9
 
 
@@ -38,32 +40,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", choices=KINDS, help="what to draw")
     inputs.add_survey(parser)
     inputs.add_steps(parser)
-    parser.add_argument("--x", type=float, metavar="MM", help="place; default the middle")
-    parser.add_argument("--y", type=float, metavar="MM", help="place; default the middle")
+    parser.add_argument("--x", type=float, metavar="MM", help="position; default the middle")
+    parser.add_argument("--y", type=float, metavar="MM", help="position; default the middle")
     parser.add_argument("--along", choices=(X, Y), help="direction of a B-scan; default x")
     parser.add_argument(
         "--value", choices=("magnitude", "real"), help="of a B-scan; default magnitude"
     )
-    parser.add_argument("--depth", type=float, metavar="MM", help="of a C-scan of an image")
-    parser.add_argument("--delay", type=float, metavar="NS", help="of a C-scan of a survey")
+    parser.add_argument("--depth", type=float, metavar="MM", help="depth of a C-scan of an image")
+    parser.add_argument("--delay", type=float, metavar="NS", help="delay of a C-scan of a survey")
     parser.add_argument("--until", type=float, metavar="NS", help="last delay of A- and B-scans")
-    parser.add_argument("--rotation", type=float, metavar="DEG", help="of a projection")
+    parser.add_argument("--rotation", type=float, metavar="DEG", help="rotation of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
     outputs.add_overwrite(parser)
     inputs.add_scheduler(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Draw the figure and return the exit status."""
     if chosen.output.suffix not in FORMATS:
-        raise ExportError(f"{chosen.output.name} must end in {', '.join(FORMATS)}")
+        raise ExportError(wrong_ending(chosen.output, FORMATS))
     _check_options(chosen)
     steps = inputs.steps_of(chosen)
     outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
-    survey = inputs.load(chosen)
+    survey = inputs.load(chosen, catalogue)
     with cluster.connected(chosen.scheduler):
-        data, status = inputs.process(cluster.spread(survey), steps)
-        figure = figure_of(data, chosen)
+        data, status = inputs.process(cluster.persist(survey), steps, catalogue)
+        figure = figure_of(data, chosen, catalogue)
     with atomic_output(chosen.output) as place:
         save_figure(figure, place)
     return status
@@ -73,52 +75,58 @@ def _check_options(chosen: argparse.Namespace) -> None:
     own = KINDS[chosen.kind]
     for option in sorted({name for names in KINDS.values() for name in names} - set(own)):
         if getattr(chosen, option) is not None:
-            allowed = ", ".join(f"--{name}" for name in own) or "none"
             raise WrongDatasetError(
-                f"--{option} says nothing about the figure {chosen.kind}; its options are {allowed}"
+                Message(
+                    "the figure {kind} has no option --{option}; its options are: {allowed}",
+                    kind=chosen.kind,
+                    option=option,
+                    allowed=", ".join(f"--{name}" for name in own) or "-",
+                )
             )
 
 
-def figure_of(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
-    """Return the figure that was asked for.
+def figure_of(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) -> Figure:
+    """Return the chosen figure.
 
     Raises:
-        WrongDatasetError: The data do not hold what it shows.
+        WrongDatasetError: The data do not contain what it shows.
     """
     from gpr20_analysis.plotting import maps, scans
 
     if chosen.kind == "coverage":
-        return maps.coverage_figure(data)
+        return maps.coverage_figure(data, catalogue)
     if chosen.kind == "height":
-        return maps.height_figure(data)
+        return maps.height_figure(data, catalogue)
     if chosen.kind == "projection":
-        return scans.projection_figure(data, _turn(data, chosen.rotation))
+        return scans.projection_figure(data, _turn(data, chosen.rotation), catalogue)
     if chosen.kind == "c-scan":
-        return _c_scan(data, chosen)
+        return _c_scan(data, chosen, catalogue)
     in_time = data if A_SCAN in data else to_time(data)
     if chosen.until is not None:
         in_time = _until(in_time, chosen.until)
     x_m, y_m = _place(data, X, chosen.x), _place(data, Y, chosen.y)
     if chosen.kind == "a-scan":
-        return scans.a_scan_figure(in_time, x_m, y_m)
+        return scans.a_scan_figure(in_time, x_m, y_m, catalogue)
     along = chosen.along or X
     value = scans.Value(chosen.value) if chosen.value else scans.Value.MAGNITUDE
-    return scans.b_scan_figure(in_time, along, y_m if along == X else x_m, value)
+    return scans.b_scan_figure(in_time, along, y_m if along == X else x_m, value, catalogue)
 
 
-def _c_scan(data: xr.Dataset, chosen: argparse.Namespace) -> Figure:
+def _c_scan(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) -> Figure:
     from gpr20_analysis.plotting import scans
 
     if IMAGE in data:
         if chosen.delay is not None:
-            raise WrongDatasetError("--delay is of a survey; of an image name a --depth")
-        return scans.c_scan_figure(data, _level(data, DEPTH, chosen.depth, MM_PER_M, "mm"))
+            raise WrongDatasetError(Message("--delay is for surveys; an image needs --depth"))
+        depth_m = _level(data, DEPTH, chosen.depth, MM_PER_M, "mm")
+        return scans.c_scan_figure(data, depth_m, catalogue)
     if chosen.depth is not None:
         raise WrongDatasetError(
-            "--depth is of an image; make one with gpr20 image, or name a --delay of the survey"
+            Message("--depth is for images; make one with gpr20 image, or use --delay")
         )
     in_time = data if A_SCAN in data else to_time(data)
-    return scans.c_scan_figure(in_time, _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns"))
+    delay_s = _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns")
+    return scans.c_scan_figure(in_time, delay_s, catalogue)
 
 
 def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
@@ -127,8 +135,7 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
         return (lowest_m + highest_m) / 2.0
     if not lowest_m <= given_mm / MM_PER_M <= highest_m:
         raise WrongDatasetError(
-            f"--{axis} {given_mm:g} mm is outside of the survey, which spans "
-            f"{lowest_m * MM_PER_M:g}..{highest_m * MM_PER_M:g} mm"
+            _outside(axis, given_mm, lowest_m * MM_PER_M, highest_m * MM_PER_M, "mm")
         )
     return given_mm / MM_PER_M
 
@@ -136,22 +143,33 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
 def _until(in_time: xr.Dataset, last_ns: float) -> xr.Dataset:
     shown = in_time.sel({DELAY: in_time[DELAY].values * NS_PER_S <= last_ns})
     if shown.sizes[DELAY] < 2:
-        raise WrongDatasetError(f"--until {last_ns:g} ns leaves no trace to draw")
+        raise WrongDatasetError(
+            Message("--until {last_ns:g} ns is too short, no trace is left", last_ns=last_ns)
+        )
     return shown
 
 
 def _level(data: xr.Dataset, axis: str, given: Optional[float], scale: float, unit: str) -> float:
     """Return a depth or delay in SI units; it must be within the data."""
     if given is None:
-        raise WrongDatasetError(f"this figure needs --{axis}")
+        raise WrongDatasetError(Message("this figure needs --{option}", option=axis))
     lowest, highest = (float(end) * scale for end in data[axis].values[[0, -1]])
     # Written so that NaN is refused too.
     if not lowest <= given <= highest:
-        raise WrongDatasetError(
-            f"--{axis} {given:g} {unit} is outside of the data, which span {lowest:g}.."
-            f"{highest:g} {unit}"
-        )
+        raise WrongDatasetError(_outside(axis, given, lowest, highest, unit))
     return given / scale
+
+
+def _outside(option: str, given: float, lowest: float, highest: float, unit: str) -> Message:
+    return Message(
+        "--{option} {value:g} {unit} is outside the data, which cover {lowest:g} to {highest:g} "
+        "{unit}",
+        option=option,
+        value=given,
+        unit=unit,
+        lowest=lowest,
+        highest=highest,
+    )
 
 
 def _turn(data: xr.Dataset, rotation_deg: float) -> int:
@@ -160,12 +178,18 @@ def _turn(data: xr.Dataset, rotation_deg: float) -> int:
         return 0
     near = np.flatnonzero(np.abs(turns - rotation_deg) < 0.5)
     if near.size == 0:
-        raise WrongDatasetError(f"--rotation {rotation_deg:g} was not measured; there is {turns}")
+        raise WrongDatasetError(
+            Message(
+                "rotation {rotation_deg:g} deg was not measured; the data have {rotations} deg",
+                rotation_deg=rotation_deg,
+                rotations=", ".join(f"{turn:g}" for turn in turns),
+            )
+        )
     return int(near[0])
 
 
 COMMAND = Command(
-    "Draw a survey, its A-scans or an image. Missing samples are grey, and said below the figure.",
+    "Draw a survey, its A-scans or an image. Missing samples are grey and counted below it.",
     add_arguments,
     run,
 )

@@ -1,4 +1,4 @@
-"""gpr20 process: apply a chain of steps and keep the result with its recipe."""
+"""gpr20 process: apply a chain of steps and store the result with its recipe."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.processing.chain import recipe_of, recipe_text
+from gpr20_common.catalogue import Catalogue
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,28 +25,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Process the survey and return the exit status."""
     steps = inputs.steps_of(chosen)
     inputs.require_steps(steps)
     written = [outputs.dataset_output(chosen.output)]
     written += [Output(chosen.save_recipe)] if chosen.save_recipe else []
     outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
-    survey = inputs.load(chosen)
+    survey = inputs.load(chosen, catalogue)
     with cluster.connected(chosen.scheduler):
-        result, status = inputs.process(cluster.spread(survey), steps)
+        result, status = inputs.process(cluster.persist(survey), steps, catalogue)
         with cluster.fetched(result) as fetched:
             write_dataset(fetched, chosen.output)
     recipe = recipe_text(recipe_of(result))
     if chosen.save_recipe:
         with atomic_output(chosen.save_recipe) as place:
             place.write_text(recipe, encoding="utf-8")
-    print(f"{chosen.output}, made by\n{recipe}", end="")
+    print(catalogue.tr("{path}, made by the steps:", path=chosen.output))
+    print(recipe, end="")
     return status
 
 
 COMMAND = Command(
-    "Apply a chain of processing steps to a survey. The recipe is kept in the result.",
+    "Apply a chain of processing steps to a survey. The recipe is stored in the result.",
     add_arguments,
     run,
 )

@@ -1,4 +1,4 @@
-"""gpr20 report: one self-contained page of a survey."""
+"""gpr20 report: one self-contained page about a survey."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
-from gpr20_analysis.errors import ExportError
+from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_common.catalogue import Catalogue, Language
 
 HTML, PDF = ".html", ".pdf"
 
@@ -27,10 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the report; return the exit status."""
     if chosen.output.suffix not in (HTML, PDF):
-        raise ExportError(f"{chosen.output.name} must end in {HTML} or {PDF}")
+        raise ExportError(wrong_ending(chosen.output, (HTML, PDF)))
     from gpr20_analysis.report.page import page
     from gpr20_analysis.report.pdf_pages import write_pdf
     from gpr20_analysis.report.sections import sections_of
@@ -38,25 +39,26 @@ def run(chosen: argparse.Namespace) -> int:
     options = image_command.options_of(chosen)
     steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
     outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
-    survey = inputs.load(chosen)
+    survey = inputs.load(chosen, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    progress = inputs.progress_bar("making the report")
+    progress = inputs.progress_bar(catalogue.tr("creating the report"))
     with cluster.connected(chosen.scheduler):
-        spread = cluster.spread(survey)
-        sections = sections_of(spread, chosen.survey, steps, options, progress)
-    title = f"GPR-20 survey {survey.attrs.get('survey_id', survey.attrs.get('source', ''))}"
+        data = cluster.persist(survey)
+        sections = sections_of(data, chosen.survey, steps, options, progress, catalogue)
+    name = survey.attrs.get("survey_id", survey.attrs.get("source", ""))
+    title = catalogue.tr("GPR-20 survey {name}", name=name)
     with atomic_output(chosen.output) as place:
         if chosen.output.suffix == PDF:
             write_pdf(place, title, sections)
         else:
-            place.write_text(page(title, sections), encoding="utf-8")
+            place.write_text(page(title, sections, Language(chosen.language)), encoding="utf-8")
     print(chosen.output)
     return inputs.status_of(survey)
 
 
 COMMAND = Command(
     "Write one HTML page, or a PDF, with verdict, parameters, quality, views and the image of a "
-    "survey. The page needs nothing else and loads nothing.",
+    "survey. The page is self-contained.",
     add_arguments,
     run,
 )

@@ -8,31 +8,37 @@ from pathlib import Path
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.sentences import shown
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 from gpr20_survey.errors import printable
 
-FAULTS_TOLD = 50
+LISTED = 50
+"""Number of faults that are printed without --all."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("folder", type=Path, help="folder of one survey")
-    parser.add_argument("--all", action="store_true", help=f"tell more than {FAULTS_TOLD} faults")
+    parser.add_argument(
+        "--all", action="store_true", help=f"print all faults, not only the first {LISTED}"
+    )
 
 
-def run(chosen: argparse.Namespace) -> int:
-    """Check the folder, tell what was found and return the exit status."""
-    found = verify_survey(chosen.folder, inputs.progress_bar("verifying"))
-    told = found.faults if chosen.all else found.faults[:FAULTS_TOLD]
-    for fault in told:
-        print(f"FAULT: {printable(fault)}")
-    if len(told) < len(found.faults):
-        print(f"... and {len(found.faults) - len(told)} more; --all tells them")
-    for note in found.notes:
-        print(f"note: {note}")
-    print(found.verdict)
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    """Check the folder, print what was found and return the exit status."""
+    found = verify_survey(chosen.folder, inputs.progress_bar(catalogue.tr("verifying")))
+    listed = found.faults if chosen.all else found.faults[:LISTED]
+    lines = [Message("FAULT: {sentence}", sentence=fault) for fault in listed]
+    others = len(found.faults) - len(listed)
+    if others:
+        lines.append(Message("... and {count} more; --all prints all of them", count=others))
+    lines += [Message("note: {sentence}", sentence=note) for note in found.notes]
+    for line in [*lines, found.verdict]:
+        print(printable(shown(line, catalogue)))
     return found.status
 
 
 COMMAND = Command(
-    "Check a survey's folder: files, numbers, places. Nothing is changed.", add_arguments, run
+    "Check a survey's folder: files, values, positions. Nothing is changed.", add_arguments, run
 )

@@ -1,1 +1,1 @@
-"""Formats of others: each module writes one, reads it, or both."""
+"""File formats; each module writes one, reads it, or both."""

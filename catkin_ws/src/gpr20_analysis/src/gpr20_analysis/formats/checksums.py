@@ -1,8 +1,8 @@
-"""SHA-256 with a file or folder, since HDF5 and Zarr do not check all of what they read.
+"""SHA-256 of a file or folder, since HDF5 and Zarr do not check everything that they read.
 
-A byte changed in what HDF5 keeps of its own can make its library crash. A file gets a last line
-behind its content, which readers of HDF5 do not look at; a folder gets one more file, with a line
-for each of the others.
+A changed byte in the internal structures of HDF5 can make its library crash. A file gets a last
+line after its content, which readers of HDF5 ignore; a folder gets a file with a line for each
+other file.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Dict
 
 from gpr20_analysis.errors import UnreadableFileError
+from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files, sha256_and_size
 
 WORD = b"\n#gpr20 sha256 "
@@ -23,7 +24,7 @@ def add_checksum(path: Path) -> None:
     """Add the checksum to a file or folder that has none.
 
     Raises:
-        OSError: The disk refused.
+        OSError: It cannot be written.
     """
     if path.is_dir():
         lines = [f"{digest} {name}\n" for name, digest in _sums(path).items()]
@@ -35,10 +36,10 @@ def add_checksum(path: Path) -> None:
 
 
 def has_checksum(path: Path) -> bool:
-    """Say whether there is a checksum, which is right then; without one nothing is known.
+    """Return whether there is a checksum, which is then correct.
 
     Raises:
-        UnreadableFileError: What is there is not what was written.
+        UnreadableFileError: The content is not what was written.
         OSError: It cannot be read.
     """
     if path.is_dir():
@@ -55,8 +56,10 @@ def has_checksum(path: Path) -> bool:
             digest.update(stream.read(min(PIECE_BYTES, size - start)))
     if line != WORD + digest.hexdigest().encode("ascii") + b"\n":
         raise UnreadableFileError(
-            f"{path} is damaged: its bytes are not those that were written (SHA-256); make it anew "
-            "from the survey"
+            Message(
+                "{path} is damaged: its SHA-256 has changed; create it again from the survey",
+                path=path,
+            )
         )
     return True
 
@@ -70,8 +73,13 @@ def _check_folder(path: Path) -> bool:
     wrong = [name for name in {**listed, **found} if listed.get(name) != found.get(name)]
     if wrong:
         raise UnreadableFileError(
-            f"{path} is damaged: {len(wrong)} of its files are not those that were written "
-            f"(SHA-256), e.g. {min(wrong)}; make it anew from the survey"
+            Message(
+                "{path} is damaged: the SHA-256 of {count} of its files has changed, e.g. {file}; "
+                "create it again from the survey",
+                path=path,
+                count=len(wrong),
+                file=min(wrong),
+            )
         )
     return True
 

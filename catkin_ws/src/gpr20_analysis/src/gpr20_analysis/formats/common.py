@@ -1,9 +1,9 @@
-"""What formats of others have in common: a Dataset from their numbers, and their conventions."""
+"""What the import and export formats share: a Dataset from arrays, and conventions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import xarray as xr
@@ -12,26 +12,28 @@ from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.read.survey_grid import grid_of
+from gpr20_analysis.sentences import with_sentences
+from gpr20_common.message import Message
 
 HIGHEST_M = 10.0
 
 
 @dataclass
 class Imported:
-    """What a format of others holds.
+    """The content of an imported file.
 
     Attributes:
-        values: (polarization, y, x, frequency or delay); NaN where there is no sample. Goes into
-            the Dataset, where a sample that is damaged in part becomes NaN throughout.
+        values: (polarization, y, x, frequency or delay); NaN where there is no sample. Becomes
+            part of the Dataset, where all values of a partly damaged sample become NaN.
         polarization_deg: Rotations [deg].
         y_m: Rows [m].
         x_m: Columns [m].
-        height_m: (polarization, y, x); NaN where it is unknown [m].
+        height_m: Antenna heights (polarization, y, x); NaN where unknown [m].
         frequency_hz: Frequencies [Hz]; None if the values are over time.
         delay_s: Times [s]; None if the values are over frequency.
         source: Name of the file or folder.
-        simulated: Whether no real ground was measured; None if that is unknown.
-        notes: What should be known.
+        simulated: Whether the data are simulated; None if unknown.
+        notes: What a user should know.
     """
 
     values: np.ndarray
@@ -43,25 +45,31 @@ class Imported:
     frequency_hz: Optional[np.ndarray] = None
     delay_s: Optional[np.ndarray] = None
     simulated: Optional[bool] = None
-    notes: List[str] = field(default_factory=list)
+    notes: List[Message] = field(default_factory=list)
 
 
 def as_dataset(found: Imported) -> xr.Dataset:
-    """Return the Dataset of what was imported, missing samples marked and named.
+    """Return the Dataset of imported data; missing samples are marked and named.
 
-    What only the robot's own surveys have (names, times, remarks) is empty.
+    Names, times and remarks, which only the robot's own surveys have, are empty.
 
     Raises:
-        UnreadableFileError: A height cannot be one.
+        UnreadableFileError: A height is out of range.
     """
     wrong = found.height_m[(found.height_m < 0.0) | (found.height_m > HIGHEST_M)]
     if wrong.size:
         raise UnreadableFileError(
-            f"{found.source} tells {wrong.size} antenna heights that cannot be, e.g. "
-            f"{wrong[0]:g} m; 0..{HIGHEST_M:g} m are allowed, NaN if not measured"
+            Message(
+                "{source} has {count} antenna heights out of range, e.g. {height_m:g} m; use 0 to "
+                "{highest_m:g} m, or NaN if not measured",
+                source=found.source,
+                count=wrong.size,
+                height_m=wrong[0],
+                highest_m=HIGHEST_M,
+            )
         )
     shape = found.values.shape[:3]
-    # A sample without any number is one that is not there; one with some NaN is damaged.
+    # A sample of only NaN is missing; one with some NaN is damaged.
     bad = ~np.isfinite(found.values)
     missing, damaged = bad.all(axis=-1), bad.any(axis=-1)
     quality = np.zeros(shape, np.uint8)
@@ -90,14 +98,13 @@ def as_dataset(found: Imported) -> xr.Dataset:
             dataset.X: found.x_m,
             last: axis,
         },
-        {"format": dataset.FORMAT, "source": found.source, "notes": found.notes},
+        {"format": dataset.FORMAT, "source": found.source},
     )
     if found.simulated is not None:
         data.attrs["simulated"] = int(found.simulated)
     data = dataset.described(data)
-    data.attrs["missing"] = dataset.missing_samples(data)
-    data.attrs["faults"] = [one for one in data.attrs["missing"] if one.startswith("damaged")]
-    return data
+    lists = {"missing": dataset.missing_samples(data), "faults": dataset.damaged_samples(data)}
+    return data.assign_attrs(with_sentences(data.attrs, **lists, notes=found.notes))
 
 
 def on_grid(
@@ -106,29 +113,31 @@ def on_grid(
     spectra: Iterable[np.ndarray],
     heights_m: Sequence[float],
     frequency_hz: np.ndarray,
-    notes: List[str],
+    notes: List[Message],
     simulated: Optional[bool] = None,
 ) -> xr.Dataset:
-    """Return the Dataset of samples that tell their places but not the grid.
+    """Return the Dataset of samples whose positions are known but not their grid.
 
     Args:
         source: Name of the file or folder.
         positions: Rotation [deg], y and x [mm] of each sample.
-        spectra: Their numbers; each is read when it is its turn.
+        spectra: Their spectra, read one after another.
         heights_m: Their antenna heights [m]; NaN where unknown.
         frequency_hz: Frequencies [Hz].
-        notes: What should be known.
-        simulated: Whether no real ground was measured; None if that is unknown.
+        notes: What a user should know.
+        simulated: Whether the data are simulated; None if unknown.
 
     Raises:
-        DamagedSurveyError: The places are no grid.
-        UnreadableFileError: Two samples have one place.
+        DamagedSurveyError: The positions do not form a grid.
+        UnreadableFileError: Two samples have the same position.
     """
     notes = list(notes)
     grid = grid_of(positions, notes)
     cells = grid.places(positions)
     if len(set(cells)) < len(cells):
-        raise UnreadableFileError(f"{source} holds two samples of the same place and rotation")
+        raise UnreadableFileError(
+            Message("{source} has two samples at the same position and rotation", source=source)
+        )
     values = np.full((grid.cells, len(frequency_hz)), complex(np.nan, np.nan))
     height_m = np.full(grid.cells, np.nan)
     height_m[cells] = heights_m
@@ -150,7 +159,7 @@ def on_grid(
 
 
 def usable_samples(survey: xr.Dataset) -> List[Tuple[Tuple[int, int, int], float, float, float]]:
-    """Return place in the arrays, x [mm], y [mm] and rotation [deg] of samples with numbers."""
+    """Return array index, x [mm], y [mm] and rotation [deg] of each sample with data."""
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
     turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)
     return [
@@ -169,7 +178,7 @@ TOLERANCE_DEG = 1.0  # half a motor step
 
 
 def letters(survey: xr.Dataset) -> Dict[str, int]:
-    """Return the index of the polarization of each letter.
+    """Return the index of the polarization of each letter, X or Y.
 
     Raises:
         ExportError: A rotation has no letter.
@@ -181,25 +190,34 @@ def letters(survey: xr.Dataset) -> Dict[str, int]:
         )
         if letter is None or letter in found:
             raise ExportError(
-                f"the antennas' rotations are {survey[dataset.POLARIZATION].values.tolist()} deg; "
-                "this format knows 0 (X) and 90 (Y) only: select those two"
+                Message(
+                    "the rotations of the antennas are {rotations} deg; this format supports only "
+                    "0 (X) and 90 (Y); select these with the step polarization",
+                    rotations=", ".join(f"{one:g}" for one in survey[dataset.POLARIZATION].values),
+                )
             )
         found[letter] = index
     return found
 
 
-def even_step(values: np.ndarray, name: str, unit: str) -> float:
-    """Return the spacing of coordinates that must be evenly spaced; 0 for a single one.
+def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float:
+    """Return the spacing of evenly spaced coordinates; 0 for a single one.
 
     Raises:
-        ExportError: They are not.
+        ExportError: The spacing is uneven.
     """
     if len(values) < 2:
         return 0.0
     steps = np.diff(values)
     if np.ptp(steps) > 0.01 * abs(steps.mean()):
         raise ExportError(
-            f"the spacing of {name} is {steps.min():g} to {steps.max():g} {unit}; this format "
-            "holds even spacing only"
+            Message(
+                "the spacing of {axis} is uneven, {smallest:g} to {largest:g} {unit}; this format "
+                "supports only even spacing",
+                axis=name,
+                smallest=steps.min(),
+                largest=steps.max(),
+                unit=unit,
+            )
         )
     return float((values[-1] - values[0]) / (len(values) - 1))

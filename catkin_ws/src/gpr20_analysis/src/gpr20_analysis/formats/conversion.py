@@ -1,10 +1,10 @@
-"""Surveys into formats of others and back, by the name of the format."""
+"""Export and import of surveys, by the name of the format."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, Optional, Tuple, Union
+from typing import Callable, Dict, Iterable, Optional, Tuple, Union
 
 import xarray as xr
 
@@ -21,9 +21,10 @@ from gpr20_analysis.formats import (
     touchstone,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_common.message import Message
 
-Writer = Callable[[xr.Dataset, Path, Progress], str]
+Writer = Callable[[xr.Dataset, Path, Progress], Message]
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,9 @@ class Format:
     """One format.
 
     Attributes:
-        write: Writes a survey to a path and says what.
-        ending: What a file's name ends in; empty: a folder of one file per sample.
-        holds: Patterns of the names in the folder.
+        write: Writes a survey to a path and returns what was written.
+        ending: Ending of the file's name; empty: a folder with one file per sample.
+        holds: Patterns of the file names in the folder.
     """
 
     write: Writer
@@ -41,54 +42,69 @@ class Format:
     holds: Tuple[str, ...] = ()
 
 
-def _counting(write: Callable[[xr.Dataset, Path, Progress], int], counted: str) -> Writer:
-    return lambda survey, path, progress: f"{write(survey, path, progress)} {counted}"
+Count = Callable[[xr.Dataset, Path, Progress], int]
 
 
-def _write_dataset(survey: xr.Dataset, path: Path, _: Progress) -> str:
+def _files(write: Count) -> Writer:
+    return lambda survey, path, progress: Message(
+        "{count} files", count=write(survey, path, progress)
+    )
+
+
+def _samples(write: Count) -> Writer:
+    return lambda survey, path, progress: Message(
+        "{count} samples", count=write(survey, path, progress)
+    )
+
+
+def _traces(write: Count) -> Writer:
+    return lambda survey, path, progress: Message(
+        "{count} traces", count=write(survey, path, progress)
+    )
+
+
+def _write_dataset(survey: xr.Dataset, path: Path, _: Progress) -> Message:
     write_dataset(survey, path)
-    return "everything"
+    return Message("all data")
 
 
-def _write_merged(survey: xr.Dataset, path: Path, _: Progress) -> str:
+def _write_merged(survey: xr.Dataset, path: Path, _: Progress) -> Message:
     merged_hdf5.write_merged(survey, path, path.stem)
-    return f"A-scans over {'time' if dataset.A_SCAN in survey else 'frequency'}"
+    if dataset.A_SCAN in survey:
+        return Message("A-scans over time")
+    return Message("A-scans over frequency")
 
 
 EXPORTS: Dict[str, Format] = {
     "netcdf": Format(_write_dataset, NETCDF),
     "zarr": Format(_write_dataset, ZARR),
-    "group-csv": Format(_counting(group_csv.write_group_csv, "files"), holds=("VNA_X*.csv",)),
+    "group-csv": Format(_files(group_csv.write_group_csv), holds=("VNA_X*.csv",)),
     "merged-hdf5": Format(_write_merged, ".h5"),
-    "csv": Format(_counting(plain_csv.write_plain_csv, "samples"), ".csv"),
-    "segy": Format(_counting(segy.write_segy, "traces"), ".sgy"),
-    "touchstone": Format(
-        _counting(touchstone.write_touchstone, "files"), holds=("[0-9]*_X*_Y*_Z*.s2p",)
-    ),
-    "original-json": Format(
-        _counting(original_json.write_original, "files"), holds=("X*_Y*_Z*.json",)
-    ),
+    "csv": Format(_samples(plain_csv.write_plain_csv), ".csv"),
+    "segy": Format(_traces(segy.write_segy), ".sgy"),
+    "touchstone": Format(_files(touchstone.write_touchstone), holds=("[0-9]*_X*_Y*_Z*.s2p",)),
+    "original-json": Format(_files(original_json.write_original), holds=("X*_Y*_Z*.json",)),
 }
 IMPORTS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
 
 
 def export_survey(
-    survey: xr.Dataset, path: Union[str, Path], form: str, progress: Progress = silent
-) -> Dict[Path, str]:
-    """Write a survey; each file or folder is whole or not there.
+    survey: xr.Dataset, path: Union[str, Path], form: str, progress: Progress = no_progress
+) -> Dict[Path, Message]:
+    """Write a survey; each file or folder is complete or does not exist.
 
     Args:
         survey: Dataset of a survey.
-        path: File, or folder for the formats of one file per sample. What is there is replaced.
+        path: File, or folder for the formats with one file per sample. It is replaced.
         form: A key of `EXPORTS`.
-        progress: Shows how far it has come.
+        progress: Shows the progress.
 
     Returns:
-        What each file or folder holds; SEG-Y has one file per polarization.
+        The content of each file or folder; SEG-Y has one file per polarization.
 
     Raises:
-        ExportError: The format cannot hold the survey, the name has another ending than the
-            format's, or the disk refused.
+        ExportError: The format cannot hold the survey, the name does not have the format's
+            ending, or the output cannot be written.
         MissingLibraryError: A library is not installed.
     """
     path = Path(path).expanduser()
@@ -112,16 +128,23 @@ def output_paths(survey: xr.Dataset, path: Path, form: str) -> Tuple[Path, ...]:
 
 
 def check_ending(path: Path, form: str) -> None:
-    """Check that a path is named as its format is.
+    """Check that a path has the ending of its format.
 
     Raises:
-        ExportError: It is not.
+        ExportError: It has another one, or the format is unknown.
     """
     if form not in EXPORTS:
-        raise ExportError(f"there is no format '{form}'; formats are {', '.join(EXPORTS)}")
+        raise ExportError(_unknown(form, EXPORTS))
     ending = EXPORTS[form].ending
     if ending and path.suffix != ending:
-        raise ExportError(f"{path} must end in {ending} for {form}")
+        raise ExportError(
+            Message(
+                "{file} must end in {ending} for the format {format}",
+                file=path.name,
+                ending=ending,
+                format=form,
+            )
+        )
 
 
 def import_survey(
@@ -130,20 +153,20 @@ def import_survey(
     band: Optional[gprmax.Band] = None,
     height_m: Optional[float] = None,
     source: Optional[str] = None,
-    progress: Progress = silent,
+    progress: Progress = no_progress,
 ) -> xr.Dataset:
-    """Read measurements and simulations of others as the Dataset of a survey.
+    """Read measurements and simulations of other programs as the Dataset of a survey.
 
     Args:
         path: File, or folder of files.
         form: One of `IMPORTS`.
-        band: Frequencies of the spectra of a simulation by gprMax; None: those of the robot.
-        height_m: Its antenna height [m].
-        source: The signal of its source, see `gprmax_source.source_of`.
-        progress: Shows how far it has come.
+        band: Frequencies for the spectra of a gprMax simulation; None: those of the robot.
+        height_m: Antenna height of the simulation [m].
+        source: Source signal of the simulation, see `gprmax_source.source_of`.
+        progress: Shows the progress.
 
     Raises:
-        AnalysisError: It is not of this format, or is damaged.
+        AnalysisError: It does not have this format, or is damaged.
     """
     path = Path(path).expanduser()
     if form == "group-csv":
@@ -154,4 +177,12 @@ def import_survey(
         return original_json.read_original(path, progress)
     if form == "gprmax":
         return gprmax.read_gprmax(path, band or gprmax.Band(), height_m, source, progress)
-    raise AnalysisError(f"there is no format '{form}'; formats are {', '.join(IMPORTS)}")
+    raise AnalysisError(_unknown(form, IMPORTS))
+
+
+def _unknown(form: str, formats: Iterable[str]) -> Message:
+    return Message(
+        "unknown format '{format}'; formats are {formats}",
+        format=form,
+        formats=", ".join(formats),
+    )

@@ -14,9 +14,18 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.dataset import LIST_ATTRIBUTES, Y
-from gpr20_analysis.errors import AnalysisError, MissingLibraryError, UnreadableFileError
+from gpr20_analysis.dataset import Y
+from gpr20_analysis.errors import (
+    AnalysisError,
+    MissingLibraryError,
+    UnreadableFileError,
+    library_missing,
+    not_there,
+    wrong_ending,
+)
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
+from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
+from gpr20_common.message import Message
 
 NETCDF, ZARR = ".nc", ".zarr"
 REAL, IMAGINARY = "_real", "_imag"
@@ -24,29 +33,28 @@ PART_OF = "complex_part_of"
 OVERHEAD_BYTES = 1 << 20
 LEAST_LAZY_DIMS = 4
 CHUNK_BYTES = 16 << 20
-"""Of lazy numbers, what each thread has in memory at once; a step may need eight times as much."""
-NO_CHECKSUM = "carries no checksum of gpr20: if it changed on the disk, that cannot be seen"
+"""Lazy data that each thread has in memory at once; a step may need eight times as much."""
 
 
 def is_dataset(path: Path) -> bool:
-    """Say whether a path names a Dataset written by `write_dataset`."""
+    """Return whether a path has the ending of a Dataset written by `write_dataset`."""
     return path.suffix in (NETCDF, ZARR)
 
 
 def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
-    """Write any Dataset, complex variables included; the file is whole or not there.
+    """Write any Dataset, complex variables included; the file is complete or does not exist.
 
     Args:
         data: In memory or lazy.
-        path: Ends in .nc or .zarr; what is there is replaced.
+        path: Ends in .nc or .zarr; an existing file is replaced.
 
     Raises:
-        AnalysisError: The path ends in something else.
-        ExportError: The disk refused.
+        AnalysisError: The path has another ending.
+        ExportError: It cannot be written.
     """
     path = Path(path).expanduser()
     if not is_dataset(path):
-        raise AnalysisError(f"{path.name} must end in {NETCDF} or {ZARR}")
+        raise AnalysisError(wrong_ending(path, (NETCDF, ZARR)))
     stored = _as_real(data)
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, _size(stored)) as place:
@@ -62,31 +70,37 @@ def _size(stored: xr.Dataset) -> int:
 
 
 def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
-    """Read what `write_dataset` wrote.
+    """Read a Dataset written by `write_dataset`.
 
     Args:
         path: Ends in .nc or .zarr.
         lazy_bytes: Spectra, A-scans or an image larger than this [bytes] become a dask array in
-            chunks of whole rows; everything else is read into memory. None: all of it is.
+            chunks of whole rows; everything else is read into memory. None: everything is.
 
     Raises:
-        UnreadableFileError: It is damaged, or is something else.
+        UnreadableFileError: It is damaged, or not a Dataset.
         MissingLibraryError: zarr is not installed.
         OSError: It cannot be read.
     """
     if not path.exists():
-        raise AnalysisError(f"{path} does not exist")
+        raise AnalysisError(not_there(path))
     checked = has_checksum(path)
     try:
         with np.errstate(invalid="ignore"):
             data = _read(path, lazy_bytes)
     except MissingLibraryError:
         raise
-    # Whatever is changed in such a file, the libraries beneath raise errors of many kinds.
+    # On damaged files the libraries raise exceptions of many kinds.
     except Exception as error:
-        raise UnreadableFileError(f"{path} cannot be read as a Dataset: {error}") from error
+        raise UnreadableFileError(
+            Message("{path} is damaged or is not a Dataset", path=path, details=error)
+        ) from error
     if not checked:
-        data.attrs["notes"] = [*data.attrs.get("notes", []), f"{path.name} {NO_CHECKSUM}"]
+        note = Message(
+            "{file} has no gpr20 checksum, so changes on the disk cannot be detected",
+            file=path.name,
+        )
+        data = data.assign_attrs(with_notes(data, [note]))
     return data
 
 
@@ -101,14 +115,14 @@ def _read(path: Path, lazy_bytes: Optional[int]) -> xr.Dataset:
     except BaseException:
         stored.close()
         raise
-    # What is lazy reads on from the open file.
+    # Lazy data are read from the open file later.
     if not data.chunks:
         stored.close()
     return data
 
 
 def _loaded(stored: xr.Dataset, lazy_bytes: Optional[int]) -> xr.Dataset:
-    """Return a Dataset in memory, but for what is larger than so many bytes."""
+    """Return a Dataset in memory, except variables larger than so many bytes."""
     data = stored
     for name, values in stored.variables.items():
         # The other half of a complex variable is as large.
@@ -125,7 +139,7 @@ def _loaded(stored: xr.Dataset, lazy_bytes: Optional[int]) -> xr.Dataset:
 
 
 def _zarr_format() -> Dict[str, Any]:
-    """Return the arguments by which every zarr writes format 2, which every zarr reads."""
+    """Return the arguments for writing Zarr format 2, which every version of zarr reads."""
     return {} if _zarr_version() < 3 else {"zarr_format": 2}
 
 
@@ -133,7 +147,7 @@ def _zarr_version() -> int:
     try:
         from zarr import __version__
     except ImportError as error:
-        raise MissingLibraryError("Zarr needs zarr: pip install 'gpr20_analysis[zarr]'") from error
+        raise MissingLibraryError(library_missing("zarr", "zarr")) from error
     return int(__version__.split(".")[0])
 
 

@@ -15,16 +15,20 @@ from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.gprmax_source import NONE, Signal, check_strength, source_of
 from gpr20_analysis.processing.polarization import DISPLAY_ONLY
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
+from gpr20_common.message import Message
 
 ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
 EXCITATION = "srcs/src1/excitation"
 OFFSET = "TimeSampleOffset"
-DIVIDED = (
-    "simulated by gprMax; the spectra are the received field over the source's signal, so delays "
-    "are true and amplitudes are in V/m for each unit of the source, not those of S21"
+DIVIDED = Message(
+    "simulated by gprMax; the spectra are the received field divided by the source signal, so "
+    "delays are correct, but amplitudes are in V/m per unit of the source instead of S21"
 )
-WITH_SOURCE = "the spectra hold the spectrum of the source, so every delay is late by the source's"
+WITH_SOURCE = Message(
+    "the spectra contain the spectrum of the source, so every delay includes that of the source"
+)
 
 
 @dataclass(frozen=True)
@@ -55,36 +59,44 @@ def read_gprmax(
     band: Band,
     height_m: Optional[float],
     source: Optional[str] = None,
-    progress: Progress = silent,
+    progress: Progress = no_progress,
 ) -> xr.Dataset:
-    """Read the A-scans of a folder (or one file) and take their spectra.
+    """Read the A-scans of a folder or of one file and compute their spectra.
 
-    A sample lies halfway between source and receiver. Ex is 0 degrees and Ey 90 degrees; of a
-    simulation the component along the source is taken, which version 4 tells; of version 3 the
-    strongest.
+    The position of a sample is halfway between source and receiver. Ex is 0 degrees and Ey 90
+    degrees. The component along the source is used, which files of version 4 name; for version 3
+    it is the strongest component.
 
     Args:
         path: Folder of .out or .h5 files, or one of them.
         band: Frequencies of the spectra.
-        height_m: Height of the antennas above the ground [m]; None if it is not known.
-        source: What the spectra are divided by, see `source_of`; None: by the source's signal in
-            the files themselves, which version 4 writes.
-        progress: Shows how far it has come.
+        height_m: Height of the antennas above the ground [m]; None if unknown.
+        source: The signal that the spectra are divided by, see `source_of`; None: the source
+            signal in the files, which version 4 writes.
+        progress: Shows the progress.
 
     Raises:
-        AnalysisError: There is no such file, or the source is not known.
-        UnreadableFileError: One is damaged, or its time step or source cannot carry the band.
+        AnalysisError: There is no such file, or the source is unknown.
+        UnreadableFileError: A file is damaged, or its time step or source does not cover the band.
     """
     paths = [path] if path.is_file() else sorted([*path.glob("*.out"), *path.glob("*.h5")])
     if not paths:
-        raise AnalysisError(f"{path} holds no .out or .h5 files of gprMax")
+        raise AnalysisError(
+            Message("{folder} contains no files {pattern}", folder=path, pattern="*.out, *.h5")
+        )
     given = source_of(source) if source is not None else None
     traces = [_read(one) for one in progress(paths, len(paths))]
     slowest_s = max(trace.field.step_s for trace in traces)
     if band.stop_hz >= 0.5 / slowest_s:
         raise UnreadableFileError(
-            f"{path.name} has a time step of {slowest_s:g} s, which carries frequencies up to "
-            f"{0.5 / slowest_s:g} Hz, not {band.stop_hz:g} Hz"
+            Message(
+                "{file} has a time step of {step_s:g} s, which covers frequencies up to "
+                "{highest_hz:g} Hz; the band ends at {stop_hz:g} Hz",
+                file=path.name,
+                step_s=slowest_s,
+                highest_hz=0.5 / slowest_s,
+                stop_hz=band.stop_hz,
+            )
         )
     spectra = [_spectrum(trace, given, source == NONE, band.frequency_hz) for trace in traces]
     data = on_grid(
@@ -97,10 +109,9 @@ def read_gprmax(
         simulated=True,
     )
     if source == NONE:
-        data.attrs[DISPLAY_ONLY] = WITH_SOURCE
-    else:
-        data.attrs["notes"] = [DIVIDED, *data.attrs["notes"]]
-    return data
+        return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, WITH_SOURCE))
+    notes = [DIVIDED, *sentences_of(data, "notes")]
+    return data.assign_attrs(with_sentences(data.attrs, notes=notes))
 
 
 def _spectrum(
@@ -112,9 +123,13 @@ def _spectrum(
     source = given or trace.source
     if source is None:
         raise AnalysisError(
-            f"{trace.name} does not tell the signal of its source (version 4 of gprMax writes it), "
-            "so delays cannot be told: give --source, such as ricker:1.5e9 or a file of times and "
-            f"values, or --source {NONE} for spectra that can be looked at but not imaged"
+            Message(
+                "{file} does not contain the source signal (gprMax version 4 writes it), so the "
+                "delays are unknown; give --source, such as ricker:1.5e9 or a file of times and "
+                "values, or --source {none} for spectra that can be displayed but not imaged",
+                file=trace.name,
+                none=NONE,
+            )
         )
     return spectrum / check_strength(source, frequency_hz, trace.name)
 
@@ -125,26 +140,41 @@ def _read(path: Path) -> _Trace:
             return _trace(file, path.name)
     except AnalysisError:
         raise
-    # Whatever is changed in such a file, HDF5 and numpy raise errors of many kinds.
+    # On damaged files HDF5 and numpy raise exceptions of many kinds.
     except Exception as error:
-        raise UnreadableFileError(f"{path.name} is no whole output of gprMax: {error}") from error
+        raise UnreadableFileError(
+            Message(
+                "{file} is damaged or is not an output of gprMax", file=path.name, details=error
+            )
+        ) from error
 
 
 def _trace(file: Any, name: str) -> _Trace:
-    for what, word in (("nsrc", "sources"), ("nrx", "receivers")):
-        if int(file.attrs.get(what, 1)) != 1:
-            raise UnreadableFileError(
-                f"{name} has {int(file.attrs[what])} {word}; a sample is one source and one "
-                "receiver, which move together from file to file (#src_steps, #rx_steps)"
+    sources, receivers = (int(file.attrs.get(one, 1)) for one in ("nsrc", "nrx"))
+    if (sources, receivers) != (1, 1):
+        raise UnreadableFileError(
+            Message(
+                "{file} has {sources} sources and {receivers} receivers; a sample needs one of "
+                "each, which move together from file to file (#src_steps, #rx_steps)",
+                file=name,
+                sources=sources,
+                receivers=receivers,
             )
+        )
     receiver, source = file["rxs/rx1"], file["srcs/src1"]
     step_s, count = float(file.attrs["dt"]), int(file.attrs["Iterations"])
     fields = {one: receiver[one] for one in ROTATION_DEG if one in receiver}
     for one, field in fields.items():
         if field.shape != (count,) or not np.isfinite(field[()]).all():
             raise UnreadableFileError(
-                f"{name}: {one} has the shape {field.shape} or values that are no numbers; {count} "
-                "iterations were told (give the single files, not the merged one)"
+                Message(
+                    "{file}: {field} has the shape {shape} or NaN values; it must have {count} "
+                    "values (use the single files instead of the merged one)",
+                    file=name,
+                    field=one,
+                    shape=" x ".join(map(str, field.shape)),
+                    count=count,
+                )
             )
     along = _component(file, fields, name)
     middle_mm = (np.array(receiver.attrs["Position"]) + source.attrs["Position"]) / 2.0
@@ -158,17 +188,21 @@ def _trace(file: Any, name: str) -> _Trace:
 
 
 def _component(file: Any, fields: Dict[str, Any], name: str) -> str:
-    """Return the component of the field that lies along the source."""
-    told = file["srcs/src1"].attrs.get("Polarisation")
-    if told is not None:
-        along = f"E{told}"
+    """Return the component of the field along the source."""
+    axis = file["srcs/src1"].attrs.get("Polarisation")
+    if axis is not None:
+        along = f"E{axis}"
     else:
         strength = {one: float(np.abs(field[()]).max()) for one, field in fields.items()}
         along = max(strength, key=lambda one: strength[one]) if strength else ""
     if along not in fields or not np.any(fields[along][()]):
         raise UnreadableFileError(
-            f"{name}: the field along the source ({along or 'Ex or Ey'}) is not there or zero; the "
-            "source must be polarized along x or y"
+            Message(
+                "{file}: the field along the source ({field}) is missing or zero; the source must "
+                "be polarized along x or y",
+                file=name,
+                field=along or "Ex, Ey",
+            )
         )
     return along
 
@@ -176,12 +210,13 @@ def _component(file: Any, fields: Dict[str, Any], name: str) -> str:
 def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
     if EXCITATION not in file:
         return None
-    told = file[EXCITATION]
-    values = np.asarray(told["samples"][()], np.float64)
+    excitation = file[EXCITATION]
+    values = np.asarray(excitation["samples"][()], np.float64)
     if values.ndim != 1 or not np.isfinite(values).all():
-        raise UnreadableFileError(f"{name}: the samples of its source are no signal")
-    return Signal(values, float(told.attrs.get("SampleInterval", step_s)), _offset_s(told))
+        raise UnreadableFileError(Message("{file}: the source signal is not valid", file=name))
+    interval_s = float(excitation.attrs.get("SampleInterval", step_s))
+    return Signal(values, interval_s, _offset_s(excitation))
 
 
-def _offset_s(held: Any) -> float:
-    return float(held.attrs.get(OFFSET, 0.0))
+def _offset_s(recorded: Any) -> float:
+    return float(recorded.attrs.get(OFFSET, 0.0))

@@ -1,4 +1,4 @@
-"""The signal of a simulated source, by which spectra are divided to become a transmission."""
+"""The signal of a simulated source, by which spectra are divided to get a transmission."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Callable, Dict, Union
 import numpy as np
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_common.message import Message
 
 NONE = "none"
 WEAKEST_DB = -60.0
-"""A source that is weaker than this within the band, against its strongest there, divides noise."""
+"""Where the source is weaker than this, relative to its maximum in the band, only noise is left."""
 STEPS_PER_PERIOD = 64
 PERIODS = 8.0
 
@@ -32,7 +33,7 @@ class Signal:
     start_s: float = 0.0
 
     def spectrum(self, frequency_hz: np.ndarray) -> np.ndarray:
-        """Return the Fourier transform, with the sign that S21 has: a delay turns it backwards."""
+        """Return the Fourier transform, with the sign of S21: a delay is a negative phase."""
         time_s = self.start_s + np.arange(len(self.values)) * self.step_s
         turns = np.exp(-2j * np.pi * frequency_hz[:, np.newaxis] * time_s)
         spectrum: np.ndarray = turns @ self.values * self.step_s
@@ -64,19 +65,19 @@ WAVEFORMS: Dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "gaussiandotnorm": _gaussian_dot_norm,
     "ricker": _ricker,
 }
-"""Waveforms of gprMax by its names, as its manual defines them (#waveform)."""
+"""Waveforms of gprMax by name, as its manual defines them (#waveform)."""
 
 
 def source_of(text: str) -> Union[Signal, None]:
-    """Return the source that a user names; None for `none`: spectra are not divided.
+    """Return the source signal that a user gives; None for `none`: spectra are not divided.
 
     Args:
         text: `none`, a waveform such as `ricker:1.5e9` (centre frequency in Hz), or a text file
             with a time [s] and a value on each line.
 
     Raises:
-        AnalysisError: It is none of them.
-        UnreadableFileError: The file is not as it must be.
+        AnalysisError: It is none of these.
+        UnreadableFileError: The file has another content.
     """
     if text == NONE:
         return None
@@ -89,7 +90,12 @@ def source_of(text: str) -> Union[Signal, None]:
         frequency_hz = np.nan
     if not 1e6 <= frequency_hz <= 1e12:
         raise AnalysisError(
-            f"--source {text} names no frequency of 1e6..1e12 Hz; write it as {name}:1.5e9"
+            Message(
+                "--source {text} has no frequency between 1e6 and 1e12 Hz; write it as "
+                "{waveform}:1.5e9",
+                text=text,
+                waveform=name,
+            )
         )
     step_s = 1.0 / frequency_hz / STEPS_PER_PERIOD
     time_s = np.arange(int(PERIODS * STEPS_PER_PERIOD)) * step_s
@@ -97,22 +103,31 @@ def source_of(text: str) -> Union[Signal, None]:
 
 
 def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.ndarray:
-    """Return the spectrum of a source that is strong enough within a band.
+    """Return the spectrum of a source after a check that it is strong enough in a band.
 
     Raises:
-        UnreadableFileError: It is too weak at a frequency; the band that can be used is named.
+        UnreadableFileError: It is too weak at a frequency; the message names the usable band.
     """
     spectrum = source.spectrum(frequency_hz)
     strength = np.abs(spectrum)
     largest = float(strength.max())
     strong = strength > largest * 10.0 ** (WEAKEST_DB / 20.0)
     if not (largest > 0.0 and strong.all()):
-        usable = frequency_hz[strong] if largest > 0.0 else []
+        if not largest > 0.0:
+            raise UnreadableFileError(Message("the source signal of {file} is zero", file=name))
+        usable_hz = frequency_hz[strong]
         raise UnreadableFileError(
-            f"the source of {name} does not reach every frequency of {frequency_hz[0]:g}.."
-            f"{frequency_hz[-1]:g} Hz: where it is {-WEAKEST_DB:g} dB weaker than at its strongest "
-            "a quotient is noise; "
-            + (f"take --band {usable[0]:g} {usable[-1]:g} POINTS" if len(usable) else "it is zero")
+            Message(
+                "the source of {file} is too weak at some frequencies of {start_hz:g} to "
+                "{stop_hz:g} Hz: more than {weakest_db:g} dB below its maximum; use --band "
+                "{first_hz:g} {last_hz:g} POINTS",
+                file=name,
+                start_hz=frequency_hz[0],
+                stop_hz=frequency_hz[-1],
+                weakest_db=-WEAKEST_DB,
+                first_hz=usable_hz[0],
+                last_hz=usable_hz[-1],
+            )
         )
     return spectrum
 
@@ -120,24 +135,38 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
 def _from_file(path: Path) -> Signal:
     if not path.is_file():
         raise AnalysisError(
-            f"--source {path} is neither a file nor {NONE} nor one of "
-            f"{', '.join(WAVEFORMS)} with a frequency, such as ricker:1.5e9"
+            Message(
+                "--source {text} is neither a file nor {none} nor one of {waveforms} with a "
+                "frequency, such as ricker:1.5e9",
+                text=path,
+                none=NONE,
+                waveforms=", ".join(WAVEFORMS),
+            )
         )
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
-        # A first line that begins with a letter is a heading.
+        # A first line that begins with a letter is a header.
         first = 1 if lines and lines[0][:1].isalpha() else 0
         table = np.array([line.replace(",", " ").split() for line in lines[first:] if line.strip()])
         table = table.astype(np.float64).reshape(len(table), -1)
     except ValueError as error:
-        raise UnreadableFileError(f"{path.name} holds no times and values: {error}") from error
+        raise UnreadableFileError(
+            Message("{file} does not contain times and values", file=path.name, details=error)
+        ) from error
     if table.shape[0] < 2 or table.shape[1] != 2 or not np.isfinite(table).all():
         raise UnreadableFileError(
-            f"{path.name} holds {table.shape[0]} lines of {table.shape[1]} numbers; a source is "
-            "a time [s] and a value on each of two lines or more"
+            Message(
+                "{file} has {lines} lines of {columns} numbers; a source signal needs two or more "
+                "lines, each with a time [s] and a value",
+                file=path.name,
+                lines=table.shape[0],
+                columns=table.shape[1],
+            )
         )
     steps_s = np.diff(table[:, 0])
     step_s = float(steps_s.mean())
     if not (step_s > 0.0 and np.allclose(steps_s, step_s, rtol=1e-2, atol=0.0)):
-        raise UnreadableFileError(f"the times of {path.name} are not even and ascending")
+        raise UnreadableFileError(
+            Message("the times in {file} are not evenly spaced and ascending", file=path.name)
+        )
     return Signal(table[:, 1], step_s, float(table[0, 0]))

@@ -1,4 +1,4 @@
-"""The CSV files of the GPR-20 group: one A-scan over frequency each, described by its name."""
+"""The CSV files of the GPR-20 group: one A-scan over frequency each, described by the name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_analysis.formats.common import DEGREES, even_step, letters, on_grid
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_common.message import Message
 
 HEADER = "S21_real,S21_imag"
 MM_PER_M, HZ_PER_MHZ = 1000.0, 1e6
@@ -36,23 +37,25 @@ class _Name:
     height_mm: float
 
 
-def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = silent) -> int:
-    """Write one file per sample and return how many; samples without numbers have none.
+def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
+    """Write one file per sample with data and return the number of files.
 
     Raises:
-        ExportError: Rotations, frequencies or heights cannot be said in this format.
-        OSError: The disk refused, or a file exists.
+        ExportError: The format cannot hold the rotations, frequencies or heights.
+        OSError: A file exists or cannot be written.
     """
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     turns = letters(survey)
     frequency_hz = survey[dataset.FREQUENCY].values
-    even_step(frequency_hz, "frequency", "Hz")
+    even_step(frequency_hz, Message("frequency"), "Hz")
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
     height_mm = survey[dataset.HEIGHT].transpose(*dataset.SAMPLE_DIMS).values * MM_PER_M
     if not np.isfinite(height_mm[usable]).all():
         raise ExportError(
-            f"{np.count_nonzero(~np.isfinite(height_mm[usable]))} samples have no antenna height, "
-            "and the names of this format must tell it"
+            Message(
+                "{count} samples have no antenna height, which the file names of this format need",
+                count=np.count_nonzero(~np.isfinite(height_mm[usable])),
+            )
         )
     ends = [f"{_plain(frequency_hz[place] / HZ_PER_MHZ, 6)}M" for place in (0, -1)]
     tail = f"_Fs{ends[0]}_Fe{ends[1]}_Qf{len(frequency_hz)}_H"
@@ -73,21 +76,31 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = silen
     return len(places)
 
 
-def read_group_csv(folder: Path, progress: Progress = silent) -> xr.Dataset:
+def read_group_csv(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
     """Read a folder of such files.
 
     Raises:
         AnalysisError: There is none.
-        UnreadableFileError: A file is damaged, two are of one place, or frequencies differ.
+        UnreadableFileError: A file is damaged, two have the same position, or frequencies differ.
     """
     names = {path: _parsed(path.name) for path in sorted(folder.glob("VNA_*.csv"))}
     if not names:
-        raise AnalysisError(f"{folder} holds no files VNA_X..._Y..._Or....csv")
+        raise AnalysisError(
+            Message(
+                "{folder} contains no files {pattern}",
+                folder=folder,
+                pattern="VNA_X..._Y..._Or....csv",
+            )
+        )
     sweeps = {(one.start_mhz, one.stop_mhz, one.points) for one in names.values()}
     if len(sweeps) > 1:
         raise UnreadableFileError(
-            f"{folder} mixes frequencies (MHz, MHz, points): {sorted(sweeps)}; put each into a "
-            "folder of its own"
+            Message(
+                "{folder} mixes frequencies (MHz, MHz, points): {sweeps}; put the files of each "
+                "into a separate folder",
+                folder=folder,
+                sweeps=sorted(sweeps),
+            )
         )
     start_mhz, stop_mhz, points = sweeps.pop()
     read = (_read(path, points) for path in progress(list(names), len(names)))
@@ -97,7 +110,7 @@ def read_group_csv(folder: Path, progress: Progress = silent) -> xr.Dataset:
         read,
         [one.height_mm / MM_PER_M for one in names.values()],
         np.linspace(start_mhz * HZ_PER_MHZ, stop_mhz * HZ_PER_MHZ, points),
-        ["heights and places are as exact as the names of the files tell them"],
+        [Message("heights and positions are rounded as in the file names")],
     )
 
 
@@ -105,25 +118,43 @@ def _read(path: Path, points: int) -> np.ndarray:
     with path.open("rb") as stream:
         header = stream.readline().decode("ascii", "replace").strip()
         if header != HEADER:
-            raise UnreadableFileError(f"{path.name} begins with {header[:40]!r}, not {HEADER!r}")
+            raise UnreadableFileError(
+                Message(
+                    "{file} begins with {found} instead of {header}",
+                    file=path.name,
+                    found=repr(header[:40]),
+                    header=repr(HEADER),
+                )
+            )
         content = stream.read()
         if not content.endswith(b"\n"):
             raise UnreadableFileError(
-                f"{path.name} does not end with the end of a line: its last number may be cut off"
+                Message(
+                    "{file} does not end with a line break, so its last number may be cut off",
+                    file=path.name,
+                )
             )
         try:
             found = pd.read_csv(
                 io.BytesIO(content), header=None, dtype=np.float64, float_precision="round_trip"
             ).to_numpy()
         except ValueError as error:
-            raise UnreadableFileError(f"{path.name} is damaged: {error}") from error
+            raise UnreadableFileError(
+                Message("{file} is damaged", file=path.name, details=error)
+            ) from error
     if found.shape != (points, 2):
         raise UnreadableFileError(
-            f"{path.name} holds {found.shape[0]} lines of {found.shape[1]} numbers; its name says "
-            f"{points} of 2"
+            Message(
+                "{file} has {lines} lines of {columns} numbers; by its name it must have {points} "
+                "lines of 2",
+                file=path.name,
+                lines=found.shape[0],
+                columns=found.shape[1],
+                points=points,
+            )
         )
     if not np.isfinite(found).all():
-        raise UnreadableFileError(f"{path.name} holds values that are no numbers")
+        raise UnreadableFileError(Message("{file} contains NaN or infinite values", file=path.name))
     return found[:, 0] + 1j * found[:, 1]
 
 
@@ -131,7 +162,11 @@ def _parsed(name: str) -> _Name:
     found = NAME.fullmatch(name)
     if found is None:
         raise UnreadableFileError(
-            f"{name} is not named as VNA_X155_Y310_OrX_Fs600M_Fe6000M_Qf501_H248.csv is"
+            Message(
+                "the name {file} must have the form {example}",
+                file=name,
+                example="VNA_X155_Y310_OrX_Fs600M_Fe6000M_Qf501_H248.csv",
+            )
         )
     x_mm, y_mm, letter, start, stop, points, height = found.groups()
     return _Name(
@@ -144,7 +179,9 @@ def _texts(values_mm: np.ndarray) -> List[str]:
     whole = bool((np.abs(values_mm - np.round(values_mm)) < 5e-4).all())
     texts = [f"{value:.0f}" if whole else f"{value:.2f}" for value in values_mm]
     if len(set(texts)) < len(texts):
-        raise ExportError("places closer than 0.01 mm cannot be told apart in this format")
+        raise ExportError(
+            Message("positions closer than 0.01 mm have the same file name in this format")
+        )
     return texts
 
 

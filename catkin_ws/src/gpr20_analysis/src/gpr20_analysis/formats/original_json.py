@@ -1,4 +1,4 @@
-"""The JSON samples of the project that this one follows."""
+"""The JSON samples of the original project."""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_common.message import Message
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
 NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
-SAME_PARTS = (
-    "real and imaginary parts are the same in every sample: a former version of the storing "
-    "program lost the imaginary part, so there is no phase and no image can be made of it"
+SAME_PARTS = Message(
+    "real and imaginary parts are equal in every sample: an old version of the storage lost the "
+    "imaginary part, so there is no phase and no image can be made"
 )
 
 
-def write_original(survey: xr.Dataset, folder: Path, progress: Progress = silent) -> int:
-    """Write one file per sample and return how many; samples without numbers have none.
+def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
+    """Write one file per sample with data and return the number of files.
 
     Raises:
-        OSError: The disk refused, or a file exists.
+        OSError: A file exists or cannot be written.
     """
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     frequencies = survey[dataset.FREQUENCY].values.tolist()
@@ -65,11 +66,11 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = silent
 
 
 def holds_original(folder: Path) -> bool:
-    """Say whether a folder holds files named as those of the original project."""
+    """Return whether a folder has files with names of the original project."""
     return any(NAME.fullmatch(path.name) for path in folder.glob("X*.json"))
 
 
-def read_original(folder: Path, progress: Progress = silent) -> xr.Dataset:
+def read_original(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
     """Read a folder of such files.
 
     Raises:
@@ -78,12 +79,24 @@ def read_original(folder: Path, progress: Progress = silent) -> xr.Dataset:
     """
     paths = sorted(path for path in folder.glob("X*.json") if NAME.fullmatch(path.name))
     if not paths:
-        raise AnalysisError(f"{folder} holds no files X000.00_Y000.00_Z000.00.json")
+        raise AnalysisError(
+            Message(
+                "{folder} contains no files {pattern}",
+                folder=folder,
+                pattern="X000.00_Y000.00_Z000.00.json",
+            )
+        )
     samples = [_read(path) for path in progress(paths, len(paths))]
     frequency_hz = samples[0].pop("frequency_hz")
     for path, sample in zip(paths[1:], samples[1:]):
         if not np.array_equal(sample.pop("frequency_hz"), frequency_hz):
-            raise UnreadableFileError(f"{path.name} has other frequencies than {paths[0].name}")
+            raise UnreadableFileError(
+                Message(
+                    "{file} has other frequencies than {first}",
+                    file=path.name,
+                    first=paths[0].name,
+                )
+            )
     copied = all(np.array_equal(sample["s21"].real, sample["s21"].imag) for sample in samples)
     return on_grid(
         folder.name,
@@ -100,7 +113,7 @@ def _read(path: Path) -> Dict[str, Any]:
         sample = orjson.loads(path.read_bytes())
         rows = np.array([[row[key] for key in VALUES] for row in sample["data"]], np.float64)
         if rows.ndim != 2 or not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0).all():
-            raise ValueError("its frequencies do not ascend, or values are no numbers")
+            raise ValueError("frequencies not ascending, or NaN")
         height = sample["antennae_height"]
         return {
             "position": [float(sample[key]) for key in ("z_coord", "y_coord", "x_coord")],
@@ -109,4 +122,6 @@ def _read(path: Path) -> Dict[str, Any]:
             "s21": rows[:, 1] + 1j * rows[:, 2],
         }
     except (KeyError, TypeError, ValueError) as error:
-        raise UnreadableFileError(f"{path.name} is no whole sample: {error!r}") from error
+        raise UnreadableFileError(
+            Message("{file} is not a valid sample", file=path.name, details=repr(error))
+        ) from error

@@ -8,18 +8,18 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
 
 FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality"
 
 
-def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = silent) -> int:
-    """Write the table and return its number of samples; those without numbers are left out.
+def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_progress) -> int:
+    """Write the table and return its number of samples; those without data are left out.
 
-    Numbers have as many digits as bring the same float64 back.
+    Numbers have as many digits as are needed to read back the same float64.
 
     Raises:
-        OSError: The disk refused, or the file exists.
+        OSError: The file exists or cannot be written.
     """
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     columns = [

@@ -1,8 +1,8 @@
 """SEG-Y: real A-scans over time, one file per polarization.
 
-SEG-Y counts microseconds; radar needs picoseconds, so the interval field holds picoseconds, as the
-textual header says. Inline is the row (y), crossline the column (x); coordinates are in millimetres
-with scalar -1000, that is metres.
+SEG-Y counts microseconds, but radar needs picoseconds: the interval field contains picoseconds, as
+the textual header says. Inline is the row (y), crossline the column (x); coordinates are in
+millimetres with scalar -1000, that is metres.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.errors import ExportError, MissingLibraryError
+from gpr20_analysis.errors import ExportError, MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import even_step
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_common.message import Message
 
 INTERVAL_PS = 50
 PS_PER_S = 1e12
@@ -31,33 +32,44 @@ def file_of(path: Path, rotation_deg: float) -> Path:
     return path.with_name(f"{path.stem}_{word}{path.suffix}")
 
 
-def write_segy(survey: xr.Dataset, path: Path, progress: Progress = silent) -> int:
+def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress) -> int:
     """Write the one polarization of a survey and return the number of traces.
 
     A survey over frequency is transformed with a Hann window to steps of 50 ps over the unambiguous
-    time; A-scans over time are written as they are. A sample without numbers is a dead trace
+    time; A-scans over time are written unchanged. A sample without data is a dead trace
     (identification code 2) of zeros.
 
     Raises:
         MissingLibraryError: segyio is not installed.
-        ExportError: The steps of time are no whole picoseconds, or there are more polarizations.
-        OSError: The disk refused.
+        ExportError: The time step is not a whole number of picoseconds, or there is more than one
+            polarization.
+        OSError: It cannot be written.
     """
     segyio = _segyio()
     if survey.sizes[dataset.POLARIZATION] != 1:
-        raise ExportError("a SEG-Y file holds one polarization; write each to a file of its own")
+        raise ExportError(
+            Message("a SEG-Y file holds one polarization; write each to a separate file")
+        )
     survey = survey.isel({dataset.POLARIZATION: 0})
     if dataset.S21 not in survey and dataset.A_SCAN not in survey:
-        raise ExportError("the data hold neither spectra nor A-scans; an image is not exported so")
+        raise ExportError(
+            Message("the data contain neither spectra nor A-scans, so they cannot be exported")
+        )
     if dataset.A_SCAN in survey:
         delay_s = survey[dataset.DELAY].values
     else:
         delay_s = _delays_s(survey)
-    interval_ps = even_step(delay_s, "delay", "s") * PS_PER_S
+    interval_ps = even_step(delay_s, Message("delay"), "s") * PS_PER_S
     if abs(interval_ps - round(interval_ps)) > 1e-3 or len(delay_s) > MOST_SAMPLES:
         raise ExportError(
-            f"SEG-Y holds up to {MOST_SAMPLES} samples in whole picoseconds, not {len(delay_s)} in "
-            f"{interval_ps:g} ps; export the survey over frequency, which is transformed to fit"
+            Message(
+                "SEG-Y holds up to {most} samples in steps of whole picoseconds, not {count} in "
+                "steps of {step_ps:g} ps; export the survey over frequency, which is transformed "
+                "to fit",
+                most=MOST_SAMPLES,
+                count=len(delay_s),
+                step_ps=interval_ps,
+            )
         )
     spec = segyio.spec()
     spec.format, spec.sorting = IEEE_FLOAT, CROSSLINE_SORTING
@@ -74,14 +86,12 @@ def _segyio() -> Any:
     try:
         import segyio
     except ImportError as error:
-        raise MissingLibraryError(
-            "SEG-Y needs segyio: pip install 'gpr20_analysis[segy]'"
-        ) from error
+        raise MissingLibraryError(library_missing("segyio", "segy")) from error
     return segyio
 
 
 def _delays_s(survey: xr.Dataset) -> np.ndarray:
-    step_hz = even_step(survey[dataset.FREQUENCY].values, "frequency", "Hz")
+    step_hz = even_step(survey[dataset.FREQUENCY].values, Message("frequency"), "Hz")
     count = int(PS_PER_S / step_hz / INTERVAL_PS)
     return np.arange(min(count, MOST_SAMPLES)) * (INTERVAL_PS / PS_PER_S)
 
@@ -92,7 +102,7 @@ def _a_scans(survey: xr.Dataset, delay_s: np.ndarray) -> np.ndarray:
         values = survey[dataset.A_SCAN].transpose(dataset.Y, dataset.X, dataset.DELAY).values
         return values.real.astype(np.float32)
     s21 = survey[dataset.S21].transpose(dataset.Y, dataset.X, dataset.FREQUENCY)
-    # Evaluated at the very delays, since an inverse FFT has steps that SEG-Y cannot say.
+    # Evaluated at these delays, since the steps of an inverse FFT do not fit SEG-Y.
     frequency_hz = survey[dataset.FREQUENCY].values
     weights = np.hanning(len(frequency_hz) + 2)[1:-1]
     turns = np.exp(2j * np.pi * frequency_hz[:, np.newaxis] * delay_s) / weights.sum()

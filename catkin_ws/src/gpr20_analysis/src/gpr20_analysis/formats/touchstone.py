@@ -9,22 +9,22 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.errors import MissingLibraryError
+from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import usable_samples
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
 
 IMPEDANCE_OHM = 50.0
 
 
-def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = silent) -> int:
-    """Write `000123_X0050.00_Y0050.00_Z+090.00.s2p` and so on, and return how many.
+def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
+    """Write files such as `000123_X0050.00_Y0050.00_Z+090.00.s2p` and return their number.
 
-    S11, S12 and S22 were not measured; the format needs numbers there, so they are 0, as a
-    comment in each file says.
+    S11, S12 and S22 were not measured; the format needs values there, so they are 0, as a comment
+    in each file says.
 
     Raises:
         MissingLibraryError: scikit-rf is not installed.
-        OSError: The disk refused.
+        OSError: It cannot be written.
     """
     skrf = _skrf()
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
@@ -50,7 +50,5 @@ def _skrf() -> Any:
     try:
         import skrf
     except ImportError as error:
-        raise MissingLibraryError(
-            "Touchstone needs scikit-rf: pip install 'gpr20_analysis[touchstone]'"
-        ) from error
+        raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
     return skrf

@@ -1,1 +1,1 @@
-"""The replay onto ROS topics; the only part of the analysis that knows ROS."""
+"""The replay on ROS topics; the only part of the analysis that uses ROS."""

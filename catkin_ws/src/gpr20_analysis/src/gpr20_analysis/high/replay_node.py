@@ -1,4 +1,4 @@
-"""Publishes a recorded survey on the topics on which it was recorded."""
+"""Publishes a recorded survey on the topics of the recording."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import rospy
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.replay import Content
 from gpr20_common.high.raw_message import preserialized
+from gpr20_common.message import Message
 from gpr20_msgs.msg import Trace
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
@@ -18,15 +19,15 @@ from gpr20_survey.trace import trace_message
 TRACE_TOPIC = "trace"
 QUEUE_LENGTH = 1000
 POLL_S = 0.05
-# Every node speaks there, a window that shows the replay as well.
+# All nodes publish there, also a window that shows the replay.
 SHARED_TOPICS = ("/diagnostics",)
 
 
 class ReplayNode:
-    """Makes publishers as messages come and publishes them."""
+    """Publishes messages, with a publisher for each new topic."""
 
     def __init__(self, stopped: threading.Event, subscriber_wait_s: float) -> None:
-        """Take what ends the replay; the node must be initialized.
+        """Make the replay; the ROS node must be initialized.
 
         Args:
             stopped: Set when the replay must end.
@@ -41,11 +42,11 @@ class ReplayNode:
         rospy.on_shutdown(stopped.set)
 
     def run(self, contents: Iterable[Content]) -> None:
-        """Publish everything, as it comes.
+        """Publish everything in the order of the iterable.
 
         Raises:
-            AnalysisError: Another node publishes one of the topics: a robot, which would be taken
-                to be where it was in the recording.
+            AnalysisError: Another node publishes one of the topics, such as a robot, whose
+                positions would be mixed with those of the recording.
         """
         for content in contents:
             if isinstance(content, RecordedMessage):
@@ -77,7 +78,7 @@ class ReplayNode:
         return self._publishers[topic]
 
     def _await_subscriber(self, publisher: rospy.Publisher) -> None:
-        # Who has subscribed already is told of the new publisher a moment later.
+        # Existing subscribers connect to a new publisher a moment later.
         polls = int(self._subscriber_wait_s / POLL_S)
         for _ in range(polls):
             if publisher.get_num_connections() or self._stopped.wait(POLL_S):
@@ -90,15 +91,18 @@ def _refuse_beside_others(topic: str) -> None:
     others = [name for name in publishers if name != rospy.get_name()]
     if others and topic not in SHARED_TOPICS:
         raise AnalysisError(
-            f"{topic} is published by {', '.join(others)}: a robot or another replay runs on "
-            f"{rosgraph.get_master_uri()}, and its coordinates and states would be mixed with "
-            "those of the recording; end it, or replay on a master of its own "
-            "(ROS_MASTER_URI=http://localhost:11411 roslaunch gpr20 replay.launch survey:=...)"
+            Message(
+                "a robot or another replay is running on {address}, and its data would be mixed "
+                "with those of the recording; stop it, or replay on another ROS master "
+                "(ROS_MASTER_URI=http://localhost:11411 roslaunch gpr20 replay.launch survey:=...)",
+                address=rosgraph.get_master_uri(),
+                details=f"{topic} is published by {', '.join(others)}",
+            )
         )
 
 
 def _message_class(message: RecordedMessage) -> Type:
-    """Return a class whose messages are sent as they are; their type need not be installed."""
+    """Return a class for messages that are sent unchanged; their type need not be installed."""
     return type(
         "RecordedAnyMsg",
         (rospy.AnyMsg,),

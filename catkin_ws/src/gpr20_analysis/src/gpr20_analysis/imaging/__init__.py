@@ -1,1 +1,1 @@
-"""From the traces of a survey to an image of the ground."""
+"""Images of the ground from the traces of a survey."""

@@ -1,4 +1,4 @@
-"""Finely sampled A-scans, as voxels look them up."""
+"""Finely sampled A-scans, from which voxels are interpolated."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import scipy.fft
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
 
 # Linear interpolation between samples of the analytic signal loses (2 pi f dt)^2 / 8 of a
-# component: 0.6 % at 3.3 GHz, 2 % at 6 GHz, and turns no phase.
+# component: 0.6 % at 3.3 GHz, 2 % at 6 GHz, without a phase error.
 SAMPLE_S = 10.6e-12
 
 
@@ -24,7 +24,7 @@ def gated_a_scans(
         spectra: Spectra (trace, frequency).
         sweep: Their frequencies.
         window: Weights over the band.
-        longest_delay_s: Longest two-way delay that is kept; the A-scans go a little beyond [s].
+        longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
     """
     coarse, gate = gated_sweep(sweep, longest_delay_s)
     weights = window.weights(sweep.count)
@@ -38,7 +38,7 @@ def gated_a_scans(
     delay_s = sample_s * np.arange(count)
     samples *= (count * np.exp(2j * np.pi * coarse.start_hz * delay_s)).astype(np.complex64)
     kept = int(np.ceil(longest_delay_s / sample_s)) + 4
-    # Never shorter than was asked for: compiled loops look there without asking.
+    # Never shorter than requested: compiled loops read there without a check.
     beyond = ((0, 0), (0, max(0, kept - count)))
     return np.ascontiguousarray(np.pad(samples[:, :kept], beyond)), sample_s
 
@@ -48,7 +48,7 @@ TRANSITION = 0.06
 
 
 def gated_sweep(sweep: FrequencyGrid, longest_delay_s: float) -> Tuple[FrequencyGrid, np.ndarray]:
-    """Return a coarser sweep and the matrix that brings spectra onto it.
+    """Return a coarser sweep and the matrix that transforms spectra to it.
 
     The coarser spectrum is that of the trace times a gate, which passes delays from 0 to the
     longest in full and is 0 outside of twice its transition before and after. The gate is a
@@ -56,7 +56,7 @@ def gated_sweep(sweep: FrequencyGrid, longest_delay_s: float) -> Tuple[Frequency
 
     Args:
         sweep: The frequencies of the spectra.
-        longest_delay_s: Longest two-way delay that must be kept [s].
+        longest_delay_s: Longest two-way delay that must remain [s].
 
     Returns:
         The sweep, and a matrix (count of the sweep given, count of the sweep returned): the

@@ -1,7 +1,7 @@
 """Back-projection with the exact refracted delay of every pair of trace and voxel.
 
-Each voxel is the sum of what every trace holds at the delay of the path to it. Positions and
-heights may be any; the two antennas may stand apart. It needs numba.
+Each voxel is the sum of all traces, each at the delay of the path to the voxel. Positions and
+heights may be irregular, and the two antennas may be separated. It needs numba.
 """
 
 from __future__ import annotations
@@ -13,10 +13,11 @@ from scipy.constants import speed_of_light
 
 from gpr20_analysis import cluster
 from gpr20_analysis.cluster import slices
-from gpr20_analysis.errors import MissingLibraryError, WrongDatasetError
+from gpr20_analysis.errors import MissingLibraryError, WrongDatasetError, library_missing
 from gpr20_analysis.imaging.a_scans import gated_a_scans
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.imaging.refraction import DelayTable, tabulate_delays
+from gpr20_common.message import Message
 
 
 def back_projection_image(
@@ -28,14 +29,14 @@ def back_projection_image(
     """Return the complex image (depth, y, x).
 
     Args:
-        traces: The traces; those that are zero throughout are skipped.
+        traces: The traces; those of only zeros are skipped.
         focus: How to focus.
         x_m: Positions of the image along X [m]; default those of the traces.
         y_m: The same along Y.
 
     Raises:
         MissingLibraryError: numba is not installed.
-        WrongDatasetError: No trace holds anything.
+        WrongDatasetError: All traces are zero.
     """
     _kernel(focus.ground)
     x_m = traces.x_m if x_m is None else np.asarray(x_m, dtype=np.float64)
@@ -57,7 +58,7 @@ def back_projection_image(
     delays = (table.delay_s / sample_s).astype(np.float32)
     held = (_parts_and_rises(samples), place_m, side_m)
     reaches_m = _reaches_m(height_m, focus)
-    # What is needed throughout, and what each slab of rows needs of its own.
+    # Arguments for all slabs of rows, and arguments of each slab.
     shared: Tuple[Any, ...]
     if focus.ground is Ground.LEVEL:
         levels = _levels(table, height_m, sample_s)
@@ -97,25 +98,29 @@ def _kernel(ground: Ground):  # type: ignore[no-untyped-def]
         from gpr20_analysis.imaging.back_projection_kernel import project, project_uneven
     except ImportError as error:
         raise MissingLibraryError(
-            "back-projection needs numba: pip install 'gpr20_analysis[compiled]'; the phase shift "
-            "(--method phase-shift) does without"
+            Message(
+                "{reason}; --method phase-shift works without it",
+                reason=library_missing("numba", "compiled"),
+            )
         ) from error
     return project if ground is Ground.LEVEL else project_uneven
 
 
 def _scattered(traces: Traces) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return places (trace, 2), spectra (trace, frequency) and heights of what is not zero."""
+    """Return positions (trace, 2), spectra (trace, frequency) and heights of non-zero traces."""
     grid_y, grid_x = np.meshgrid(traces.y_m, traces.x_m, indexing="ij")
     spectra = traces.s21.reshape(-1, traces.sweep.count)
     held = np.any(spectra != 0.0, axis=1)
     if not np.any(held):
-        raise WrongDatasetError("every trace is zero or was left out; there is nothing to image")
+        raise WrongDatasetError(
+            Message("every trace is zero or was left out, so there is nothing to image")
+        )
     place_m = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
     return place_m[held], spectra[held], traces.height_m.ravel()[held]
 
 
 def _parts_and_rises(samples: np.ndarray) -> np.ndarray:
-    """Return real and imaginary parts, and their rises to the next sample, (trace, 4, delay)."""
+    """Return real and imaginary parts, and differences to the next sample, (trace, 4, delay)."""
     here, rise = samples[:, :-1], np.diff(samples, axis=1)
     return np.stack([here.real, here.imag, rise.real, rise.imag], axis=1)
 
@@ -123,7 +128,7 @@ def _parts_and_rises(samples: np.ndarray) -> np.ndarray:
 def _levels(
     table: DelayTable, height_m: np.ndarray, sample_s: float
 ) -> Tuple[np.ndarray, np.ndarray]:
-    """Return the table's height nearest to each height, and what is more, in samples."""
+    """Return the index of the nearest height in the table, and the remaining delay in samples."""
     level = np.rint((height_m - table.lowest_m) / table.height_step_m).astype(np.int64)
     more_m = height_m - table.lowest_m - table.height_step_m * level
     return level, (more_m / speed_of_light / sample_s).astype(np.float32)
@@ -137,7 +142,7 @@ def _heights_at(traces: Traces, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
 
 
 def _reaches_m(height_m: np.ndarray, focus: Focus) -> np.ndarray:
-    """Return how far across the widest ray gets [m], (trace, depth)."""
+    """Return the horizontal reach of the widest ray [m], (trace, depth)."""
     sine = np.sin(np.radians(focus.widest_angle_deg))
     in_air = sine / np.sqrt(max(1.0 - sine**2, 1e-6))
     in_soil = sine / np.sqrt(max(focus.permittivity - sine**2, 1e-6))

@@ -1,7 +1,7 @@
 """The compiled loops of the back-projection; importing this needs numba.
 
-Real and imaginary parts and their rises to the next sample lie in arrays of their own, which lets
-the compiler work on several voxels at once: half as long as with complex numbers.
+Real and imaginary parts and their differences to the next sample are in separate arrays, so that
+the compiler can process several voxels at once: twice as fast as with complex numbers.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _add_apart(voxels, samples, delays, out, back, more, first):  # type: ignore
 def _add_over_uneven(  # type: ignore[no-untyped-def]
     voxels, samples, delays, surface, out, back, more, lower_m, first
 ):
-    """The same where the surface lies lower below the antennas than at the voxels."""
+    """The same where the surface is lower below the antennas than at the voxels."""
     i, j = int(out), int(back)
     out_part, back_part = np.float32(out - i), np.float32(back - j)
     real, imaginary = voxels[0], voxels[1]
@@ -75,16 +75,16 @@ def project_uneven(  # type: ignore[no-untyped-def]
         place_m: Middle of the antennas (trace, 2: x, y) [m].
         side_m: From the middle to the transmitter (2) [m].
         height_m: Height of the antennas above the surface below them (trace) [m], float32.
-        column_m: The same if they stood over each column of the image (y, x) [m], float32.
+        column_m: The same above each column of the image (y, x) [m], float32.
         level: Index of the table's height nearest to each column's (y, x).
-        more: What its own height adds to the one-way delay, in samples (y, x), float32.
+        more: Remaining one-way delay of its own height, in samples (y, x), float32.
         table: One-way delays in samples (height, distance, depth), float32.
-        surface: What is added per metre that the surface is lower below the antennas than at
-            the voxel, in samples (distance, depth), float32.
+        surface: Delay added per metre that the surface below the antennas is lower than at the
+            voxel, in samples (distance, depth), float32.
         step_m: Step of the table's distances [m].
         x_m: Positions of the image along X [m].
         y_m: The same along Y.
-        reach_m: Largest distance that is taken (trace, depth) [m], ascending with depth.
+        reach_m: Largest distance that is used (trace, depth) [m], ascending with depth.
     """
     image = np.zeros((y_m.size, x_m.size, 2, table.shape[2]), dtype=np.float32)
     for row in numba.prange(y_m.size):
@@ -112,17 +112,17 @@ def project(  # type: ignore[no-untyped-def]
     """Return the image (y, x, 2: real and imaginary, depth), float32.
 
     Args:
-        samples: Analytic A-scans (trace, 4, delay), float32: real and imaginary part, and what
-            each rises by to the next sample.
+        samples: Analytic A-scans (trace, 4, delay), float32: real and imaginary part, and their
+            differences to the next sample.
         place_m: Middle of the antennas (trace, 2: x, y) [m].
-        side_m: From the middle to the transmitter (2) [m]; the receiver stands opposite.
+        side_m: From the middle to the transmitter (2) [m]; the receiver is opposite.
         level: Index of the table's height nearest to each trace's.
-        more: What its own height adds to the one-way delay, in samples, float32.
+        more: Remaining one-way delay of its own height, in samples, float32.
         table: One-way delays in samples (height, distance, depth), float32.
         step_m: Step of the table's distances [m].
         x_m: Positions of the image along X [m].
         y_m: The same along Y.
-        reach_m: Largest distance that is taken (trace, depth) [m], ascending with depth.
+        reach_m: Largest distance that is used (trace, depth) [m], ascending with depth.
     """
     image = np.zeros((y_m.size, x_m.size, 2, table.shape[2]), dtype=np.float32)
     together = side_m[0] == 0.0 and side_m[1] == 0.0

@@ -1,4 +1,4 @@
-"""Echoes in an image: where it is locally brightest."""
+"""Echoes in an image: its local maxima."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Echo:
         y_m: Place along Y [m].
         depth_m: Depth below the surface [m].
         level_db: Magnitude below the brightest voxel of all polarizations [dB].
-        above_noise_db: Magnitude above what the brightest voxel would have if all were noise of
-            the same median magnitude [dB]; an echo below zero may be none.
+        above_noise_db: Magnitude above the brightest voxel expected from noise of the same median
+            magnitude [dB]; an echo below zero may be noise.
         width_x_m: -3 dB width along X [m]; NaN if the image ends before.
         width_y_m: The same along Y.
         width_depth_m: The same in depth.
@@ -50,12 +50,12 @@ def find_echoes(
 ) -> List[Echo]:
     """Return the echoes of all polarizations, the brightest first.
 
-    A maximum in the first or last depth is none, since it may go on beyond it.
+    A maximum at the first or last depth is not an echo, since it may be higher beyond it.
 
     Args:
         image: Dataset with `image` (polarization, depth, y, x).
         faintest_db: Lowest level below the brightest voxel [dB].
-        nearest_m: Of echoes nearer to each other than this the brighter one is kept [m].
+        nearest_m: Of echoes closer to each other than this only the brighter one is returned [m].
     """
     magnitude = np.abs(image[IMAGE].transpose(POLARIZATION, DEPTH, Y, X).values)
     brightest = float(magnitude.max())
@@ -72,11 +72,11 @@ def find_echoes(
 
 
 def noise_peak(volume: np.ndarray) -> float:
-    """Return how bright the brightest voxel would be if all were noise of the same median.
+    """Return the expected magnitude of the brightest voxel of noise with the same median.
 
     The magnitude of complex Gaussian noise is distributed by Rayleigh's law: its median is
-    s sqrt(2 ln 2), and the largest of N is near s sqrt(2 ln N), which one in N exceeds. Voxels
-    that are not independent make it smaller.
+    s sqrt(2 ln 2), and the largest of N is near s sqrt(2 ln N), which one in N exceeds. It is
+    smaller if the voxels are not independent.
 
     Args:
         volume: Magnitudes.
@@ -87,13 +87,13 @@ def noise_peak(volume: np.ndarray) -> float:
 def maxima(
     volume: np.ndarray, axes: Sequence[np.ndarray], threshold: float, nearest_m: float
 ) -> List[Tuple[int, ...]]:
-    """Return the places of local maxima of a volume (depth, y, x), not in the outermost depths.
+    """Return the indices of local maxima of a volume (depth, y, x), except at the outer depths.
 
     Args:
         volume: Magnitudes.
         axes: Depths, positions along Y, positions along X [m].
-        threshold: Lower ones are left out.
-        nearest_m: Of maxima nearer to each other than half of this the higher one is kept [m].
+        threshold: Lower maxima are left out.
+        nearest_m: Of maxima closer than half of this only the highest is returned [m].
     """
     size = [
         2 * max(1, round(nearest_m / (2.0 * _step(axis)))) + 1 if len(axis) > 1 else 1
@@ -113,7 +113,7 @@ def peak_place(
 
 
 def lines_through(volume: np.ndarray, place: Tuple[int, ...]) -> List[np.ndarray]:
-    """Return the three lines of a volume through a place, one along each axis."""
+    """Return the three lines of a volume through a voxel, one along each axis."""
     return [
         volume[tuple(slice(None) if other == axis else place[other] for other in range(3))]
         for axis in range(3)
@@ -148,7 +148,7 @@ def _step(axis: np.ndarray) -> float:
 
 
 def _peak(line: np.ndarray, axis: np.ndarray, index: int) -> float:
-    """Return where a parabola through the logarithms of three voxels is highest."""
+    """Return the maximum of a parabola through the logarithms of three voxels."""
     if index in (0, len(line) - 1) or np.any(line[index - 1 : index + 2] <= 0.0):
         return float(axis[index])
     before, top, after = np.log(line[index - 1 : index + 2])
@@ -156,15 +156,15 @@ def _peak(line: np.ndarray, axis: np.ndarray, index: int) -> float:
     rise, fall = (top - before) / back_m, (after - top) / on_m
     if rise == fall:
         return float(axis[index])
-    # The slope goes from that of the middle of one interval to that of the other.
+    # The slope is linear between the middles of the two intervals.
     share = rise / (rise - fall)
     return float(axis[index] - back_m / 2.0 + share * (back_m + on_m) / 2.0)
 
 
 def _half_power_width(line: np.ndarray, axis: np.ndarray, index: int) -> float:
-    """Return the -3 dB width of a maximum; NaN if the line ends before it is passed."""
+    """Return the -3 dB width of a maximum; NaN if the line ends above that level."""
     top, last = float(line[index]), len(line) - 1
-    # With its own height for the prominence, a peak's height is counted from zero.
+    # With its height as prominence, the height of a peak is relative to zero.
     peak = (np.array([top]), np.array([0]), np.array([last]))
     share = 1.0 - 1.0 / math.sqrt(2.0)
     _, level, left, right = peak_widths(line, [index], share, prominence_data=peak)

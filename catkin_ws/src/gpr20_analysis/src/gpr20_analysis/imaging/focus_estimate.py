@@ -1,12 +1,12 @@
 """The permittivity of the soil, estimated from how sharply echoes focus.
 
-The wrong permittivity bends the hyperbola of an echo wrongly, so the traces no longer add up in
-phase. For each of the strongest echoes the sum of all traces along its hyperbola is followed over
-the permittivity; every trace counts alike, so for a small target in level soil the largest sum is
-at the true value (an image by phase shift weights the angles differently with each permittivity,
-and its sharpness is biased upwards). Large bodies are no points: they bias the estimate, a sphere
-downwards. Where antennas are high and targets shallow the refraction hardly bends anything, and
-the estimate says how little it knows.
+With a wrong permittivity the hyperbola of an echo has a wrong shape, and the traces do not add up
+in phase. For each of the strongest echoes the sum of all traces along its hyperbola is computed
+for a range of permittivities. Every trace has the same weight, so for a small target in level soil
+the largest sum is at the true value (an image by phase shift weights the angles differently with
+each permittivity, and its sharpness is biased upwards). Large bodies are not points and bias the
+estimate, a sphere downwards. Where antennas are high and targets shallow, refraction has little
+effect, and the range of the estimate is wide.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from gpr20_analysis.imaging.echoes import maxima, peak_place
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.imaging.refraction import one_way_delay_s
+from gpr20_common.message import Message
 
-# Soils that such surveys meet, from dry sand to wet clay.
+# Typical soils, from dry sand to wet clay.
 LOWEST, HIGHEST = 2.0, 16.0
 TRIALS = 29
-# The permittivity could be any at which the sums are nearly as large.
+# Permittivities whose sums are nearly as large are possible too.
 NEARLY_AS_LARGE = 0.99
-# Rounds after the first, and the relative change at which it has settled.
+# Iterations after the first, and the relative change at which they end.
 MOST_ROUNDS = 6
 SETTLED = 0.01
 STRONGEST_ECHOES = 4
@@ -45,9 +46,9 @@ class PermittivityEstimate:
 
     Attributes:
         permittivity: Where the echoes focus best.
-        lowest: They focus nearly as well (99 %) down to here.
-        highest: The same upwards.
-        echoes: How many echoes were followed.
+        lowest: Lowest value at which they focus nearly as well (99 %).
+        highest: Highest such value.
+        echoes: Number of echoes that were used.
     """
 
     permittivity: float
@@ -57,7 +58,7 @@ class PermittivityEstimate:
 
     @property
     def depth_uncertainty(self) -> float:
-        """By what share depths may be off: they go with 1 / sqrt(permittivity)."""
+        """Relative uncertainty of depths, which scale with 1 / sqrt(permittivity)."""
         return max(
             np.sqrt(self.permittivity / self.lowest) - 1.0,
             1.0 - np.sqrt(self.permittivity / self.highest),
@@ -67,16 +68,16 @@ class PermittivityEstimate:
 def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> PermittivityEstimate:
     """Search the permittivity at which the echoes focus best.
 
-    Where echoes are is looked for with the permittivity of the focus first, then with each
-    estimate until it stays.
+    Echoes are searched with the permittivity of the focus first, then with each estimate until
+    it no longer changes.
 
     Args:
         traces: One item per polarization, without coupling and surface echo.
         focus: How to focus; its permittivity is only the first guess.
 
     Raises:
-        WrongDatasetError: There is no echo, or they focus ever better towards the end of the
-            range, so nothing in the data says what the permittivity is.
+        WrongDatasetError: There is no echo, or the echoes focus best at the end of the range, so
+            the data do not determine the permittivity.
     """
     optical_m = focus.depth_m * np.sqrt(focus.permittivity)
     found = _estimate_once(traces, focus)
@@ -101,13 +102,16 @@ def _estimate_once(traces: Sequence[Traces], focus: Focus) -> PermittivityEstima
             sums += _coherent_sums(one, focus, echoes, permittivities)
     if count == 0:
         raise WrongDatasetError(
-            "no echo stands out, so the permittivity cannot be estimated; give it by option"
+            Message("no echo was found, so the permittivity cannot be estimated; set it by option")
         )
     best = int(np.argmax(sums))
     if best in (0, TRIALS - 1):
         raise WrongDatasetError(
-            f"the echoes focus best at the end of the range, permittivity "
-            f"{permittivities[best]:.3g}; the data do not say what it is: give it by option"
+            Message(
+                "the echoes focus best at the end of the range, permittivity {permittivity:.3g}, "
+                "so the permittivity cannot be estimated; set it by option",
+                permittivity=permittivities[best],
+            )
         )
     logarithms = np.log(permittivities)
     top, height = _parabola(logarithms[best - 1 : best + 2], sums[best - 1 : best + 2])
@@ -140,30 +144,30 @@ def _coherent_sums(
     echoes: Sequence[Tuple[float, float, float]],
     permittivities: np.ndarray,
 ) -> np.ndarray:
-    """Return the sums of all traces along the echoes' hyperbolas, added up over the echoes."""
+    """Return the sums of all traces along the hyperbolas, added up over the echoes."""
     deepest_m = float(focus.depth_m[-1]) * np.sqrt(focus.permittivity) + SHIFTS_M[-1]
     grid_y, grid_x = np.meshgrid(traces.y_m, traces.x_m, indexing="ij")
     spread_m = float(np.hypot(np.ptp(grid_x), np.ptp(grid_y)))
-    # In the lightest soil the same optical depth lies deepest, so its rays are the longest.
+    # At the lowest permittivity the same optical depth is deepest, so its rays are longest.
     longest_s = 2.0 * one_way_delay_s(
         float(traces.height_m.max()), deepest_m / np.sqrt(LOWEST), spread_m, LOWEST
     )
     spectra = traces.s21.reshape(-1, traces.sweep.count)
     a_scans, sample_s = gated_a_scans(spectra, traces.sweep, focus.window, float(longest_s))
-    followed = []
+    trials = []
     for x_m, y_m, optical_m in echoes:
         distance_m = np.hypot(grid_x - x_m, grid_y - y_m).ravel()
         optical = np.maximum(optical_m + SHIFTS_M, 0.001)
-        followed += [(distance_m, optical, float(trial)) for trial in permittivities]
+        trials += [(distance_m, optical, float(trial)) for trial in permittivities]
     shared = (a_scans, sample_s, traces.height_m.ravel())
-    largest = cluster.distribute(_largest_sum, shared, followed)
+    largest = cluster.distribute(_largest_sum, shared, trials)
     return np.sum(np.reshape(largest, (len(echoes), -1)), axis=0)
 
 
 def _largest_sum(
     shared: Tuple[np.ndarray, float, np.ndarray], echo: Tuple[np.ndarray, np.ndarray, float]
 ) -> float:
-    """Return the largest sum along an echo's hyperbola, of some optical depths [m]."""
+    """Return the largest sum along an echo's hyperbola, over some optical depths [m]."""
     a_scans, sample_s, height_m = shared
     distance_m, optical_m, permittivity = echo
     depth_m = optical_m[None, :] / np.sqrt(permittivity)
@@ -172,7 +176,7 @@ def _largest_sum(
 
 
 def _at_delay(a_scans: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Return the sum over traces at places (trace, depth), given in samples."""
+    """Return the sum over traces at delays (trace, depth), given in samples."""
     index = np.minimum(place.astype(np.int64), a_scans.shape[1] - 2)
     share = (place - index).astype(np.float32)
     rows = np.arange(len(a_scans))[:, None]

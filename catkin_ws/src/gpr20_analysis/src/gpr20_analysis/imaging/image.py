@@ -1,4 +1,4 @@
-"""The image of a survey: every polarization, by one method, with what was done to get it."""
+"""The image of a survey: every polarization by one method, and a record of how it was made."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from gpr20_analysis.dataset import (
     ATTRIBUTES,
     DEPTH,
     IMAGE,
+    MM_PER_M,
+    NAMED,
     POLARIZATION,
     S21,
     S21_DIMS,
@@ -37,11 +39,13 @@ from gpr20_analysis.processing.delay import ADVANCE, known_height
 from gpr20_analysis.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import first_of, sentence_of, with_notes
+from gpr20_common.message import Message
 
 # Height differences of level ground, by the noise of the height sensor.
 NOTED_RELIEF_M = 0.01
-# Spectra as measured, without what is missing, and in single precision while they are gated.
+# Spectra as measured, without missing samples, and in single precision while they are gated.
 COPIES = 2.5
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
@@ -58,14 +62,14 @@ class Method(enum.Enum):
 
 @dataclass(frozen=True)
 class ImageOptions:
-    """What a user decides about an image.
+    """The options of an image.
 
     Attributes:
-        method: How.
+        method: How the image is computed.
         permittivity: Relative permittivity of the soil; None: estimate it by focus.
         depth_m: Depths [m], ascending.
         height_m: One antenna height for all traces instead of the recorded ones [m].
-        leave_out_missing: Image without the samples that are missing, instead of refusing.
+        leave_out_missing: Make the image without the missing samples, instead of refusing.
         window: Weights over the band.
         widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; back-projection alone uses it.
@@ -83,45 +87,51 @@ class ImageOptions:
     ground: Ground = Ground.LEVEL
 
     def __post_init__(self) -> None:
-        """Refuse what no image can be made with.
+        """Check the options.
 
         Raises:
-            WrongDatasetError: It names the value and what is allowed.
+            WrongDatasetError: A value is not allowed.
         """
         depth_m = np.asarray(self.depth_m, dtype=np.float64)
         if depth_m.size < 2 or not np.all(np.diff(depth_m) > 0.0) or not depth_m[0] >= 0.0:
             raise WrongDatasetError(
-                f"the depths are {depth_m.size} values from {depth_m[:1]} m; they must be two or "
-                "more, ascending, not negative"
+                Message(
+                    "the depths are {depths} m; they must be two or more, ascending, not negative",
+                    depths=", ".join(f"{one:g}" for one in depth_m[:5]) or "-",
+                )
             )
-        _check("permittivity", self.permittivity, 1.0, 100.0)
-        _check("antenna height", self.height_m, 0.001, 10.0)
-        _check("widest angle", self.widest_angle_deg, 5.0, 89.0)
-        _check("antenna separation", self.separation_m, 0.0, 2.0)
+        _check(Message("the permittivity"), self.permittivity, 1.0, 100.0)
+        _check(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
+        _check(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
+        _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
         if self.ground is Ground.UNEVEN and self.method is not Method.BACK_PROJECTION:
             raise WrongDatasetError(
-                f"the method {self.method.value} takes the ground as level; uneven ground is "
-                "imaged by the back-projection"
+                Message(
+                    "the method {method} assumes level ground; uneven ground needs --method "
+                    "{other}",
+                    method=self.method.value,
+                    other=Method.BACK_PROJECTION.value,
+                )
             )
 
 
 def image_survey(
-    survey: xr.Dataset, options: ImageOptions, progress: Progress = silent
+    survey: xr.Dataset, options: ImageOptions, progress: Progress = no_progress
 ) -> xr.Dataset:
     """Return the image of a survey.
 
     Args:
-        survey: Dataset with `s21`, coupling and surface echo taken away.
-        options: What the user decides.
+        survey: Dataset with `s21`, without coupling and surface echo.
+        options: How the image is made.
         progress: Shows which polarization is imaged.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
-        methods), and attributes that say how it was made and what was left out.
+        methods), and attributes that describe how it was made and what was left out.
 
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
-        DamagedSurveyError: Samples or heights are missing, and that was not allowed for.
+        DamagedSurveyError: Samples or heights are missing, and that was not allowed.
     """
     traces, notes = traces_of(survey, options)
     focus = Focus(
@@ -148,32 +158,38 @@ def image_survey(
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
-    kept = {key: value for key, value in survey.attrs.items() if key != "notes"}
-    kept["notes"] = [*survey.attrs.get("notes", []), *notes]
-    return image.assign_attrs({**kept, **attributes, **_record(options, focus)})
+    described = with_notes(survey, notes)
+    return image.assign_attrs({**described, **attributes, **_record(options, focus)})
 
 
-def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], List[str]]:
-    """Return the traces of each polarization, and what must be known of them.
+def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], List[Message]]:
+    """Return the traces of each polarization, and notes on them.
 
     Raises:
-        WrongDatasetError: The data are no spectra, or were changed for display.
-        DamagedSurveyError: Samples or heights are missing, and that was not allowed for.
+        WrongDatasetError: The data are not spectra, or were changed for display.
+        DamagedSurveyError: Samples or heights are missing, and that was not allowed.
     """
-    if DISPLAY_ONLY in survey.attrs:
+    changed = sentence_of(survey, DISPLAY_ONLY)
+    if changed is not None:
         raise WrongDatasetError(
-            f"the data were changed for display ({survey.attrs[DISPLAY_ONLY]}); image without it"
+            Message(
+                "the data were changed for display ({reason}), so no image can be made of them",
+                reason=changed,
+            )
         )
-    spectra_there = require(survey, S21, S21_DIMS)
-    lazy.require_room(spectra_there, COPIES, "an image")
-    measured = spectra_there.values
+    recorded = require(survey, S21, S21_DIMS)
+    lazy.require_room(recorded, COPIES, Message("an image"))
+    measured = recorded.values
     present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
     if not options.leave_out_missing:
-        require_complete(survey, "an image (or --leave-out-missing, or the step fill)")
+        require_complete(survey, Message("an image without --leave-out-missing"))
         if not np.all(present):
             raise WrongDatasetError(
-                f"{np.count_nonzero(~present)} samples marked usable hold NaN; a step before made "
-                "them, so look at the recipe"
+                Message(
+                    "{count} samples that are marked as good contain NaN from an earlier step; "
+                    "check the recipe",
+                    count=np.count_nonzero(~present),
+                )
             )
     height_m = _heights(survey, options, present)
     sweep = FrequencyGrid.of(survey)
@@ -190,8 +206,11 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     for one in traces:
         if not np.any(one.s21):
             raise WrongDatasetError(
-                f"every trace at {one.rotation_deg:g} deg is zero, so no echo can be seen; look at "
-                "the steps: the background of a single trace is the trace itself"
+                Message(
+                    "every trace at {rotation_deg:g} deg is zero, so no echo can be seen; check "
+                    "the steps: the background of a single trace is the trace itself",
+                    rotation_deg=one.rotation_deg,
+                )
             )
     return traces, [*_notes(survey, present), *_uneven_notes(height_m, options)]
 
@@ -201,8 +220,8 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
         return np.full(present.shape, options.height_m)
     height_m = known_height(survey).values
     if not np.any(present):
-        raise WrongDatasetError("no sample is usable; there is nothing to image")
-    # A sample that is left out adds nothing, so its height may be any.
+        raise WrongDatasetError(Message("no sample is usable, so there is nothing to image"))
+    # A sample that is left out adds nothing, so its height does not matter.
     return np.where(present, height_m, float(np.mean(height_m[present])))
 
 
@@ -212,15 +231,25 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
     longest_s, unambiguous_s = 2.0 * path_m / speed_of_light, traces[0].sweep.unambiguous_s
     if longest_s >= unambiguous_s:
         raise WrongDatasetError(
-            f"the echo of the deepest layer comes after {longest_s:.3g} s, but steps of "
-            f"{traces[0].sweep.step_hz:g} Hz tell delays up to {unambiguous_s:.3g} s only; image "
-            "less deep, or measure with more points"
+            Message(
+                "echoes of the deepest layer have a delay of {longest_s:.3g} s, but a frequency "
+                "step of {step_hz:g} Hz allows only {unambiguous_s:.3g} s; choose a smaller depth, "
+                "or measure with more points",
+                longest_s=longest_s,
+                step_hz=traces[0].sweep.step_hz,
+                unambiguous_s=unambiguous_s,
+            )
         )
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
     if longest_s * band_hz < 1.0:
         raise WrongDatasetError(
-            f"a band of {band_hz:g} Hz tells no delays apart below {1.0 / band_hz:.3g} s, and the "
-            f"whole image spans {longest_s:.3g} s, so no echo could be seen; take a wider band"
+            Message(
+                "a band of {band_hz:g} Hz resolves delays of {resolution_s:.3g} s, but the whole "
+                "image covers {longest_s:.3g} s, so no echo can be seen; use a wider band",
+                band_hz=band_hz,
+                resolution_s=1.0 / band_hz,
+                longest_s=longest_s,
+            )
         )
 
 
@@ -233,25 +262,39 @@ def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
     return kirchhoff_image(traces, focus, along)
 
 
-def _notes(survey: xr.Dataset, present: np.ndarray) -> List[str]:
+def _notes(survey: xr.Dataset, present: np.ndarray) -> List[Message]:
     notes = []
     absent = int(np.count_nonzero(~present))
     if absent:
-        named = "; ".join(missing_samples(survey)[:3])
-        notes.append(f"{absent} of {present.size} samples were left out of the image ({named})")
+        notes.append(
+            Message(
+                "{count} of {total} samples were left out of the image ({samples})",
+                count=absent,
+                total=present.size,
+                samples=first_of(missing_samples(survey), NAMED),
+            )
+        )
     if FILLED in survey and bool(survey[FILLED].any()):
-        notes.append(f"{int(survey[FILLED].sum())} samples of the image were not measured")
+        notes.append(
+            Message(
+                "{count} samples of the image were not measured but interpolated",
+                count=int(survey[FILLED].sum()),
+            )
+        )
     return notes
 
 
-def _uneven_notes(height_m: np.ndarray, options: ImageOptions) -> List[str]:
+def _uneven_notes(height_m: np.ndarray, options: ImageOptions) -> List[Message]:
     range_m = float(np.ptp(height_m))
     if options.ground is Ground.UNEVEN or range_m <= NOTED_RELIEF_M:
         return []
     return [
-        f"the recorded heights differ by {1e3 * range_m:.0f} mm, and the image takes the ground as "
-        "level; if it is not, echoes lie beside their place: use --method back-projection "
-        "--ground uneven"
+        Message(
+            "the recorded heights differ by {range_mm:.0f} mm, but the image assumes level ground; "
+            "if the ground is uneven, echoes are misplaced: use --method back-projection --ground "
+            "uneven",
+            range_mm=MM_PER_M * range_m,
+        )
     ]
 
 
@@ -279,7 +322,17 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
             "imaging": json.dumps(record)}  # fmt: skip
 
 
-def _check(what: str, value: Optional[float], lowest: float, highest: float) -> None:
+def _check(
+    name: Message, value: Optional[float], lowest: float, highest: float, unit: str = ""
+) -> None:
     # Written so that NaN is refused too.
     if value is not None and not lowest <= value <= highest:
-        raise WrongDatasetError(f"the {what} is {value:g}; it must be {lowest:g}..{highest:g}")
+        raise WrongDatasetError(
+            Message(
+                "{name} is {value}; it must lie between {lower} and {upper}",
+                name=name,
+                value=f"{value:g} {unit}".rstrip(),
+                lower=f"{lowest:g}",
+                upper=f"{highest:g} {unit}".rstrip(),
+            )
+        )

@@ -1,13 +1,13 @@
 """Kirchhoff migration as the GPR-20 group publishes it: a compatibility mode.
 
-It repeats what the group's program does, for comparison with images made by it, with all its
-properties: the three-dimensional image is the product of two families of two-dimensional ones
-(lines along X, lines along Y), so its amplitudes are products and an echo must be bright in both;
-the mean height is taken for all traces and the antennas as one; the angles are the best of 256;
-the nearest sample is taken; the depth step is the sample time times the speed in the soil; what
-is meant as a half derivative acts as a gain over time. The group's own program was measured to
-place echoes about 5 mm too shallow, for a reason that is not known; this one does not. For
-everything else take the phase shift or the back-projection.
+It repeats the group's program, for comparison with images made by it, with all its properties: the
+three-dimensional image is the product of two families of two-dimensional ones (lines along X, lines
+along Y), so its amplitudes are products and an echo must be bright in both; the mean height is used
+for all traces, and the antennas are taken as one; the angles are the best of 256; the nearest
+sample is used; the depth step is the sample time times the speed in the soil; an intended half
+derivative acts as a gain over time. The group's own program was measured to place echoes about 5 mm
+too shallow, for an unknown reason; this one does not. For everything else use the phase shift or
+the back-projection.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from scipy.integrate import trapezoid
 from gpr20_analysis import cluster
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_common.message import Message
 
 # The rounded value of the group's program.
 SPEED_M_S = 3e8
@@ -39,7 +40,7 @@ def kirchhoff_image(
         along: "x": lines along X alone (2D); "y": along Y alone; "xy": the product (2.5D).
 
     Raises:
-        WrongDatasetError: The depth range holds no step of this method.
+        WrongDatasetError: The depth range is smaller than the step of this method.
     """
     a_scans, sample_s = _real_a_scans(traces, focus)
     speed_m_s = SPEED_M_S / np.sqrt(focus.permittivity)
@@ -47,15 +48,20 @@ def kirchhoff_image(
     depth_m = np.arange(focus.depth_m[0], focus.depth_m[-1] + step_m / 2.0, step_m)
     if len(depth_m) < 2:
         raise WrongDatasetError(
-            f"the depths {focus.depth_m[0]:g}..{focus.depth_m[-1]:g} m are less than the step of "
-            f"this method, {step_m:.3g} m; ask for a larger range"
+            Message(
+                "the depths {first_m:g} to {last_m:g} m are less than the depth step of this "
+                "method, {step_m:.3g} m; choose a larger range",
+                first_m=focus.depth_m[0],
+                last_m=focus.depth_m[-1],
+                step_m=step_m,
+            )
         )
     height_m = float(np.mean(traces.height_m))
     image = np.ones((len(depth_m), *traces.height_m.shape))
 
     def lines(a_scans: np.ndarray, place_m: np.ndarray) -> np.ndarray:
         shared = (place_m, height_m, depth_m, sample_s, focus.permittivity)
-        # Cut alike whoever works: how many lines are added up at once may change the last digit.
+        # Always split alike: the number of lines added up at once may change the last digit.
         return np.concatenate(cluster.distribute(_lines, shared, _bundles(a_scans)), axis=1)
 
     if "x" in along:
@@ -86,7 +92,7 @@ def _bundles(a_scans: np.ndarray) -> List[np.ndarray]:
 
 
 def _lines(shared: Tuple[Any, ...], a_scans: np.ndarray) -> np.ndarray:
-    """Migrate each line (line, place, delay) by itself; return (depth, line, place)."""
+    """Migrate each line (line, position, delay) separately; return (depth, line, position)."""
     place_m, height_m, depth_m, sample_s, permittivity = shared
     places = np.arange(len(place_m))
     offset_m = np.abs(place_m[:, None] - place_m[None, :])
@@ -106,7 +112,7 @@ def _lines(shared: Tuple[Any, ...], a_scans: np.ndarray) -> np.ndarray:
 def _angles(
     offset_m: np.ndarray, height_m: float, depth_m: float, permittivity: float
 ) -> Tuple[np.ndarray, np.ndarray]:
-    """Return the angles to the vertical in air and in soil, the best of a fixed choice [rad]."""
+    """Return the angles to the vertical in air and soil, the best of a fixed set [rad]."""
     in_soil = np.linspace(0.0, np.pi / 2.0, ANGLES)
     in_air = np.arcsin(np.minimum(np.sqrt(permittivity) * np.sin(in_soil), 1.0))
     reached_m = depth_m * np.tan(in_soil) + height_m * np.tan(in_air)

@@ -20,11 +20,13 @@ import scipy.fft
 from scipy.constants import speed_of_light
 
 from gpr20_analysis import cluster
+from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_common.message import Message
 
 # Positions are read from axes that count steps of 0.01 mm.
 GRID_TOLERANCE = 0.02
@@ -41,14 +43,14 @@ def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
         focus: How to focus.
 
     Raises:
-        WrongDatasetError: The positions are no regular grid.
+        WrongDatasetError: The positions do not form a regular grid.
     """
     step_m = (grid_step_m(traces.y_m, "y"), grid_step_m(traces.x_m, "x"))
     height_m = float(np.mean(traces.height_m))
     reach_m = _reach_m(height_m, focus, math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m)))
     deepest_s = one_way_delay_s(height_m, focus.depth_m[-1], reach_m, focus.permittivity)
     spectra, sweep = _gated_spectra(traces, focus, height_m, 2.0 * float(deepest_s))
-    # Room for waves that leave the grid on one side, so that they do not come in on the other.
+    # Padding for waves that leave the grid on one side, so that they do not enter on the other.
     padded = tuple(
         scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
         for count, step in zip(spectra.shape[1:], step_m)
@@ -58,7 +60,7 @@ def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
     waves = PlaneWaves(
         spectra.reshape(sweep.count, -1), air_rad_m, _wavenumbers(padded, step_m), height_m
     )
-    # Cut by taking turns: most of the work is in the lower wavenumbers, which lie together.
+    # Interleaved parts: most of the work is in the lower wavenumbers, which are adjacent.
     parts = cluster.parts()
     cut = [slice(first, None, parts) for first in range(parts)]
     image = np.empty((len(focus.depth_m), waves.count), dtype=np.complex64)
@@ -89,16 +91,16 @@ class PlaneWaves:
 
     @property
     def count(self) -> int:
-        """How many wavenumbers there are."""
+        """Number of wavenumbers."""
         return len(self._across_rad_m)
 
     def some(self, part: slice) -> PlaneWaves:
-        """Return those of some wavenumbers."""
+        """Return the part for some wavenumbers."""
         spectra = np.ascontiguousarray(self._spectra[:, part])
         return PlaneWaves(spectra, self._air_rad_m, self._across_rad_m[part], self._height_m)
 
     def parts(self, focus: Focus) -> Iterator[np.ndarray]:
-        """Yield the indices of wavenumbers to be worked on together."""
+        """Yield groups of indices of wavenumbers to process together."""
         counts = np.count_nonzero(self._taken(focus, slice(None)), axis=0)
         taken = np.flatnonzero(counts)
         if taken.size == 0:
@@ -109,8 +111,8 @@ class PlaneWaves:
     def focus_into(self, image: np.ndarray, part: np.ndarray, focus: Focus) -> None:
         """Set some wavenumbers of the image (depth, wavenumber).
 
-        The frequencies of each wavenumber lie side by side, so a sum over a run of the samples is
-        the sum over its frequencies.
+        The frequencies of each wavenumber are adjacent, so a sum over a run of the samples is the
+        sum over its frequencies.
         """
         taken = self._taken(focus, part).T
         runs = np.concatenate(([0], np.cumsum(np.count_nonzero(taken, axis=1))[:-1]))
@@ -135,7 +137,7 @@ class PlaneWaves:
 
 
 def _focused(focus: Focus, waves: PlaneWaves) -> np.ndarray:
-    """Return the image (depth, wavenumber); no wavenumber depends on another one."""
+    """Return the image (depth, wavenumber); the wavenumbers are independent."""
     image = np.zeros((len(focus.depth_m), waves.count), dtype=np.complex64)
     with ThreadPoolExecutor(THREADS) as pool:
         for _ in pool.map(lambda part: waves.focus_into(image, part, focus), waves.parts(focus)):
@@ -160,21 +162,30 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
     """
     if len(position_m) < 2:
         raise WrongDatasetError(
-            f"the survey has {len(position_m)} position along {axis}; the phase shift needs two or "
-            "more: use back-projection"
+            Message(
+                "the survey has {count} position along {axis}, but the phase shift needs two or "
+                "more; use --method back-projection",
+                count=len(position_m),
+                axis=axis,
+            )
         )
     step_m = (position_m[-1] - position_m[0]) / (len(position_m) - 1)
     off_m = np.max(np.abs(position_m - position_m[0] - step_m * np.arange(len(position_m))))
     if not step_m > 0.0 or off_m > GRID_TOLERANCE * step_m:
         raise WrongDatasetError(
-            f"the positions along {axis} are not evenly spaced and ascending: off by up to "
-            f"{off_m * 1000.0:g} mm at a step of {step_m * 1000.0:g} mm; use back-projection"
+            Message(
+                "the positions along {axis} are not evenly spaced and ascending: they differ by up "
+                "to {off_mm:g} mm at a step of {step_mm:g} mm; use --method back-projection",
+                axis=axis,
+                off_mm=off_m * MM_PER_M,
+                step_mm=step_m * MM_PER_M,
+            )
         )
     return float(step_m)
 
 
 def _reach_m(height_m: float, focus: Focus, diagonal_m: float) -> float:
-    """Return how far across the widest ray gets from the antennas to the deepest voxel [m]."""
+    """Return the horizontal reach of the widest ray from antennas to the deepest voxel [m]."""
     sine = math.sin(math.radians(focus.widest_angle_deg))
     in_air = sine / math.sqrt(max(1.0 - sine**2, 1e-6))
     in_soil = sine / math.sqrt(max(focus.permittivity - sine**2, 1e-6))

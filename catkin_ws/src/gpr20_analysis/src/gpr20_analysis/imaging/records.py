@@ -1,4 +1,4 @@
-"""What the imaging methods take and give."""
+"""The inputs of the imaging methods."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Ground(enum.Enum):
 
 @dataclass(frozen=True)
 class Traces:
-    """The traces of one polarization, without missing numbers; a trace left out is zero.
+    """The traces of one polarization, without NaN; a trace that is left out is zero.
 
     Attributes:
         s21: Complex spectra (y, x, frequency).
@@ -50,9 +50,9 @@ class Focus:
         window: Weights over the band.
         widest_angle_deg: Waves that arrive in air at a wider angle to the vertical are left out.
         separation_m: Distance between the two antennas, along their rotation [m]; the phase
-            shift and the Kirchhoff method take them as one.
-        ground: Why the recorded heights differ; the back-projection alone knows uneven ground,
-            in which a depth is that below the surface there.
+            shift and the Kirchhoff method ignore it.
+        ground: Why the recorded heights differ; only the back-projection supports uneven ground,
+            where depths are relative to the local surface.
     """
 
     permittivity: float

@@ -19,9 +19,9 @@ Floats = Union[float, np.ndarray]
 def one_way_delay_s(
     height_m: Floats, depth_m: Floats, distance_m: Floats, permittivity: float
 ) -> np.ndarray:
-    """Return the delay of the refracted path, once through it [s].
+    """Return the one-way delay of the refracted path [s].
 
-    By Fermat's principle an error of the angle enters the delay squared only.
+    By Fermat's principle an error of the angle affects the delay only to the second order.
 
     Args:
         height_m: Height of the antenna above the surface [m], more than 0.
@@ -41,12 +41,12 @@ def one_way_delay_s(
 def surface_delay_s_per_m(
     height_m: Floats, depth_m: Floats, distance_m: Floats, permittivity: float
 ) -> np.ndarray:
-    """Return what is added per metre that the surface is lower below the antenna [s/m].
+    """Return the delay added per metre that the surface is lower below the antenna [s/m].
 
-    Lower than at the point, that is; between the two it is taken as a plane. By Fermat's
-    principle the path moves along with it without a change of the delay to the first order, so
-    what counts is how much lower the surface lies where the path crosses it: so much more of the
-    way is in air, less in soil.
+    Lower than at the point, that is; between the two it is assumed to be a plane. By Fermat's
+    principle the change of the path does not change the delay to the first order. What counts is
+    how much lower the surface is where the path crosses it: that much more of the path is in air
+    instead of soil.
 
     Args:
         height_m: Height of the antenna above the surface at the point [m], more than 0.
@@ -57,7 +57,7 @@ def surface_delay_s_per_m(
     height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
     tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
     root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
-    # Of the horizontal distance, what lies beyond the crossing.
+    # Share of the horizontal distance beyond the crossing.
     beyond = (depth_m / root) / (height_m + depth_m / root)
     secant = np.sqrt(1.0 + tangent**2)
     # The wave number along the vertical is cos(angle) in air, sqrt(permittivity - sin^2) in soil.
@@ -80,11 +80,11 @@ def _tangent_in_air(
     return tangent
 
 
-# Linear interpolation over the distance is off by less than step^2 / 8 times the second
+# The error of linear interpolation over the distance is less than step^2 / 8 times the second
 # derivative of the delay: 0.5 mrad at 6 GHz and 0.1 m of height.
 DISTANCE_STEP_M = 0.002
-# A trace takes the nearest height and is corrected along the vertical, which is off by half a step
-# times (1 - cos) of the angle at most: 0.13 mm at 60 deg.
+# A trace uses the nearest height with a vertical correction; its error is at most half a step times
+# (1 - cos) of the angle: 0.13 mm at 60 deg.
 HEIGHT_STEP_M = 0.0005
 MOST_HEIGHTS = 200
 
@@ -96,10 +96,10 @@ class DelayTable:
     Attributes:
         delay_s: Delays (height, distance, depth) [s].
         lowest_m: First height [m].
-        height_step_m: Distance of two heights [m].
-        distance_step_m: Distance of two distances, which start at 0 [m].
-        surface_s_per_m: What is added per metre that the surface is lower below the antenna than
-            at the point (distance, depth), at the mean height [s/m].
+        height_step_m: Step of the heights [m].
+        distance_step_m: Step of the distances, which start at 0 [m].
+        surface_s_per_m: Delay added per metre that the surface is lower below the antenna than at
+            the point (distance, depth), at the mean height [s/m].
     """
 
     delay_s: np.ndarray
@@ -112,7 +112,7 @@ class DelayTable:
 def tabulate_delays(
     height_m: np.ndarray, depth_m: np.ndarray, furthest_m: float, permittivity: float
 ) -> DelayTable:
-    """Tabulate the delays between all of some heights, and points in the soil.
+    """Tabulate the delays between antennas at some heights and points in the soil.
 
     Args:
         height_m: Heights of the antennas [m], any shape.
@@ -123,7 +123,7 @@ def tabulate_delays(
     lowest_m, range_m = float(np.min(height_m)), float(np.ptp(height_m))
     step_m = max(HEIGHT_STEP_M, range_m / MOST_HEIGHTS)
     heights = 1 + math.ceil(range_m / step_m)
-    # Two beyond the furthest, so that its right neighbour is there.
+    # Two beyond the furthest, so that its right neighbour exists.
     distances = 3 + math.ceil(furthest_m / DISTANCE_STEP_M)
     distance_m = (DISTANCE_STEP_M * np.arange(distances))[:, None]
     delay_s = one_way_delay_s(

@@ -1,4 +1,4 @@
-"""Maps of a survey: what was covered, and how high the antennas were."""
+"""Maps of a survey: coverage and antenna height."""
 
 from __future__ import annotations
 
@@ -27,47 +27,54 @@ from gpr20_analysis.plotting.style import (
     plan_axes,
     rotation_name,
 )
+from gpr20_analysis.sentences import ENGLISH
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 # From a palette for the colour-blind.
 STATES = (
-    ("good", "#009e73"),
-    ("remark of the robot, or no height", "#f0e442"),
-    ("damaged", "#d55e00"),
-    ("missing", "#000000"),
+    (Message("good"), "#009e73"),
+    (Message("remark of the robot, or no height"), "#f0e442"),
+    (Message("damaged"), "#d55e00"),
+    (Message("missing"), "#000000"),
 )
 
 
-def coverage_figure(survey: xr.Dataset) -> Figure:
-    """Draw for each place and polarization whether it was measured, and how well."""
+def coverage_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
+    """Draw a map of the quality of each sample, one for each polarization."""
     quality = require(survey, QUALITY, SAMPLE_DIMS).values
     state = np.where(quality & int(Quality.REMARKED | Quality.NO_HEIGHT), 1, 0)
     state[(quality & int(Quality.DAMAGED)) != 0] = 2
     state[(quality & int(Quality.MISSING)) != 0] = 3
-    held = np.count_nonzero((quality & int(UNUSABLE)) == 0)
+    usable = np.count_nonzero((quality & int(UNUSABLE)) == 0)
     turns = survey[POLARIZATION].values
-    figure = new_figure(survey, len(turns), f"Coverage: {held} of {quality.size} samples usable")
+    title = catalogue.tr(
+        "Coverage: {usable} of {total} samples usable", usable=usable, total=quality.size
+    )
+    figure = new_figure(survey, len(turns), title, catalogue)
     colours = ListedColormap([colour for _, colour in STATES])
     norm = BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES))
     for axes, turn, values in zip(figure.subplots(1, len(turns), squeeze=False)[0], turns, state):
         draw(axes, values, in_mm(survey[X]), in_mm(survey[Y]), cmap=colours, norm=norm)
         plan_axes(axes)
-        axes.set_title(rotation_name(float(turn), survey), fontsize=9)
-    patches = [Patch(facecolor=colour, label=name) for name, colour in STATES]
+        axes.set_title(rotation_name(float(turn), survey, catalogue), fontsize=9)
+    patches = [Patch(facecolor=colour, label=catalogue.text(name)) for name, colour in STATES]
     figure.legend(handles=patches, loc="outside right upper", fontsize=7)
     return figure
 
 
-def height_figure(survey: xr.Dataset) -> Figure:
-    """Draw the recorded height of the antennas."""
+def height_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
+    """Draw a map of the recorded antenna height, one for each polarization."""
     height_mm = in_mm(require(survey, HEIGHT, SAMPLE_DIMS).values)
     turns = survey[POLARIZATION].values
-    figure = new_figure(survey, len(turns), "Antenna height above the ground")
+    title = catalogue.tr("Antenna height above the ground")
+    figure = new_figure(survey, len(turns), title, catalogue)
     for axes, turn, values in zip(
         figure.subplots(1, len(turns), squeeze=False)[0], turns, height_mm
     ):
         limits = {"vmin": np.nanmin(height_mm), "vmax": np.nanmax(height_mm)}
         drawn = draw(axes, values, in_mm(survey[X]), in_mm(survey[Y]), cmap=MAGNITUDE_MAP, **limits)
-        figure.colorbar(drawn, ax=axes, label="height [mm]")
+        figure.colorbar(drawn, ax=axes, label=catalogue.tr("height [mm]"))
         plan_axes(axes)
-        axes.set_title(rotation_name(float(turn), survey), fontsize=9)
+        axes.set_title(rotation_name(float(turn), survey, catalogue), fontsize=9)
     return figure

@@ -1,4 +1,4 @@
-"""What does not change from place to place: coupling of the antennas, echo of the surface."""
+"""Removal of what is the same at all positions: antenna coupling, echo of the surface."""
 
 from __future__ import annotations
 
@@ -22,34 +22,35 @@ from gpr20_analysis.dataset import (
     require_complete,
 )
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_common.message import Message
 
 # Of the sweep's step.
 FREQUENCY_TOLERANCE = 1e-3
 ROTATION_TOLERANCE_DEG = 0.5
-# Of a lazy survey, what a median is taken of at once.
+# Size of the part of a lazy survey of which a median is computed at once.
 BAND_BYTES = 128 << 20
 
 
 class Background(enum.Enum):
-    """How the background is estimated; always on complex data."""
+    """How the background is estimated, from complex data."""
 
     MEAN = "mean"
     """Mean over all positions."""
     MEDIAN = "median"
     """Median of real and imaginary part: targets that fill less than half do not bias it."""
     MOVING = "moving"
-    """Mean over a window of positions about each: follows a surface that rises."""
+    """Mean over a window around each position: follows a sloping surface."""
     SVD = "svd"
-    """The strongest components of all traces: follows shape and strength."""
+    """The strongest components of all traces: adapts to shape and strength."""
 
 
 def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
-    """Subtract what the antennas receive with nothing before them.
+    """Subtract what the antennas receive without any target or ground.
 
     Args:
         survey: The survey.
-        reference: A survey with the same sweep and rotations, made with the antennas towards the
-            sky or an absorber; its mean over all positions is subtracted.
+        reference: A survey with the same sweep and rotations, measured towards the sky or an
+            absorber; its mean over all positions is subtracted.
 
     Raises:
         WrongDatasetError: The reference is the survey itself, has another sweep, or lacks a
@@ -60,8 +61,10 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
         and reference.attrs.get("survey_id") == survey.attrs["survey_id"]
     ):
         raise WrongDatasetError(
-            "the reference is the survey itself: what the ground sends back would be taken for "
-            "coupling; name a survey made towards the sky, or take the step background"
+            Message(
+                "the reference is the survey itself, so echoes of the ground would be subtracted "
+                "too; use a survey measured towards the sky, or the step background"
+            )
         )
     measured = require(survey, S21, S21_DIMS)
     empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
@@ -69,19 +72,28 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
     step_hz = abs(ours[-1] - ours[0]) / max(len(ours) - 1, 1)
     if ours.shape != theirs.shape or np.max(np.abs(ours - theirs)) > FREQUENCY_TOLERANCE * step_hz:
         raise WrongDatasetError(
-            f"the reference was measured at {_range(theirs)}, the survey at {_range(ours)}; "
-            "measure the reference with the sweep of the survey"
+            Message(
+                "the reference was measured at {reference}, the survey at {survey}; measure the "
+                "reference with the sweep of the survey",
+                reference=_range(theirs),
+                survey=_range(ours),
+            )
         )
     for turn in survey[POLARIZATION].values:
         off_deg = np.abs(reference[POLARIZATION].values - turn)
         if not np.min(off_deg) <= ROTATION_TOLERANCE_DEG:
             raise WrongDatasetError(
-                f"the reference has no rotation {turn:g} deg, only "
-                f"{', '.join(f'{one:g}' for one in reference[POLARIZATION].values)}"
+                Message(
+                    "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg",
+                    rotation_deg=turn,
+                    rotations=", ".join(f"{one:g}" for one in reference[POLARIZATION].values),
+                )
             )
     matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
     if not bool(np.all(np.isfinite(matched.values))):
-        raise WrongDatasetError("the reference has no usable sample at one of the rotations")
+        raise WrongDatasetError(
+            Message("the reference has no usable sample at one of the rotations")
+        )
     return survey.assign({S21: measured - matched.values[:, None, None, :]})
 
 
@@ -91,18 +103,18 @@ def remove_background(
     """Subtract the background of each polarization.
 
     Args:
-        survey: The survey; missing samples stay missing and do not count.
+        survey: The survey; missing samples stay missing and are ignored.
         method: How the background is estimated.
-        width: Positions along X and along Y that a moving window spans, odd.
-        rank: How many components SVD takes away.
+        width: Width of the moving window along X and along Y, in positions, odd.
+        rank: Number of components that SVD removes.
 
     Raises:
         WrongDatasetError: Width or rank do not suit the survey.
-        DamagedSurveyError: SVD was asked for and a sample is missing.
+        DamagedSurveyError: A sample is missing and the method is SVD.
     """
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     if method is Background.SVD:
-        require_complete(survey, "the background by SVD")
+        require_complete(survey, Message("the background by SVD"))
         return survey.assign({S21: _without_strongest(measured, rank)})
     if method is Background.MOVING:
         return survey.assign({S21: _without_moving(measured, width)})
@@ -111,14 +123,14 @@ def remove_background(
 
 
 def _present(measured: xr.DataArray) -> xr.DataArray:
-    """Return which traces hold numbers throughout, bool (polarization, y, x)."""
+    """Return which traces have finite values only, bool (polarization, y, x)."""
     present: xr.DataArray = xr.apply_ufunc(np.isfinite, measured, dask="allowed").all(FREQUENCY)
     return present
 
 
 def _mean(measured: xr.DataArray) -> xr.DataArray:
     present = _present(measured)
-    # Row by row, so that the last digit does not depend on how the rows lie in chunks.
+    # Row by row, so that the last digit does not depend on the chunks.
     of_rows = measured.where(present, 0.0).sum(X, skipna=False)
     of_rows, counts = dask.compute(of_rows, present.sum([Y, X]))
     return of_rows.sum(Y, skipna=False) / np.maximum(counts, 1)
@@ -127,7 +139,7 @@ def _mean(measured: xr.DataArray) -> xr.DataArray:
 def _median(measured: xr.DataArray) -> xr.DataArray:
     present = _present(measured).values
     median = np.zeros((measured.shape[0], measured.shape[-1]), dtype=measured.dtype)
-    # A median needs all traces of a frequency, so lazy ones are gone through band by band.
+    # A median needs all traces of a frequency, so lazy data are read band by band.
     bands = 1 if measured.chunks is None else -(-measured[0].nbytes // BAND_BYTES)
     for turn in np.flatnonzero(present.any((1, 2))):
         for band in slices(measured.shape[-1], bands):
@@ -141,14 +153,17 @@ def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
     smaller = min(measured.sizes[axis] for axis in (Y, X))
     if width < 3 or width % 2 == 0 or width > 2 * smaller + 1:
         raise WrongDatasetError(
-            f"the moving window spans {width} positions; it must be odd, 3 or more, and at most "
-            f"{2 * smaller + 1} here"
+            Message(
+                "the width of the moving window is {width}; it must be odd, from 3 to {most}",
+                width=width,
+                most=2 * smaller + 1,
+            )
         )
     return lazy.with_neighbours(lambda rows: rows - _moving_mean(rows, width), measured, width // 2)
 
 
 def _moving_mean(rows: np.ndarray, width: int) -> np.ndarray:
-    """Return the mean over a window about each position; positions without a trace do not count."""
+    """Return the mean over a window around each position; missing traces are ignored."""
     present = np.isfinite(rows).all(axis=-1, keepdims=True)
     share = uniform_filter(present.astype(np.float64), (1, width, width, 1), mode="constant")
     share = np.maximum(share, 0.5 / width**2)
@@ -162,8 +177,14 @@ def _without_strongest(measured: xr.DataArray, rank: int) -> xr.DataArray:
     traces, frequencies = measured.sizes[Y] * measured.sizes[X], measured.sizes[FREQUENCY]
     if not 1 <= rank < min(traces, frequencies):
         raise WrongDatasetError(
-            f"the rank is {rank}; it must be 1..{min(traces, frequencies) - 1} for {traces} "
-            f"traces of {frequencies} frequencies"
+            Message(
+                "the rank is {rank}; it must be 1 to {most} for {traces} traces of {frequencies} "
+                "frequencies",
+                rank=rank,
+                most=min(traces, frequencies) - 1,
+                traces=traces,
+                frequencies=frequencies,
+            )
         )
     return xr.concat(
         [_projected(measured.isel({POLARIZATION: [turn]}), rank) for turn in range(len(measured))],
@@ -188,5 +209,10 @@ def _projected(measured: xr.DataArray, rank: int) -> xr.DataArray:
     )
 
 
-def _range(frequency_hz: np.ndarray) -> str:
-    return f"{frequency_hz[0]:g}..{frequency_hz[-1]:g} Hz, {len(frequency_hz)} points"
+def _range(frequency_hz: np.ndarray) -> Message:
+    return Message(
+        "{start_hz:g} to {stop_hz:g} Hz, {count} points",
+        start_hz=frequency_hz[0],
+        stop_hz=frequency_hz[-1],
+        count=len(frequency_hz),
+    )

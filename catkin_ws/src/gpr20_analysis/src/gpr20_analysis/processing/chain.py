@@ -25,6 +25,7 @@ from gpr20_analysis.processing.samples import fill_missing
 from gpr20_analysis.processing.sweep import apply_window, select_band
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+from gpr20_common.message import Message
 
 Reader = Callable[[str], xr.Dataset]
 
@@ -40,10 +41,10 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "time": to_time,
     "gain": apply_gain,
 }
-"""Every step by its name; what it takes beside the survey are its parameters."""
+"""The steps by name; the arguments after the survey are the parameters of a step."""
 
 PROCESSING = "processing"
-"""Attribute: the steps that made a Dataset, as JSON; a recipe."""
+"""Attribute: the steps by which a Dataset was made, as JSON; a recipe."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class Step:
 
     Attributes:
         name: A key of `FUNCTIONS`.
-        parameters: Values by name, plain: numbers and texts. A Dataset is given as its path.
+        parameters: Values by name, numbers and texts. A Dataset is given as its path.
     """
 
     name: str
@@ -63,7 +64,7 @@ def step_from_text(text: str) -> Step:
     """Return the step of a text such as `background:method=svd,rank=2`.
 
     Raises:
-        RecipeError: It is not written so, or names what is not there.
+        RecipeError: It is malformed, or a step or parameter is unknown.
     """
     name, _, rest = text.partition(":")
     parameters: Dict[str, Any] = {}
@@ -71,7 +72,11 @@ def step_from_text(text: str) -> Step:
         key, equals, value = item.partition("=")
         if not equals or key.strip() in parameters:
             raise RecipeError(
-                f"'{item}' in step '{text}' is not written as parameter=value, once each"
+                Message(
+                    "'{item}' in step '{step}' must be written as parameter=value, each only once",
+                    item=item,
+                    step=text,
+                )
             )
         parameters[key.strip()] = value.strip()
     return checked(name.strip(), parameters)
@@ -81,38 +86,58 @@ def steps_from_recipe(recipe: object) -> List[Step]:
     """Return the steps of a recipe: a list of mappings with `step` and its parameters.
 
     Raises:
-        RecipeError: It is no such list, or names what is not there.
+        RecipeError: It is not such a list, or a step or parameter is unknown.
     """
     if not isinstance(recipe, list) or not recipe:
-        raise RecipeError("a recipe is a list of one step or more, such as '- step: background'")
+        raise RecipeError(
+            Message("a recipe is a list of one or more steps, such as '- step: background'")
+        )
     steps = []
     for place, item in enumerate(recipe, start=1):
         if not isinstance(item, dict) or not isinstance(item.get("step"), str):
-            raise RecipeError(f"item {place} of the recipe has no 'step', but is {item!r}")
+            raise RecipeError(
+                Message(
+                    "item {number} of the recipe is {item}; it must have the key 'step'",
+                    number=place,
+                    item=repr(item),
+                )
+            )
         parameters = {str(key): value for key, value in item.items() if key != "step"}
         steps.append(checked(item["step"], parameters))
     return steps
 
 
 def checked(name: str, parameters: Mapping[str, Any]) -> Step:
-    """Return a step whose name and parameters are there and have the right kind.
+    """Return a step after a check of its name and parameters.
 
     Raises:
-        RecipeError: It says which are not, and what there is.
+        RecipeError: The step or a parameter is unknown, or a value has the wrong type.
     """
     if name not in FUNCTIONS:
-        raise RecipeError(f"there is no step '{name}'; steps are {', '.join(FUNCTIONS)}")
+        raise RecipeError(
+            Message(
+                "unknown step '{step}'; steps are {steps}", step=name, steps=", ".join(FUNCTIONS)
+            )
+        )
     known = parameters_of(name)
     for key in parameters:
         if key not in known:
-            allowed = ", ".join(known) or "none"
-            raise RecipeError(f"step '{name}' has no parameter '{key}'; it has {allowed}")
+            raise RecipeError(
+                Message(
+                    "step '{step}' has no parameter '{parameter}'; its parameters are: {known}",
+                    step=name,
+                    parameter=key,
+                    known=", ".join(known) or "-",
+                )
+            )
     values = {}
     for key, (kind, default) in known.items():
         if key in parameters:
             values[key] = _plain(name, key, kind, parameters[key])
         elif default is inspect.Parameter.empty:
-            raise RecipeError(f"step '{name}' needs its parameter '{key}'")
+            raise RecipeError(
+                Message("step '{step}' needs the parameter '{parameter}'", step=name, parameter=key)
+            )
         else:
             values[key] = default.value if isinstance(default, enum.Enum) else default
     return Step(name, values)
@@ -127,7 +152,7 @@ def parameters_of(name: str) -> Dict[str, Tuple[type, Any]]:
 
 
 def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.Dataset:
-    """Apply steps one after another; the result carries them all as attribute `processing`.
+    """Apply steps one after another; attribute `processing` of the result lists all of them.
 
     Args:
         survey: The survey.
@@ -149,20 +174,20 @@ def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
     """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
 
     Raises:
-        RecipeError: One is not written so, or names what is not there.
-        AnalysisError: A step cannot be done with the survey.
+        RecipeError: One is malformed, or a step or parameter is unknown.
+        AnalysisError: A step cannot be applied to the survey.
     """
     return apply_steps(survey, [step_from_text(step) for step in steps], load_survey)
 
 
 def recipe_of(data: xr.Dataset) -> List[Dict[str, Any]]:
-    """Return the recipe by which a Dataset was made; empty if it is as measured."""
+    """Return the recipe by which a Dataset was made; empty for data as measured."""
     recorded: List[Dict[str, Any]] = json.loads(data.attrs.get(PROCESSING, "[]"))
     return recorded
 
 
 def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
-    """Return a value as number or text, after a check that it makes an argument of its type."""
+    """Return a value as number or text, after a check that it suits the type of the argument."""
     try:
         if kind is xr.Dataset:
             return str(Path(str(value)).resolve())
@@ -173,9 +198,16 @@ def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
             raise ValueError("not finite, or not whole")
         return kind(number)
     except (TypeError, ValueError) as error:
-        choices = [one.value for one in kind] if issubclass(kind, enum.Enum) else kind.__name__
+        is_choice = issubclass(kind, enum.Enum)
+        allowed = ", ".join(one.value for one in kind) if is_choice else kind.__name__
         raise RecipeError(
-            f"parameter '{key}' of step '{step}' is {value!r}; allowed is {choices}"
+            Message(
+                "parameter '{parameter}' of step '{step}' is {value}; allowed: {allowed}",
+                parameter=key,
+                step=step,
+                value=repr(value),
+                allowed=allowed,
+            )
         ) from error
 
 
@@ -186,7 +218,7 @@ def _argument(kind: Callable[[Any], Any], value: Any, read: Reader) -> Any:
 
 
 def read_recipe(path: Path) -> object:
-    """Return what a YAML file holds.
+    """Return the content of a YAML file.
 
     Raises:
         RecipeError: It is not YAML.
@@ -195,7 +227,9 @@ def read_recipe(path: Path) -> object:
     try:
         return read_yaml(path)
     except YamlFileError as error:
-        raise RecipeError(f"{path} is no recipe: {error}") from error
+        raise RecipeError(
+            Message("{path} is not a recipe: {reason}", path=path, reason=error.message)
+        ) from error
 
 
 def recipe_text(recipe: object) -> str:

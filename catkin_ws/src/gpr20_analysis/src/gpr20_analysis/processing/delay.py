@@ -1,4 +1,4 @@
-"""From frequency to time, and where time begins."""
+"""The transform from frequency to time, and the origin of time."""
 
 from __future__ import annotations
 
@@ -14,30 +14,31 @@ from gpr20_analysis.dataset import (
     DELAY,
     FREQUENCY,
     HEIGHT,
-    MM_PER_M,
     S21,
     S21_DIMS,
     SAMPLE_DIMS,
+    positions_of,
     require,
     usable,
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_common.message import Message
 
 ADVANCE = "advance"
-"""Variable: by how much time zero lies after the antennas' own, (polarization, y, x) [s]."""
+"""Variable: delay of time zero after that of the antennas, (polarization, y, x) [s]."""
 
 
 def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4.0) -> xr.Dataset:
     """Return A-scans: complex, analytic; their magnitude is the envelope.
 
-    The values stand at their true frequencies, the start of the sweep included, so the phase of
-    an echo is that of the measurement. An echo of magnitude 1 at a sampled delay has magnitude 1.
+    The true frequencies are used, including the start of the sweep, so the phase of an echo is
+    that of the measurement. An echo of magnitude 1 at a sampled delay has magnitude 1.
 
     Args:
         survey: Dataset with `s21`.
         window: Weights over the band.
-        padding: How many times more samples than frequencies.
+        padding: Number of samples as a multiple of the number of frequencies.
 
     Returns:
         Dataset with `a_scan` (polarization, y, x, delay) instead of `s21`.
@@ -46,7 +47,9 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
         WrongDatasetError: The frequencies are not evenly spaced, or the padding is below 1.
     """
     if not padding >= 1.0:
-        raise WrongDatasetError(f"the padding is {padding:g}; it must be 1 or more")
+        raise WrongDatasetError(
+            Message("the padding is {padding:g}; it must be 1 or more", padding=padding)
+        )
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     sweep = FrequencyGrid.of(survey)
     weights = window.weights(sweep.count)
@@ -76,16 +79,18 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
 def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
     """Put delay 0 at the surface below each trace, by its recorded height.
 
-    Done on the spectra, so no delay is rounded; variable `advance` keeps what was taken away, from
-    which imaging works out where the antennas were.
+    This changes the spectra, so no delay is rounded. Variable `advance` holds the delay that was
+    removed, from which imaging computes the position of the antennas.
 
     Raises:
-        WrongDatasetError: It was done before.
+        WrongDatasetError: Time zero was set before.
         DamagedSurveyError: A usable sample has no height.
     """
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     if ADVANCE in survey:
-        raise WrongDatasetError("time zero was set before; a second time would shift it again")
+        raise WrongDatasetError(
+            Message("time zero was set before; setting it again would shift it twice")
+        )
     advance = 2.0 * known_height(survey) / speed_of_light
     frequency_hz = survey[FREQUENCY].values
     shifted = xr.apply_ufunc(
@@ -97,25 +102,26 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         dask="parallelized",
         output_dtypes=[measured.dtype],
     )
-    noted = advance.assign_attrs(units="s", long_name="delay of the surface taken away")
-    return survey.assign({S21: shifted, ADVANCE: noted})
+    removed = advance.assign_attrs(units="s", long_name="delay of the surface, removed")
+    return survey.assign({S21: shifted, ADVANCE: removed})
 
 
 def known_height(survey: xr.Dataset) -> xr.DataArray:
-    """Return the heights (polarization, y, x); every usable sample has one.
+    """Return the heights (polarization, y, x) after a check that all usable samples have one.
 
     Raises:
-        WrongDatasetError: The data hold no heights.
+        WrongDatasetError: The data have no heights.
         DamagedSurveyError: A usable sample has none.
     """
     height_m = require(survey, HEIGHT, SAMPLE_DIMS)
     lacking = (usable(survey) & ~(height_m > 0.0)).transpose(*SAMPLE_DIMS)
     if bool(lacking.any()):
-        _turn, row, column = np.argwhere(lacking.values)[0]
         raise DamagedSurveyError(
-            f"{int(lacking.sum())} usable samples have no height, the first at "
-            f"x {float(survey['x'][column]) * MM_PER_M:g} mm, "
-            f"y {float(survey['y'][row]) * MM_PER_M:g} mm; give one height for all (--height), or "
-            "fill them in"
+            Message(
+                "{count} usable samples have no height, the first at {position}; give one height "
+                "for all samples (--height), or apply the step fill",
+                count=int(lacking.sum()),
+                position=positions_of(survey, lacking.values)[0],
+            )
         )
     return height_m

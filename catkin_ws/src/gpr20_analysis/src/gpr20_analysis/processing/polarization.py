@@ -11,34 +11,38 @@ from scipy.ndimage import uniform_filter1d
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import A_SCAN, DELAY, HEIGHT, POLARIZATION, QUALITY, S21, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.sentences import with_sentence
+from gpr20_common.message import Message
 
 ROTATION_TOLERANCE_DEG = 0.5
+COMBINED = "polarizations"
+"""Attribute: how a polarization was combined of two."""
 DISPLAY_ONLY = "display_only"
-"""Attribute: the amplitudes were changed for the eye; nothing may be computed from them."""
+"""Attribute: why the amplitudes are for display only and must not be imaged."""
 
 
 class Combination(enum.Enum):
     """How two polarizations become one."""
 
     SUM = "sum"
-    """Does not depend on how a target lies."""
+    """Independent of the orientation of a target."""
     DIFFERENCE = "difference"
-    """Shows what reflects one polarization more: elongated targets."""
+    """Shows targets that reflect one polarization more, such as elongated ones."""
 
 
 class Gain(enum.Enum):
-    """How late echoes are raised."""
+    """How late echoes are amplified."""
 
     LINEAR = "linear"
-    """In proportion to the delay: against spreading."""
+    """Proportional to the delay: compensates for spreading."""
     EXPONENTIAL = "exponential"
-    """By so many decibels per nanosecond: against loss."""
+    """A number of decibels per nanosecond: compensates for loss."""
     AGC = "agc"
-    """Each sample over the root mean square of those about it."""
+    """Each value divided by the root mean square of those around it."""
 
 
 def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
-    """Keep one polarization.
+    """Select one polarization.
 
     Raises:
         WrongDatasetError: It was not measured.
@@ -47,8 +51,11 @@ def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
     near = np.flatnonzero(np.abs(turns - rotation_deg) <= ROTATION_TOLERANCE_DEG)
     if near.size == 0:
         raise WrongDatasetError(
-            f"rotation {rotation_deg:g} deg was not measured; the data hold "
-            f"{', '.join(f'{turn:g}' for turn in turns)} deg"
+            Message(
+                "rotation {rotation_deg:g} deg was not measured; the data have {rotations} deg",
+                rotation_deg=rotation_deg,
+                rotations=", ".join(f"{turn:g}" for turn in turns),
+            )
         )
     return survey.isel({POLARIZATION: near[:1]})
 
@@ -56,22 +63,24 @@ def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
 def combine_polarizations(survey: xr.Dataset, method: Combination = Combination.SUM) -> xr.Dataset:
     """Combine the two polarizations of a survey into one; its rotation is NaN.
 
-    A sample that one of them lacks is missing. The height is the mean of both.
+    A sample that is missing in one of them is missing. The height is the mean of both.
 
     Raises:
-        WrongDatasetError: The data do not hold two polarizations.
+        WrongDatasetError: The data do not have two polarizations.
     """
     turns = survey[POLARIZATION].values
     if len(turns) != 2:
         raise WrongDatasetError(
-            f"the data hold {len(turns)} polarizations; a combination needs two"
+            Message(
+                "the data have {count} polarizations; a combination needs two", count=len(turns)
+            )
         )
     first, second = (survey.isel({POLARIZATION: index}, drop=True) for index in (0, 1))
-    name = S21 if S21 in survey else A_SCAN
+    variable_name = S21 if S21 in survey else A_SCAN
     sign = 1.0 if method is Combination.SUM else -1.0
     combined = xr.Dataset(
         {
-            name: (first[name] + sign * second[name]) / 2.0,
+            variable_name: (first[variable_name] + sign * second[variable_name]) / 2.0,
             HEIGHT: (first[HEIGHT] + second[HEIGHT]) / 2.0,
             QUALITY: first[QUALITY] | second[QUALITY],
         },
@@ -85,26 +94,32 @@ def combine_polarizations(survey: xr.Dataset, method: Combination = Combination.
     combined = combined.expand_dims({POLARIZATION: [np.nan]})
     for kept in combined.variables:
         combined[kept].attrs.update(survey[kept].attrs)
-    combined.attrs["polarizations"] = f"{method.value} of {turns[0]:g} and {turns[1]:g} deg"
-    return combined
+    values = {"first_deg": turns[0], "second_deg": turns[1]}
+    if method is Combination.SUM:
+        name = Message("sum of {first_deg:g} and {second_deg:g} deg", **values)
+    else:
+        name = Message("difference of {first_deg:g} and {second_deg:g} deg", **values)
+    return combined.assign_attrs(with_sentence(combined.attrs, COMBINED, name))
 
 
 def apply_gain(
     in_time: xr.Dataset, method: Gain = Gain.LINEAR, db_per_ns: float = 1.0, window_s: float = 2e-9
 ) -> xr.Dataset:
-    """Raise late echoes for display; imaging refuses the result.
+    """Amplify late echoes for display; imaging refuses the result.
 
     Args:
         in_time: Dataset with `a_scan`.
-        method: How.
-        db_per_ns: Of the exponential gain [dB/ns].
-        window_s: Of the automatic gain [s].
+        method: How the echoes are amplified.
+        db_per_ns: Slope of the exponential gain [dB/ns].
+        window_s: Width of the window of the automatic gain [s].
 
     Raises:
         WrongDatasetError: The data are not A-scans.
     """
     if A_SCAN not in in_time:
-        raise WrongDatasetError("gain works on A-scans; put the step 'time' before it")
+        raise WrongDatasetError(
+            Message("the step gain needs A-scans; apply the step 'time' before it")
+        )
     delay_s = in_time[DELAY]
     values = in_time[A_SCAN]
     if method is Gain.AGC:
@@ -125,12 +140,12 @@ def apply_gain(
     else:
         raised = values * (delay_s / float(delay_s.max()))
     result = in_time.assign({A_SCAN: raised.transpose(*values.dims)})
-    result.attrs[DISPLAY_ONLY] = f"gain {method.value}"
-    return result
+    reason = Message("gain {method}", method=method.value)
+    return result.assign_attrs(with_sentence(result.attrs, DISPLAY_ONLY, reason))
 
 
 def _mean_power(values: np.ndarray, width: int) -> np.ndarray:
-    """Return the mean power of so many samples about each, fewer at the ends."""
+    """Return the mean power over a window around each sample, narrower at the ends."""
     power, every = np.abs(values) ** 2, np.ones(values.shape[-1])
     mean, share = (uniform_filter1d(one, width, mode="constant") for one in (power, every))
     return mean / share

@@ -1,4 +1,4 @@
-"""Samples that are missing: filling them in, and saying so."""
+"""Interpolation of missing samples."""
 
 from __future__ import annotations
 
@@ -18,28 +18,32 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.sentences import with_notes
+from gpr20_common.message import Message
 
 FILLED = "filled"
-"""Variable: which samples were made from their neighbours, bool (polarization, y, x)."""
+"""Variable: which samples were interpolated from neighbours, bool (polarization, y, x)."""
 MOST_FILLED = 0.05
 
 
 def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     """Fill missing samples and heights with the mean of their neighbours in the grid.
 
-    What was filled is marked in `filled` and counted in attribute `notes`, so that no picture
-    passes for measured throughout.
+    Filled samples are marked in `filled` and counted in attribute `notes`, so that every figure
+    says that not all of its data were measured.
 
     Args:
         survey: The survey.
-        most: Refuse if a larger share than this is missing.
+        most: Largest share of samples that may be missing.
 
     Raises:
-        DamagedSurveyError: More is missing, or a sample has no neighbour that was measured.
+        DamagedSurveyError: More are missing, or no neighbour of a sample was measured.
         WrongDatasetError: `most` is not within 0..1.
     """
     if not 0.0 <= most <= 1.0:
-        raise WrongDatasetError(f"the share that may be filled is {most:g}; it must be 0..1")
+        raise WrongDatasetError(
+            Message("the share that may be filled is {share:g}; it must be 0 to 1", share=most)
+        )
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     height_m = require(survey, HEIGHT, SAMPLE_DIMS).values.copy()
     whole = (abs(measured) < np.inf).all(FREQUENCY).values
@@ -47,8 +51,13 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     absent = ~present
     if np.mean(absent) > most:
         raise DamagedSurveyError(
-            f"{np.count_nonzero(absent)} of {absent.size} samples are missing, more than the share "
-            f"{most:g} that may be filled; measure them, or image with them left out"
+            Message(
+                "{count} of {total} samples are missing, more than the share of {share:g} that may "
+                "be filled; measure them, or make the image without them",
+                count=np.count_nonzero(absent),
+                total=absent.size,
+                share=most,
+            )
         )
     _check_neighbours(present)
     known = present & np.isfinite(height_m)
@@ -62,14 +71,18 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
             S21: held.assign_attrs(survey[S21].attrs),
             HEIGHT: (SAMPLE_DIMS, height_m, survey[HEIGHT].attrs),
             FILLED: (SAMPLE_DIMS, absent),
-            # What is filled holds numbers; `filled` says that they were not measured.
+            # Filled samples are usable; `filled` says that they were not measured.
             QUALITY: quality.where(~absent, 0).astype(quality.dtype).assign_attrs(quality.attrs),
         }
     )
     count, heights = int(np.count_nonzero(absent)), int(np.count_nonzero(~known))
     if count or heights:
-        note = f"{count} samples and {heights} heights were filled in from their neighbours"
-        filled.attrs["notes"] = [*survey.attrs.get("notes", []), note]
+        note = Message(
+            "{count} samples and {heights} heights were interpolated from their neighbours",
+            count=count,
+            heights=heights,
+        )
+        filled = filled.assign_attrs(with_notes(survey, [note]))
     return filled
 
 
@@ -79,8 +92,13 @@ def _check_neighbours(present: np.ndarray) -> None:
     if len(alone):
         turn, row, column = alone[0]
         raise DamagedSurveyError(
-            f"the sample in row {row}, column {column} of polarization {turn} and all of its "
-            "neighbours are missing; there is nothing to fill it from"
+            Message(
+                "the sample in row {row}, column {column} of polarization {polarization} and all "
+                "of its neighbours are missing, so it cannot be interpolated",
+                row=row,
+                column=column,
+                polarization=turn,
+            )
         )
 
 
@@ -90,7 +108,7 @@ def _filled(values: np.ndarray) -> np.ndarray:
     filled = values.copy()
     for turn, row, column in np.argwhere(~present):
         around = (turn, slice(max(row - 1, 0), row + 2), slice(max(column - 1, 0), column + 2))
-        # Rows that are only seen for their neighbours' sake may have none themselves.
+        # Rows that are read only as neighbours may have no neighbours themselves.
         if np.any(present[around]):
             filled[turn, row, column] = values[around][present[around]].mean(axis=0)
     return filled

@@ -11,13 +11,14 @@ from scipy.signal import get_window
 
 from gpr20_analysis.dataset import FREQUENCY, S21
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_common.message import Message
 
-# Of one step; the recorded frequencies are doubles, an instrument rounds to 1 Hz.
+# Relative to the step; recorded frequencies are doubles, an instrument rounds to 1 Hz.
 STEP_TOLERANCE = 1e-3
 
 
 class Window(enum.Enum):
-    """Weights over the band: the lower the sidelobes, the wider the main lobe."""
+    """Weights over the band: lower sidelobes mean a wider main lobe."""
 
     NONE = "none"
     HANN = "hann"
@@ -25,9 +26,9 @@ class Window(enum.Enum):
     BLACKMAN = "blackman"
 
     def weights(self, count: int) -> np.ndarray:
-        """Return so many weights, symmetric, largest about 1."""
+        """Return symmetric weights with a maximum of about 1."""
         name = "boxcar" if self is Window.NONE else self.value
-        # A symmetric Hann window is 0 at both ends, which would throw two frequencies away.
+        # A symmetric Hann window is 0 at both ends, which would discard two frequencies.
         return get_window(name, count + 2, fftbins=False)[1:-1]
 
 
@@ -37,8 +38,8 @@ class FrequencyGrid:
 
     Attributes:
         start_hz: First frequency [Hz].
-        step_hz: Distance of two [Hz].
-        count: How many.
+        step_hz: Distance between two [Hz].
+        count: Number of frequencies.
     """
 
     start_hz: float
@@ -52,7 +53,7 @@ class FrequencyGrid:
 
     @property
     def unambiguous_s(self) -> float:
-        """Longest delay that can be told from a shorter one [s]: 1 / step."""
+        """Longest unambiguous delay [s]: 1 / step."""
         return 1.0 / self.step_hz
 
     @classmethod
@@ -60,22 +61,32 @@ class FrequencyGrid:
         """Return the sweep of a survey.
 
         Raises:
-            WrongDatasetError: Its frequencies are fewer than two or not evenly spaced.
+            WrongDatasetError: It has fewer than two frequencies, or uneven spacing.
         """
         if FREQUENCY not in survey.coords:
-            raise WrongDatasetError("the data have no coordinate 'frequency'; a sweep is needed")
+            raise WrongDatasetError(
+                Message("the data have no coordinate 'frequency', but spectra are needed")
+            )
         frequency_hz = np.asarray(survey[FREQUENCY].values, dtype=np.float64)
         if frequency_hz.size < 2 or not np.all(np.isfinite(frequency_hz)):
             raise WrongDatasetError(
-                f"the sweep has {frequency_hz.size} frequencies; two or more finite ones are needed"
+                Message(
+                    "the sweep has {count} frequencies; two or more finite ones are needed",
+                    count=frequency_hz.size,
+                )
             )
         step_hz = (frequency_hz[-1] - frequency_hz[0]) / (frequency_hz.size - 1)
         ideal_hz = frequency_hz[0] + step_hz * np.arange(frequency_hz.size)
         off_hz = float(np.max(np.abs(frequency_hz - ideal_hz)))
         if not step_hz > 0.0 or off_hz > STEP_TOLERANCE * step_hz:
             raise WrongDatasetError(
-                f"the frequencies are not evenly spaced and ascending: off by up to {off_hz:g} Hz "
-                f"at a step of {step_hz:g} Hz; measure or resample with a linear sweep"
+                Message(
+                    "the frequencies are not evenly spaced and ascending: they differ by up to "
+                    "{off_hz:g} Hz at a step of {step_hz:g} Hz; measure with a linear sweep, or "
+                    "resample",
+                    off_hz=off_hz,
+                    step_hz=step_hz,
+                )
             )
         return cls(float(frequency_hz[0]), float(step_hz), int(frequency_hz.size))
 
@@ -83,14 +94,14 @@ class FrequencyGrid:
 def apply_window(survey: xr.Dataset, window: Window = Window.HANN) -> xr.Dataset:
     """Weight the band of each trace.
 
-    Later steps have windows of their own; to weight twice narrows the band twice.
+    Later steps apply windows too; weighting twice narrows the band twice.
     """
     weights = window.weights(survey.sizes[FREQUENCY])
     return survey.assign({S21: survey[S21] * xr.DataArray(weights, dims=FREQUENCY)})
 
 
 def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Dataset:
-    """Keep the frequencies from start to stop, both included [Hz].
+    """Select the frequencies from start to stop, both included [Hz].
 
     Raises:
         WrongDatasetError: Fewer than two frequencies would be left.
@@ -99,7 +110,14 @@ def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Datas
     kept = (frequency_hz >= start_hz) & (frequency_hz <= stop_hz)
     if np.count_nonzero(kept) < 2:
         raise WrongDatasetError(
-            f"the band {start_hz:g}..{stop_hz:g} Hz holds {np.count_nonzero(kept)} frequencies of "
-            f"the sweep {frequency_hz[0]:g}..{frequency_hz[-1]:g} Hz; two or more are needed"
+            Message(
+                "the band {start_hz:g} to {stop_hz:g} Hz contains {count} frequencies of the sweep "
+                "{first_hz:g} to {last_hz:g} Hz; two or more are needed",
+                start_hz=start_hz,
+                stop_hz=stop_hz,
+                count=np.count_nonzero(kept),
+                first_hz=frequency_hz[0],
+                last_hz=frequency_hz[-1],
+            )
         )
     return survey.isel({FREQUENCY: kept})

@@ -11,20 +11,22 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.sources import Fault, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
+from gpr20_analysis.sentences import first_of, with_sentences
+from gpr20_common.message import Message
 from gpr20_survey.trace.utc_time import NS_PER_US
 
 FAULTS_LISTED = 8
-WORDS = ("started", "ended", "outcome", "reason", "software_revision")
+RECORDED = ("started", "ended", "outcome", "reason", "software_revision")
 
 
 def assemble(
     source: SurveySource,
     accept_damaged: bool = False,
-    progress: Progress = silent,
+    progress: Progress = no_progress,
     allocate: Allocate = in_memory,
 ) -> xr.Dataset:
     """Return the Dataset of a source, as `gpr20_analysis.dataset` describes it.
@@ -32,11 +34,11 @@ def assemble(
     Args:
         source: Where the traces come from.
         accept_damaged: Leave damaged samples out, marked, instead of refusing the survey.
-        progress: Shows how far it has come.
-        allocate: Makes the array of the numbers.
+        progress: Shows the progress.
+        allocate: Makes the array of the data.
 
     Raises:
-        DamagedSurveyError: Something is damaged and that was not accepted, or nothing is left.
+        DamagedSurveyError: Something is damaged and that was not accepted, or no trace is left.
         AnalysisError: The source cannot be read at all.
     """
     plan = _plan(source)
@@ -44,7 +46,7 @@ def assemble(
     for trace in progress(source.traces(), source.count or None):
         misplaced = plan.misplaced(trace) if plan else []
         if misplaced:
-            table.faults += [Fault(text, trace.index) for text in misplaced]
+            table.faults += [Fault(message, trace.index) for message in misplaced]
         else:
             table.add(trace)
     _check_readable(source, table)
@@ -57,41 +59,49 @@ def assemble(
 def _plan(source: SurveySource) -> Optional[Plan]:
     if source.description is None:
         source.notes.append(
-            "there is no survey.json with it: what was planned, and so whether rows are missing "
-            "at the edges, cannot be told"
+            Message(
+                "there is no survey.json, so the plan is unknown and missing rows at the edges "
+                "cannot be detected"
+            )
         )
         return None
     try:
         return Plan(source.description)
     except AnalysisError as error:
-        source.faults.append(Fault(str(error)))
+        source.faults.append(Fault(error.message))
         return None
 
 
 def _check_readable(source: SurveySource, table: TraceTable) -> None:
     faults = source.faults + table.faults
     if not table.samples:
-        reason = f": {faults[0].text}" if faults else ""
-        raise DamagedSurveyError(f"{source.name} holds no readable trace{reason}")
+        message = Message("{source} contains no readable trace", source=source.name)
+        if faults:
+            message = Message("{fault}: {reason}", fault=message, reason=faults[0].message)
+        raise DamagedSurveyError(message)
     if table.other_frequencies >= len(table.samples):
         raise DamagedSurveyError(
-            f"{source.name} mixes frequencies: {table.other_frequencies} traces differ from the "
-            f"first one, e.g. {table.faults[0].text}; which are right cannot be told"
+            Message(
+                "{source} mixes frequencies: {count} traces differ from the first one, so the "
+                "right frequencies are unknown; for example, {fault}",
+                source=source.name,
+                count=table.other_frequencies,
+                fault=table.faults[0].message,
+            )
         )
 
 
-def _refusal(name: str, faults: List[Fault]) -> str:
-    listed = "; ".join(fault.text for fault in faults[:FAULTS_LISTED])
-    more = len(faults) - FAULTS_LISTED
-    return (
-        f"{name} is damaged in {len(faults)} places: {listed}"
-        f"{f'; and {more} more' if more > 0 else ''}. `gpr20 verify` tells whether another "
-        "recording of the survey is whole; --accept-damaged leaves these samples out, marked"
+def _refusal(name: str, faults: List[Fault]) -> Message:
+    return Message(
+        "{source} is damaged: {faults}; check with `gpr20 verify` whether another "
+        "recording of the survey is intact, or leave these samples out with --accept-damaged",
+        source=name,
+        faults=first_of([fault.message for fault in faults], FAULTS_LISTED),
     )
 
 
 class _Assembly:
-    """The samples of a table on their grid."""
+    """The samples of a table, placed on their grid."""
 
     def __init__(self, source: SurveySource, plan: Optional[Plan], table: TraceTable) -> None:
         self._source = source
@@ -122,26 +132,25 @@ class _Assembly:
             dataset.FREQUENCY: table.frequency_hz,
         }
         found = dataset.described(xr.Dataset(variables, coordinates, self._attributes()))
-        found.attrs["missing"] = dataset.missing_samples(found) + self._missing_by_index()
-        return found
+        missing = dataset.missing_samples(found) + self._missing_by_index()
+        return found.assign_attrs(with_sentences(found.attrs, missing=missing))
 
     def _usable(
         self, samples: List[Sample], cells: Optional[np.ndarray]
     ) -> List[Tuple[int, Sample]]:
-        """Return the cells and samples that can be used, and name the cells that hold two."""
+        """Return the usable cells and samples; two samples in one cell become a fault."""
         by_cell: Dict[int, List[Sample]] = {}
         for number, sample in enumerate(samples):
             cell = sample.row if cells is None else int(cells[number])
             by_cell.setdefault(cell, []).append(sample)
         for same in by_cell.values():
             if len(same) > 1:
-                self.faults.append(
-                    Fault(
-                        f"traces {', '.join(str(one.index) for one in same)} were taken at the "
-                        "same place and rotation; none of them is used",
-                        position=same[0].position,
-                    )
+                message = Message(
+                    "traces {indices} were measured at the same position and rotation; none of "
+                    "them is used",
+                    indices=", ".join(str(one.index) for one in same),
                 )
+                self.faults.append(Fault(message, position=same[0].position))
         return [
             (cell, same[0])
             for cell, same in by_cell.items()
@@ -172,7 +181,7 @@ class _Assembly:
         return fault.position if on_grid else None
 
     def _ordered(self, allocate: Allocate) -> np.ndarray:
-        """Return the numbers of each cell, NaN where there are none."""
+        """Return the data of each cell, NaN where there are none."""
         rows = self._table.rows
         if self._plan:
             taken = np.array([one.row for one in self._table.samples.values()])
@@ -211,8 +220,8 @@ class _Assembly:
             "index": placed([one.index for one in samples], -1, np.int64),
         }
 
-    def _missing_by_index(self) -> List[str]:
-        """Return what gaps in the indices tell of samples that the grid has no place for."""
+    def _missing_by_index(self) -> List[Message]:
+        """Return the samples that are missing by their index but have no place in the grid."""
         if self._plan:
             return []
         indices = {sample.index for _, sample in self._used}
@@ -221,8 +230,13 @@ class _Assembly:
         if unplaced <= 0:
             return []
         return [
-            f"missing: {unplaced} samples at places that only survey.json tells, since indices "
-            f"{absent[0]}..{absent[-1]} of the plan have gaps"
+            Message(
+                "missing: {count} samples at unknown positions, because indices {first} to {last} "
+                "of the plan have gaps and there is no survey.json",
+                count=unplaced,
+                first=absent[0],
+                last=absent[-1],
+            )
         ]
 
     def _attributes(self) -> Dict[str, Any]:
@@ -231,12 +245,11 @@ class _Assembly:
             "format": dataset.FORMAT,
             "source": self._source.name,
             "survey_id": self._table.survey_id,
-            **{word: str(description[word]) for word in WORDS if description.get(word)},
+            **{word: str(description[word]) for word in RECORDED if description.get(word)},
             "stored": len(self._used),
-            "missing": [],
-            "faults": [fault.text for fault in self.faults],
-            "notes": self._notes,
         }
+        faults = [fault.message for fault in self.faults]
+        attributes = with_sentences(attributes, missing=[], faults=faults, notes=self._notes)
         if description:
             attributes["simulated"] = int(bool(description.get("simulated")))
             attributes["survey_json"] = json.dumps(description)

@@ -1,4 +1,4 @@
-"""Loads a survey, whatever holds it, as one Dataset."""
+"""Loads a survey of any form as one Dataset."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_check import checked
 from gpr20_analysis.formats.dataset_files import CHUNK_BYTES, is_dataset, read_dataset
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
 from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.trace_table import EMPTY, in_memory
+from gpr20_common.message import Message
 
 LAZY_BYTES = 1 << 30
-"""Above this size of the numbers [bytes] a survey is lazy."""
+"""A survey with more data than this [bytes] is lazy."""
 COMPLEX = np.dtype(np.complex128)
 
 
 def load_survey(
     path: Union[str, Path],
     accept_damaged: bool = False,
-    progress: Progress = silent,
+    progress: Progress = no_progress,
     lazy_bytes: int = LAZY_BYTES,
 ) -> xr.Dataset:
-    """Load a survey; `gpr20_analysis.dataset` describes what comes out.
+    """Load a survey as a Dataset, as `gpr20_analysis.dataset` describes it.
 
     Args:
         path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
@@ -39,19 +40,21 @@ def load_survey(
         accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
             `faults`, instead of refusing the survey. Samples that are merely missing are never
             refused: they are NaN, marked, and named in attribute `missing`.
-        progress: Shows how far it has come.
-        lazy_bytes: If the numbers are larger than this [bytes], they are checked once and then
-            kept in a temporary file, and `s21` is a dask array in chunks of whole rows. A .nc or
-            .zarr is read where it is.
+        progress: Shows the progress.
+        lazy_bytes: If the data are larger than this [bytes], they are checked once and stored
+            in a temporary file, and `s21` is a dask array in chunks of whole rows. A .nc or
+            .zarr is read in place.
 
     Raises:
         DamagedSurveyError: Something is damaged and that was not accepted.
-        AnalysisError: It is no survey.
+        AnalysisError: It is not a survey.
         OSError: It cannot be read.
     """
     found = Path(path).expanduser()
     if found.exists() and not (found.is_file() or found.is_dir()):
-        raise AnalysisError(f"{found} is neither a file nor a folder, so there is no survey in it")
+        raise AnalysisError(
+            Message("{path} is neither a file nor a folder, so it is not a survey", path=found)
+        )
     if is_dataset(found):
         return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)
     made: List[_TemporaryArray] = []
@@ -73,10 +76,9 @@ def load_survey(
 
 
 class _TemporaryArray:
-    """Numbers in a file, which goes with the last array that reads it.
+    """Data in a temporary file, which is deleted with the last array that reads it.
 
-    Each trace is written where it belongs in the grid, which a memory map does in place. A cluster
-    reads the same file.
+    A memory map writes each trace to its place in the grid. A cluster reads the same file.
     """
 
     dtype = COMPLEX
@@ -88,20 +90,20 @@ class _TemporaryArray:
         self._written: Any = None
 
     def filled_with_nan(self) -> np.ndarray:
-        """Return the file's content, to be written.
+        """Return the file's content for writing, filled with NaN.
 
         Raises:
             OSError: There is no space for it.
         """
         with self._path.open("wb") as stream:
-            # Without it a full disk would be no error here, but a crash later.
+            # Without it a full disk would cause a crash later instead of an error here.
             os.posix_fallocate(stream.fileno(), 0, int(np.prod(self.shape)) * COMPLEX.itemsize)
         self._written = np.memmap(str(self._path), COMPLEX, "r+", shape=self.shape)
         self._written[:] = EMPTY
         return self._written
 
     def finished(self, shape: Tuple[int, ...]) -> _TemporaryArray:
-        """Return the array in another shape, now only to be read."""
+        """Return the array in another shape, from now on for reading only."""
         self._written.flush()
         self._written, self.shape, self.ndim = None, shape, len(shape)
         return self

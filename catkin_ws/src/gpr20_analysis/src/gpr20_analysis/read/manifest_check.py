@@ -1,4 +1,4 @@
-"""Whether the files of a survey are those of its manifest."""
+"""Check of a survey's files against its manifest."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import json
 from pathlib import Path
 from typing import Any, Dict, List
 
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.files.regular_file import open_regular
@@ -14,39 +17,63 @@ from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 MAX_BYTES = 512 << 20  # a million traces
 
 
-def check_files(folder: Path, survey_id: str) -> List[str]:
-    """Return what differs between a survey's files and its manifest.
+def check_files(folder: Path, survey_id: str) -> List[Message]:
+    """Return the differences between a survey's files and its manifest.
 
     Raises:
         OSError: The disk cannot be read.
     """
     if not (folder / manifest.MANIFEST_FILE).exists():
-        return [f"{manifest.MANIFEST_FILE} is missing: nothing tells whether files were changed"]
+        return [
+            Message(
+                "{file} is missing, so changes to files cannot be detected",
+                file=manifest.MANIFEST_FILE,
+            )
+        ]
     try:
         listed = _listed_files(folder / manifest.MANIFEST_FILE, survey_id)
-    except (OSError, ValueError) as error:
-        return [f"{manifest.MANIFEST_FILE} cannot be read: {error}"]
+    except UnreadableFileError as error:
+        return [_unreadable(manifest.MANIFEST_FILE, error.message)]
+    except OSError as error:
+        return [_unreadable(manifest.MANIFEST_FILE, os_reason(error))]
     present = set(manifest.file_names(folder))
-    found = [f"{name} is in the manifest but is gone" for name in sorted(listed.keys() - present)]
-    found += [f"{name} is not in the manifest" for name in sorted(present - listed.keys())]
-    # Names of the manifest are compared only, never opened.
+    found = [
+        Message("{file} is in the manifest but does not exist", file=name)
+        for name in sorted(listed.keys() - present)
+    ]
+    found += [
+        Message("{file} is not in the manifest", file=name)
+        for name in sorted(present - listed.keys())
+    ]
+    # Names from the manifest are only compared; only files found in the folder are opened.
     for name in sorted(present & listed.keys()):
         found += _differences(folder / name, name, listed[name])
     return found
 
 
-def _differences(path: Path, name: str, listed: Any) -> List[str]:
+def _differences(path: Path, name: str, listed: Any) -> List[Message]:
     if listed is None and name.startswith(f"{survey_folder.DAMAGED_FOLDER}/"):
-        return []  # never data, and it could not be read
+        return []  # never data, and it could not be read at the close
     try:
         sha256, size = file_sums.sha256_and_size(path)
     except OSError as error:
-        return [f"{name} cannot be read: {error.strerror}"]
+        return [_unreadable(name, os_reason(error))]
     if listed is None:
-        return [f"{name} has no SHA-256 in the manifest: it could not be read when it was written"]
+        return [
+            Message(
+                "{file} has no SHA-256 in the manifest, because it was unreadable at the close",
+                file=name,
+            )
+        ]
     if listed != {"sha256": sha256, "size": size}:
-        return [f"{name} is not the file of the manifest: its size or SHA-256 differs"]
+        return [
+            Message("{file} differs from the manifest: its size or SHA-256 has changed", file=name)
+        ]
     return []
+
+
+def _unreadable(name: str, reason: Message) -> Message:
+    return Message("{file} cannot be read: {reason}", file=name, reason=reason)
 
 
 def _listed_files(path: Path, survey_id: str) -> Dict[str, Any]:
@@ -54,13 +81,19 @@ def _listed_files(path: Path, survey_id: str) -> Dict[str, Any]:
         with open(open_regular(path), "rb") as stream:
             text = stream.read(MAX_BYTES + 1).decode("ascii")
         values = survey_metadata.parse_object(text, path.name, MAX_BYTES)
-    except (UnicodeDecodeError, json.JSONDecodeError, SurveyRefusedError) as error:
-        raise ValueError(str(error)) from error
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise UnreadableFileError(Message("it is not valid JSON", details=error)) from error
+    except SurveyRefusedError as error:
+        raise UnreadableFileError(error.message) from error
     files = values.get("files")
     if values.get("format") != manifest.FORMAT or not isinstance(files, dict):
-        raise ValueError(f"it is no manifest of format {manifest.FORMAT}")
+        raise UnreadableFileError(
+            Message("it is not a manifest of format {format}", format=manifest.FORMAT)
+        )
     if values.keys() != {"format", "survey_id", "software_revision", "written", "files"}:
-        raise ValueError("its entries are not those of a manifest")
+        raise UnreadableFileError(Message("its entries are not those of a manifest"))
     if values["survey_id"] != survey_id:
-        raise ValueError(f"it is the manifest of survey {values['survey_id']}")
+        raise UnreadableFileError(
+            Message("it is the manifest of survey {survey}", survey=values["survey_id"])
+        )
     return files

@@ -1,6 +1,7 @@
 """The messages of a bag or an MCAP file.
 
-A finished one is read by the stock libraries; of one that was cut off, what is whole is read.
+Finished files are read by the standard libraries. Of a file that was cut off, all complete
+messages are read.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ from typing import Any, BinaryIO, Dict, Iterator, List, Optional, Union
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, Message
+from mcap.records import Channel, Chunk
+from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
 
 from gpr20_analysis.errors import UnreadableFileError
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
@@ -31,27 +34,29 @@ METADATA_TOPIC = "survey_metadata"
 BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 INDEX_POSITION = b"index_pos="
 RECORD_HEAD_BYTES = 9  # opcode and length
-CUT_OFF = "the recording was cut off before its index was written; what is whole was read"
+CUT_OFF = Message(
+    "the recording was cut off before its index was written; all complete messages were read"
+)
 
 
 @dataclass
 class OpenRecording:
-    """A recording, looked into."""
+    """An open recording."""
 
     traces: Iterator[RecordedMessage]
     """Every trace; raises UnreadableFileError where the file is damaged."""
     count: int = 0
-    """How many traces it tells of; 0 if it has no index."""
+    """Number of traces by its index; 0 without an index."""
     metadata: Optional[str] = None
-    """survey.json as it was at the start."""
-    notes: List[str] = field(default_factory=list)
+    """Content of survey.json at the start of the survey."""
+    notes: List[Message] = field(default_factory=list)
 
 
 def open_recording(path: Path) -> OpenRecording:
     """Open a bag or an MCAP file, finished or cut off.
 
     Raises:
-        UnreadableFileError: It is none, or its index is damaged.
+        UnreadableFileError: It is neither, or its index is damaged.
         OSError: It cannot be read.
     """
     if not is_finished(path):
@@ -67,10 +72,10 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
 
     Args:
         path: Bag or MCAP file.
-        finished: Whether it must have its index, by which it is read then.
+        finished: Whether it must have an index, which is then used for reading.
 
     Raises:
-        UnreadableFileError: It cannot be read to its end, or is damaged before it.
+        UnreadableFileError: It is damaged, or cannot be read to its end.
     """
     if not finished:
         return (one for one in _whole_messages(path) if one.datatype == trace_message.DATATYPE)
@@ -78,7 +83,7 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
 
 
 def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield the messages of an MCAP file in the order of time; of one cut off, what is whole.
+    """Yield the messages of an MCAP file in order of time; of a cut-off file, the complete ones.
 
     Raises:
         UnreadableFileError: The file is damaged before its end.
@@ -94,7 +99,7 @@ def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
 
 
 def is_finished(path: Path) -> bool:
-    """Say whether a bag or an MCAP file has its index.
+    """Return whether a bag or an MCAP file has its index.
 
     Raises:
         UnreadableFileError: It is neither.
@@ -103,15 +108,19 @@ def is_finished(path: Path) -> bool:
     magic = BAG_MAGIC if path.suffix == BAG else MCAP_MAGIC
     with path.open("rb") as stream:
         if stream.read(len(magic)) != magic:
-            kind = "a bag" if path.suffix == BAG else "an MCAP file"
-            raise UnreadableFileError(f"{path.name} does not begin as {kind} does")
+            kind = "bag" if path.suffix == BAG else "MCAP"
+            raise UnreadableFileError(
+                Message(
+                    "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
+                )
+            )
         if path.suffix == MCAP:
             stream.seek(max(len(magic), stream.seek(0, os.SEEK_END) - len(magic)))
             return stream.read() == magic
         head = stream.read(4096)
     place = head.find(INDEX_POSITION)
     if place < 0:
-        raise UnreadableFileError(f"{path.name} has no header of a bag")
+        raise UnreadableFileError(Message("{file} has no bag header", file=path.name))
     place += len(INDEX_POSITION)
     return head[place : place + 8] != bytes(8)
 
@@ -156,7 +165,7 @@ def _mcap_traces(path: Path, summary: Optional[Summary]) -> Iterator[RecordedMes
     with _failing_as_unreadable(path), path.open("rb") as stream:
         summary = summary or make_reader(stream, validate_crcs=True).get_summary()
         if summary is None:
-            raise UnreadableFileError(f"{path.name} has no summary")
+            raise UnreadableFileError(Message("{file} has no MCAP summary", file=path.name))
         channels = _trace_channels(summary)
         for message in _chunk_messages(stream, summary, channels):
             channel = channels[message.channel_id]
@@ -165,17 +174,17 @@ def _mcap_traces(path: Path, summary: Optional[Summary]) -> Iterator[RecordedMes
 
 def _chunk_messages(
     stream: BinaryIO, summary: Summary, channels: Dict[int, Channel]
-) -> Iterator[Message]:
-    # The library's own iteration sorts by time, or keeps every message: each costs as much
-    # as the reading itself.
+) -> Iterator[McapMessage]:
+    # The library's own iteration sorts by time or holds every message in memory, which takes as
+    # long as the reading itself.
     for index in sorted(summary.chunk_indexes, key=lambda one: one.chunk_start_offset):
-        # A chunk without message index may hold anything.
+        # A chunk without a message index may contain any channel.
         if index.message_index_offsets and not channels.keys() & index.message_index_offsets.keys():
             continue
         stream.seek(index.chunk_start_offset + RECORD_HEAD_BYTES)
         chunk = Chunk.read(ReadDataStream(stream))
         for record in breakup_chunk(chunk, validate_crc=True):
-            if isinstance(record, Message) and record.channel_id in channels:
+            if isinstance(record, McapMessage) and record.channel_id in channels:
                 yield record
 
 
@@ -189,12 +198,12 @@ def _trace_channels(summary: Summary) -> Dict[int, Channel]:
 
 
 def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield every whole message of a recording that has no index yet."""
+    """Yield every complete message of a recording that has no index yet."""
     stored: Union[StoredBag, StoredMcap]
     stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
-        raise UnreadableFileError("; ".join(map(str, stored.faults)))
+        raise UnreadableFileError(in_a_row(stored.faults))
 
 
 @contextlib.contextmanager
@@ -204,8 +213,10 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
     except UnreadableFileError:
         raise
     except Exception as error:
-        # The libraries assert and unpack without checks: they fail in any way on damaged bytes.
-        raise UnreadableFileError(f"{path.name} cannot be read: {error!r}") from error
+        # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
+        raise UnreadableFileError(
+            Message("{file} is damaged", file=path.name, details=repr(error))
+        ) from error
 
 
 def _is_trace(connection: Any) -> bool:
@@ -219,5 +230,5 @@ def _is_metadata(topic: str) -> bool:
 def _text(data: bytes) -> str:
     (size,) = struct.unpack_from("<I", data)
     if size + 4 != len(data):
-        raise UnreadableFileError("the survey's metadata are not whole")
+        raise UnreadableFileError(Message("the recorded survey.json is incomplete"))
     return data[4:].decode("utf-8", "replace")

@@ -1,4 +1,4 @@
-"""The grid of a survey: where which sample belongs."""
+"""The grid of a survey: the position of each sample."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.plan.recorded_plan import recorded_plan
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.trace.trace import Trace
 
 DECIMALS = 4  # of a millimetre: a hundredth of a motor step
-EVEN = 0.1  # of a spacing: how far from even it may be; a motor step at 0.1 mm spacing
+EVEN = 0.1  # tolerance of even spacing, as a share of it; a motor step at 0.1 mm spacing
 MAX_CELLS_PER_TRACE = 16
 MAX_FILLING = 4
 
@@ -44,7 +45,7 @@ class SurveyGrid:
         return len(self.polarization_deg) * len(self.y_mm) * len(self.x_mm)
 
     def places(self, positions: np.ndarray) -> np.ndarray:
-        """Return the flat index of the cell of each position.
+        """Return the flat index of the grid cell of each position.
 
         Args:
             positions: (samples, 3), rotation [deg], y and x [mm]; each is on the grid.
@@ -62,38 +63,42 @@ def planned_grid(plan: Plan) -> SurveyGrid:
     return SurveyGrid(turns, ys, xs)
 
 
-def grid_of(positions: np.ndarray, notes: List[str]) -> SurveyGrid:
-    """Return the grid on which positions lie, when no plan tells it.
+def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
+    """Return the grid of positions without a plan.
 
-    A row or column without any sample, between others, is put in where the spacing shows it.
+    Rows and columns without any sample are inserted where the spacing of the others shows a gap.
 
     Args:
         positions: (samples, 3), rotation [deg], y and x [mm].
-        notes: Takes what was concluded.
+        notes: Conclusions are added here.
 
     Raises:
-        DamagedSurveyError: The positions are on no grid.
+        DamagedSurveyError: The positions do not form a grid.
     """
     turns, ys, xs = (_ascending(positions[:, column].tolist()) for column in range(3))
     grid = SurveyGrid(turns, _filled(ys, "y", notes), _filled(xs, "x", notes))
     if grid.cells > MAX_CELLS_PER_TRACE * len(positions):
         raise DamagedSurveyError(
-            f"{len(positions)} samples lie at {len(grid.x_mm)} different x and {len(grid.y_mm)} "
-            "different y: that is no grid; name the folder of the survey, whose survey.json "
-            "tells the grid"
+            Message(
+                "{count} samples lie at {columns} different x and {rows} different y, which is "
+                "not a grid; give the folder of the survey, whose survey.json describes the grid",
+                count=len(positions),
+                columns=len(grid.x_mm),
+                rows=len(grid.y_mm),
+            )
         )
     return grid
 
 
 def _ascending(values: Sequence[float]) -> Tuple[float, ...]:
-    # Rounding decides what is one coordinate; the coordinate itself stays as it was read.
+    # Coordinates that round to the same value are one; the first is used unrounded.
     found: Dict[float, float] = {}
     for value in values:
         found.setdefault(round(value, DECIMALS) + 0.0, value)
     return tuple(found[key] for key in sorted(found))
 
 
-def _filled(values: Tuple[float, ...], name: str, notes: List[str]) -> Tuple[float, ...]:
+def _filled(values: Tuple[float, ...], name: str, notes: List[Message]) -> Tuple[float, ...]:
     if len(values) < 3:
         return values
     spacings = np.diff(values)
@@ -101,7 +106,12 @@ def _filled(values: Tuple[float, ...], name: str, notes: List[str]) -> Tuple[flo
     whole = np.round(steps)
     if np.abs(steps - whole).max() > EVEN or whole.sum() > MAX_FILLING * len(values):
         notes.append(
-            f"the spacing of {name} is not even: {spacings.min():g} to {spacings.max():g} mm"
+            Message(
+                "the spacing along {axis} is uneven: {smallest_mm:g} to {largest_mm:g} mm",
+                axis=name,
+                smallest_mm=spacings.min(),
+                largest_mm=spacings.max(),
+            )
         )
         return values
     if whole.max() == 1.0:
@@ -110,50 +120,70 @@ def _filled(values: Tuple[float, ...], name: str, notes: List[str]) -> Tuple[flo
     for lower, upper, parts in zip(values, values[1:], whole.astype(int)):
         filled += [lower + (upper - lower) * part / parts for part in range(1, parts)] + [upper]
     notes.append(
-        f"{len(filled) - len(values)} places in {name} without any sample were put in, as the "
-        "spacing shows them"
+        Message(
+            "{count} positions along {axis} without any sample were inserted to make the spacing "
+            "even",
+            count=len(filled) - len(values),
+            axis=name,
+        )
     )
     return tuple(filled)
 
 
 class Plan:
-    """The samples that a survey was to take, worked out from its survey.json."""
+    """The planned samples of a survey, computed from its survey.json."""
 
     def __init__(self, description: Dict[str, Any]) -> None:
-        """Work out the plan.
+        """Compute the plan.
 
         Raises:
-            AnalysisError: Parameters or axes are missing or not allowed.
+            AnalysisError: Parameters or axes are missing or invalid.
         """
         try:
             self._parameters, self._travel = recorded_plan(description)
         except InvalidValueError as error:
             raise AnalysisError(
-                f"what was planned cannot be told, survey.json is not whole: {error}"
+                Message("the plan is unknown: survey.json: {reason}", reason=error.message)
             ) from error
         self.points: List[SurveyPoint] = survey_points(self._parameters, self._travel)
         self.positions = np.array([(one.z_deg, one.y_mm, one.x_mm) for one in self.points])
         """Rotation [deg], y and x [mm] of each, (samples, 3)."""
 
-    def misplaced(self, trace: Trace) -> List[str]:
-        """Return how a trace is not what was planned for its index."""
+    def misplaced(self, trace: Trace) -> List[Message]:
+        """Return the differences between a trace and the plan for its index."""
         if trace.index >= len(self.points):
-            return [f"trace {trace.index} was not planned, the plan has {len(self.points)}"]
+            return [
+                Message(
+                    "trace {index} was not planned; the plan has {planned} traces",
+                    index=trace.index,
+                    planned=len(self.points),
+                )
+            ]
         point = self.points[trace.index]
-        found = []
+        found: List[Message] = []
         for name, own, planned, travel in (
             ("x", trace.x_coord_mm, point.x_mm, self._travel.x),
             ("y", trace.y_coord_mm, point.y_mm, self._travel.y),
             ("z", trace.z_coord_deg, point.z_deg, self._travel.z),
         ):
-            # Both are whole motor steps: half a step apart is another place.
+            # Both are whole motor steps: more than half a step apart is another position.
             if abs(own - planned) > travel.step / 2:
                 found.append(
-                    f"trace {trace.index} was taken at {name} {own:g}, planned was {planned:g}"
+                    Message(
+                        "trace {index} was measured at {axis} {position:g} instead of {planned:g}",
+                        index=trace.index,
+                        axis=name,
+                        position=own,
+                        planned=planned,
+                    )
                 )
         if len(trace.frequency_hz) != self._parameters.frequency_points:
             found.append(
-                f"trace {trace.index} has {len(trace.frequency_hz)} points, planned were "
-                f"{self._parameters.frequency_points}"
+                Message(
+                    "trace {index} has {count} frequencies instead of {planned}",
+                    index=trace.index,
+                    count=len(trace.frequency_hz),
+                    planned=self._parameters.frequency_points,
+                )
             )
         return found

@@ -1,4 +1,4 @@
-"""The traces of a survey, collected."""
+"""The table in which the traces of a survey are collected."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from gpr20_analysis.read.sources import Fault, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
+from gpr20_common.message import Message
 from gpr20_survey.trace.trace import Trace
 
 EMPTY = complex(math.nan, math.nan)
@@ -24,7 +25,7 @@ def in_memory(shape: Tuple[int, int]) -> np.ndarray:
 
 @dataclass
 class Sample:
-    """A trace without its numbers, and the row that has them."""
+    """A trace without its values, and the row of the table that has them."""
 
     row: int
     index: int
@@ -36,7 +37,7 @@ class Sample:
 
     @classmethod
     def of(cls, trace: Trace, row: int) -> Sample:
-        """Return the facts of a trace whose numbers are in a row."""
+        """Return the sample of a trace whose values are in a row."""
         return cls(
             row,
             trace.index,
@@ -49,20 +50,20 @@ class Sample:
 
 
 class TraceTable:
-    """Collects traces that can be in one Dataset; what cannot becomes a fault."""
+    """Collects the traces of one Dataset; a trace that does not fit becomes a fault."""
 
     def __init__(self, count: int, plan: Optional[Plan], allocate: Allocate) -> None:
         self.faults: List[Fault] = []
         self.samples: Dict[int, Sample] = {}
-        """What was taken, by index."""
+        """The samples by index."""
         self.void: Set[int] = set()
-        """Indices of what was contradicted later."""
+        """Indices of samples that a later trace contradicts."""
         self.frequency_hz: Optional[np.ndarray] = None
         self.survey_id: Optional[str] = None
         self.other_frequencies = 0
         self.rows = np.empty((0, 0), np.complex128)
-        """The numbers: in the order of the grid with a plan, else of reading."""
-        # With a plan the numbers are put where they belong at once, so they are there only once.
+        """The values: in the order of the grid with a plan, else in the order of reading."""
+        # With a plan the values are written to their place at once, which saves a copy.
         self._cells = planned_grid(plan).places(plan.positions) if plan else None
         self._capacity = max(count, 1) if plan is None else planned_grid(plan).cells
         self._allocate = allocate
@@ -71,34 +72,45 @@ class TraceTable:
         self._alike = 0
 
     def add(self, trace: Trace) -> None:
-        """Take a trace, or name why it cannot be taken."""
+        """Add a trace, or add a fault that says why it does not fit."""
         if self.frequency_hz is None:
             self.frequency_hz = trace.frequency_hz
             self.survey_id = trace.survey_id
             self.rows = self._allocate((self._capacity, len(trace.frequency_hz)))
         if trace.survey_id != self.survey_id:
-            self.faults.append(Fault(f"{trace.label} belongs to survey {trace.survey_id}"))
+            self.faults.append(Fault(of_other_survey(trace)))
         elif not np.array_equal(trace.frequency_hz, self.frequency_hz):
             self.other_frequencies += 1
-            self._refuse(
-                trace,
-                f"has other frequencies ({_span(trace.frequency_hz)}) than the "
-                f"first trace ({_span(self.frequency_hz)})",
+            message = Message(
+                "trace {index} has other frequencies ({own}) than the first trace ({first})",
+                index=trace.index,
+                own=_span(trace.frequency_hz),
+                first=_span(self.frequency_hz),
+                details=trace.sample_id,
             )
+            self._refuse(trace, message)
         elif trace.index in self.samples:
             self._repeat(trace, self.samples[trace.index])
         else:
             self._take(trace)
 
-    def notes(self) -> List[str]:
-        """Return what only the whole survey tells."""
+    def notes(self) -> List[Message]:
+        """Return notes on the survey as a whole."""
         found = []
         if self._repeated:
-            found.append(f"{self._repeated} traces are stored more than once, all the same")
+            found.append(
+                Message(
+                    "{count} traces are stored more than once, with the same content",
+                    count=self._repeated,
+                )
+            )
         if self._alike:
             found.append(
-                f"{self._alike} samples have exactly the numbers of another one: nothing that is "
-                "measured does; look whether the instrument answered twice with one sweep"
+                Message(
+                    "{count} samples have exactly the values of another sample, which measured "
+                    "data never have; check whether the VNA returned one sweep twice",
+                    count=self._alike,
+                )
             )
         return found
 
@@ -116,7 +128,7 @@ class TraceTable:
 
     def _repeat(self, trace: Trace, taken: Sample) -> None:
         values = self.rows[taken.row]
-        # By their texts: NaN stands for a height that was not measured, and differs from itself.
+        # As text, because NaN (a height that was not measured) is unequal to itself.
         if (
             repr(Sample.of(trace, taken.row)) == repr(taken)
             and np.array_equal(values.real, trace.s21_real)
@@ -125,15 +137,35 @@ class TraceTable:
             self._repeated += 1
             return
         self.void.add(trace.index)
-        self._refuse(trace, "is stored twice with different content; none of both is used")
+        message = Message(
+            "trace {index} is stored twice with different content; neither is used",
+            index=trace.index,
+            details=trace.sample_id,
+        )
+        self._refuse(trace, message)
 
-    def _refuse(self, trace: Trace, reason: str) -> None:
-        self.faults.append(Fault(f"{trace.label} {reason}", trace.index, _position(trace)))
+    def _refuse(self, trace: Trace, message: Message) -> None:
+        self.faults.append(Fault(message, trace.index, _position(trace)))
+
+
+def of_other_survey(trace: Trace) -> Message:
+    """Return the fault of a trace that belongs to another survey."""
+    return Message(
+        "trace {index} belongs to survey {survey}",
+        index=trace.index,
+        survey=trace.survey_id,
+        details=trace.sample_id,
+    )
 
 
 def _position(trace: Trace) -> Position:
     return trace.z_coord_deg, trace.y_coord_mm, trace.x_coord_mm
 
 
-def _span(frequency_hz: np.ndarray) -> str:
-    return f"{len(frequency_hz)} from {frequency_hz[0]:g} to {frequency_hz[-1]:g} Hz"
+def _span(frequency_hz: np.ndarray) -> Message:
+    return Message(
+        "{count} from {first_hz:g} to {last_hz:g} Hz",
+        count=len(frequency_hz),
+        first_hz=frequency_hz[0],
+        last_hz=frequency_hz[-1],
+    )

@@ -1,4 +1,4 @@
-"""Checks everything that can be checked of a survey's folder."""
+"""Verification of a survey's folder: files, values, positions, recordings."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import manifest_check
 from gpr20_analysis.read.recordings import trace_messages
 from gpr20_analysis.read.survey_grid import Plan
+from gpr20_analysis.read.trace_table import of_other_survey
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.trace import trace_message
@@ -26,14 +29,14 @@ COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 
 @dataclass
 class Verification:
-    """What was found in a survey's folder."""
+    """The result of the verification of a survey's folder."""
 
-    faults: List[str] = field(default_factory=list)
-    """What is damaged or contradictory, one sentence each."""
-    notes: List[str] = field(default_factory=list)
-    """What else should be known."""
+    faults: List[Message] = field(default_factory=list)
+    """What is damaged or contradictory."""
+    notes: List[Message] = field(default_factory=list)
+    """What else a user should know."""
     planned: Optional[int] = None
-    """Number of planned samples; None if that cannot be told."""
+    """Number of planned samples; None if unknown."""
     stored: int = 0
     """Number of planned samples that are stored and readable."""
     closed: bool = False
@@ -48,39 +51,65 @@ class Verification:
         return COMPLETE if whole else INCOMPLETE
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Message:
         """The result in one sentence."""
-        of = "an unknown number of" if self.planned is None else f"{self.planned}"
-        counted = f"{self.stored} of {of} planned traces are stored and readable"
         if self.faults:
-            return f"DAMAGED or contradictory ({len(self.faults)} faults): {counted}"
+            return Message(
+                "DAMAGED or contradictory ({count} faults): {counted}",
+                count=len(self.faults),
+                counted=self._counted,
+            )
         if self.status == COMPLETE:
-            return f"complete and intact: all {self.planned} planned traces are stored and readable"
-        ending = "" if self.closed else ", and the survey was not closed"
-        return f"INCOMPLETE, but intact: {counted}{ending}"
+            return Message(
+                "complete and intact: all {planned} planned traces are stored and readable",
+                planned=self.planned,
+            )
+        if self.closed:
+            return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)
+        return Message(
+            "INCOMPLETE, but intact: {counted}, and the survey was not closed",
+            counted=self._counted,
+        )
+
+    @property
+    def _counted(self) -> Message:
+        if self.planned is None:
+            return Message(
+                "{stored} of an unknown number of planned traces are stored and readable",
+                stored=self.stored,
+            )
+        return Message(
+            "{stored} of {planned} planned traces are stored and readable",
+            stored=self.stored,
+            planned=self.planned,
+        )
 
 
-def verify_survey(folder: Union[str, Path], progress: Progress = silent) -> Verification:
+def verify_survey(folder: Union[str, Path], progress: Progress = no_progress) -> Verification:
     """Check a survey's folder; nothing in it is changed.
 
     Args:
         folder: The folder of one survey.
-        progress: Shows how far each pass over its traces has come.
+        progress: Shows the progress of each pass over its traces.
 
     Raises:
-        AnalysisError: The folder is none of a survey.
+        AnalysisError: It is not the folder of a survey.
         OSError: The disk cannot be read.
     """
     folder = Path(folder).expanduser()
     if not any((folder / name).exists() for name in FILES):
         raise AnalysisError(
-            f"{folder} is no folder of a survey; none of {', '.join(FILES)} is in it"
+            Message(
+                "{folder} is not the folder of a survey: it contains none of {names}",
+                folder=folder,
+                names=", ".join(FILES),
+            )
         )
     try:
         description = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
         survey_folder.check_survey_id(description["survey_id"])
     except SurveyRefusedError as error:
-        return Verification(faults=[str(error)])
+        return Verification(faults=[error.message])
     return _Verifier(folder, description, progress).run()
 
 
@@ -100,38 +129,46 @@ class _Verifier:
             self._traces, self._survey_id, lambda paths: iter(self._progress(paths, len(paths)))
         )
         for path, reason in files.damaged:
-            self._fault(f"{path.name} is no whole trace: {reason}")
+            self._fault(
+                Message("{file} is not an intact trace: {reason}", file=path.name, reason=reason)
+            )
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
         self._check_recordings(files.prints)
-        self._check_words(len(files.prints))
+        self._check_description(len(files.prints))
         return self._found
 
     @property
     def _traces(self) -> Path:
         return self._folder / survey_folder.TRACES_FOLDER
 
-    def _fault(self, text: str) -> None:
-        self._found.faults.append(text)
+    def _fault(self, message: Message) -> None:
+        self._found.faults.append(message)
+
+    def _note(self, message: Message) -> None:
+        self._found.notes.append(message)
 
     def _check_manifest(self) -> None:
         if self._found.closed:
             self._found.faults += manifest_check.check_files(self._folder, self._survey_id)
         elif (self._folder / manifest.MANIFEST_FILE).exists():
-            self._found.notes.append("the manifest is from before the survey was reopened")
+            self._note(Message("the manifest is from before the survey was reopened"))
         else:
-            self._found.notes.append("the survey was not closed, so there is no manifest")
+            self._note(Message("the survey was not closed, so there is no manifest"))
         if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
-            self._found.notes.append(
-                f"{survey_folder.DAMAGED_FOLDER}/ holds files that were damaged and were replaced"
+            self._note(
+                Message(
+                    "{folder}/ contains damaged files that were replaced",
+                    folder=survey_folder.DAMAGED_FOLDER,
+                )
             )
 
     def _plan(self) -> Optional[Plan]:
         try:
             plan = Plan(self._description)
         except AnalysisError as error:
-            self._fault(str(error))
+            self._fault(error.message)
             return None
         self._found.planned = len(plan.points)
         return plan
@@ -142,7 +179,10 @@ class _Verifier:
         try:
             trace = trace_files.read_trace(self._traces / name, self._survey_id)
         except (TraceRefusedError, OSError) as error:
-            self._fault(f"{name} changed while it was read: {error}")
+            reason = os_reason(error) if isinstance(error, OSError) else error.message
+            self._fault(
+                Message("{file} changed while it was read: {reason}", file=name, reason=reason)
+            )
             return
         misplaced = plan.misplaced(trace)
         self._found.faults += misplaced
@@ -156,9 +196,21 @@ class _Verifier:
                 self._check_missing(name, sorted(stored.keys() - recorded.keys()))
             for index in sorted(recorded.keys() & stored.keys()):
                 if recorded[index] != stored[index]:
-                    self._fault(f"trace {index} has other numbers in {name} than in its JSON file")
+                    self._fault(
+                        Message(
+                            "trace {index} has other values in {file} than in its JSON file",
+                            index=index,
+                            file=name,
+                        )
+                    )
             for index in sorted(recorded.keys() - stored.keys()):
-                self._fault(f"trace {index} is in {name} but has no readable JSON file")
+                self._fault(
+                    Message(
+                        "trace {index} is in {file} but has no readable JSON file",
+                        index=index,
+                        file=name,
+                    )
+                )
 
     def _recorded_prints(self, name: str, expected: int) -> Dict[int, bytes]:
         """Return the fingerprint of each trace of a recording."""
@@ -168,44 +220,77 @@ class _Verifier:
             for message in self._progress(messages, expected):
                 trace = trace_message.decode(message.data, message.md5sum)
                 if trace.survey_id != self._survey_id:
-                    self._fault(f"{name}: {trace.label} belongs to survey {trace.survey_id}")
+                    reason = of_other_survey(trace)
+                    self._fault(Message("{file}: {reason}", file=name, reason=reason))
                 elif trace.index in prints:
-                    self._fault(f"{name} holds trace {trace.index} more than once")
+                    self._fault(
+                        Message(
+                            "{file} contains trace {index} more than once",
+                            file=name,
+                            index=trace.index,
+                        )
+                    )
                 else:
                     prints[trace.index] = trace.fingerprint()
         except (UnreadableFileError, TraceRefusedError) as error:
-            self._fault(f"{name} cannot be read to its end: {error}")
+            self._fault(
+                Message(
+                    "{file} cannot be read to its end: {reason}", file=name, reason=error.message
+                )
+            )
         return prints
 
     def _check_missing(self, name: str, missing: List[int]) -> None:
-        # The JSON file comes first: a crash may fall between it and a recording, but the
+        # The JSON file is written first: a crash may come between it and a recording, but the
         # next trace is not stored before this one is in both.
         if len(missing) == 1 and not self._indexed:
-            self._found.notes.append(
-                f"trace {missing[0]} is not in {name} yet; it is put there when the survey goes on"
+            self._note(
+                Message(
+                    "trace {index} is not in {file} yet; it is added when the survey is resumed",
+                    index=missing[0],
+                    file=name,
+                )
             )
             return
         for index in missing:
-            self._fault(f"trace {index} has a JSON file but is not in {name}")
-
-    def _check_words(self, readable: int) -> None:
-        told = self._description
-        if self._indexed and told.get("stored_traces") != readable:
             self._fault(
-                f"survey.json tells of {told.get('stored_traces')} stored traces, but {readable} "
-                "are readable"
+                Message(
+                    "trace {index} has a JSON file but is not in {file}", index=index, file=name
+                )
             )
-        planned = told.get("planned_traces", self._found.planned)
+
+    def _check_description(self, readable: int) -> None:
+        recorded = self._description
+        if self._indexed and recorded.get("stored_traces") != readable:
+            self._fault(
+                Message(
+                    "survey.json records {recorded} stored traces, but {readable} are readable",
+                    recorded=recorded.get("stored_traces"),
+                    readable=readable,
+                )
+            )
+        planned = recorded.get("planned_traces", self._found.planned)
         if self._found.planned is not None and planned != self._found.planned:
             self._fault(
-                f"survey.json tells of {planned} planned traces, but its parameters plan "
-                f"{self._found.planned}"
+                Message(
+                    "survey.json records {recorded} planned traces, but its parameters give "
+                    "{planned}",
+                    recorded=planned,
+                    planned=self._found.planned,
+                )
             )
         missing = self._found.planned is None or self._found.stored < self._found.planned
-        if missing and told.get("outcome") == "finished":
-            self._fault("survey.json says finished, but not every planned trace is readable")
-        if missing and _claims_complete(told.get("report")):
-            self._fault("the report in survey.json says complete, but traces are missing")
+        if missing and recorded.get("outcome") == "finished":
+            self._fault(
+                Message(
+                    "survey.json records the outcome finished, but planned traces are missing or "
+                    "unreadable"
+                )
+            )
+        if missing and _claims_complete(recorded.get("report")):
+            self._fault(
+                Message("the report in survey.json is complete, but planned traces are missing")
+            )
 
 
 def _claims_complete(report: Any) -> bool:

@@ -1,4 +1,4 @@
-"""A report as one HTML file that needs nothing else."""
+"""A report as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import base64
 import html
 import io
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Dict, List, Sequence, Tuple
+from typing import TYPE_CHECKING, List, Sequence, Tuple
+
+from gpr20_common.catalogue import Language
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,12 +33,12 @@ class Section:
     """One part of a report.
 
     Attributes:
-        title: Its heading.
-        warnings: Sentences that must not be overlooked.
+        title: Heading.
+        warnings: Sentences that are highlighted.
         lines: Other sentences.
         rows: Rows of a table.
         heading: Titles of its columns.
-        figures: Caption and figure.
+        figures: Captions and figures.
     """
 
     title: str
@@ -48,23 +50,24 @@ class Section:
 
     @property
     def empty(self) -> bool:
-        """Whether there is nothing below its heading."""
+        """Whether there is nothing below the heading."""
         return not (self.warnings or self.lines or self.rows or self.figures)
 
 
-def page(title: str, sections: Sequence[Section]) -> str:
-    """Return the HTML of a report; nothing in it is loaded from elsewhere."""
+def page(title: str, sections: Sequence[Section], language: Language = Language.ENGLISH) -> str:
+    """Return the HTML of a report, which loads nothing from elsewhere.
+
+    Args:
+        title: Title of the page.
+        sections: What it shows.
+        language: The language of the texts.
+    """
     body = "\n".join(_section(one) for one in sections)
     return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<!DOCTYPE html>\n<html lang="{language.value}"><head><meta charset="utf-8">'
         f"<title>{html.escape(title)}</title><style>{STYLE}</style></head>\n"
         f"<body><h1>{html.escape(title)}</h1>\n{body}\n</body></html>\n"
     )
-
-
-def table(values: Dict[str, str]) -> List[Tuple[str, ...]]:
-    """Return titles and texts as rows."""
-    return list(values.items())
 
 
 def _section(section: Section) -> str:

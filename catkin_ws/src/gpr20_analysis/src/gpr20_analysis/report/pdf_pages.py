@@ -1,4 +1,4 @@
-"""A report as PDF: the text on pages of its own, then a page for each figure."""
+"""A report as PDF: pages of text, then a page for each figure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def write_pdf(path: Path, title: str, sections: Sequence[Section]) -> None:
     """Write a report.
 
     Raises:
-        OSError: The disk refused.
+        OSError: It cannot be written.
     """
     lines = _wrapped(title, "black", "bold")
     for section in sections:
@@ -56,7 +56,7 @@ def _wrapped(text: str, colour: str, weight: str) -> List[Line]:
 
 
 def _aligned(rows: Sequence[Tuple[str, ...]]) -> List[str]:
-    """Return the rows of a table with columns one below the other; the last column is wrapped."""
+    """Return the rows of a table with aligned columns; the last column is wrapped."""
     if not rows:
         return []
     widths = [max(len(row[place]) for row in rows) for place in range(len(rows[0]) - 1)]
@@ -73,7 +73,7 @@ def _write_text(pages: PdfPages, lines: Sequence[Line]) -> None:
     for first in range(0, len(lines), LINES_ON_PAGE):
         sheet = Figure(figsize=A4_IN)
         for number, (text, colour, weight) in enumerate(lines[first : first + LINES_ON_PAGE]):
-            # A dollar sign would begin a formula.
+            # Escaped, because a dollar sign begins a formula.
             sheet.text(
                 LEFT,
                 TOP - number * LINE,

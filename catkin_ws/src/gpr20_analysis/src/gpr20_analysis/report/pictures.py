@@ -1,4 +1,4 @@
-"""The views of a survey and its image, for the report."""
+"""The figures of a survey and its image, for the report."""
 
 from __future__ import annotations
 
@@ -10,117 +10,135 @@ from scipy.constants import speed_of_light
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.imaging.echoes import Echo, find_echoes
+from gpr20_analysis.imaging.echoes import find_echoes
 from gpr20_analysis.imaging.image import ImageOptions, image_survey
-from gpr20_analysis.imaging.image_output import doubtful_echoes, permittivity_line
+from gpr20_analysis.imaging.image_output import (
+    doubtful_echoes,
+    echo_heading,
+    echo_row,
+    permittivity_line,
+)
 from gpr20_analysis.plotting import scans
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.report.page import Section
+from gpr20_analysis.sentences import ENGLISH, shown
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SLICES = 3
 NS_PER_S, PS_PER_S = 1e9, 1e12
-# Shown beyond the deepest layer of the image, and where heights or permittivity are not known.
+# Margin below the deepest layer of the image, and values for unknown height and permittivity.
 MARGIN_S, HEIGHT_M, PERMITTIVITY = 1e-9, 0.3, 9.0
-IMAGE_TITLE = "Image of the ground"
-ECHO_HEADING = (
-    "polarization",
-    "x mm",
-    "y mm",
-    "depth mm",
-    "level dB",
-    "above noise dB",
-    "-3 dB width x, y, depth mm",
-)
+IMAGE_TITLE = Message("Image of the ground")
 
 Pictures = List[Tuple[str, "Figure"]]
 
 
-def as_measured(survey: xr.Dataset, options: ImageOptions) -> Section:
+def as_measured(
+    survey: xr.Dataset, options: ImageOptions, catalogue: Catalogue = ENGLISH
+) -> Section:
     """Return A-, B- and C-scans before any processing."""
     in_time = _shown(survey, options)
     x_m, y_m = _middle(survey)
     figures: Pictures = []
     if dataset.usable(survey).sel(x=x_m, y=y_m).values.any():
-        figures.append(("A-scan in the middle", scans.a_scan_figure(in_time, x_m, y_m)))
-    figures += _b_scans(in_time, x_m, y_m)
+        figure = scans.a_scan_figure(in_time, x_m, y_m, catalogue)
+        figures.append((catalogue.tr("A-scan in the middle"), figure))
+    figures += _b_scans(in_time, x_m, y_m, catalogue)
     surface_s = 2.0 * _height_m(survey) / speed_of_light
     if np.isfinite(survey[dataset.HEIGHT]).any():
-        caption = f"C-scan at the surface, {surface_s * PS_PER_S:.0f} ps"
-        figures.append((caption, scans.c_scan_figure(in_time, surface_s)))
+        delay_ps = surface_s * PS_PER_S
+        caption = catalogue.tr("C-scan at the surface, {delay_ps:.0f} ps", delay_ps=delay_ps)
+        figures.append((caption, scans.c_scan_figure(in_time, surface_s, catalogue)))
     last_ns = float(in_time[dataset.DELAY][-1]) * NS_PER_S
-    line = f"Delays up to {last_ns:.1f} ns are shown, a little more than the image reaches."
-    return Section("Data as measured", lines=[line], figures=figures)
+    line = catalogue.tr(
+        "Delays up to {last_ns:.1f} ns are shown, slightly more than the image covers.",
+        last_ns=last_ns,
+    )
+    return Section(catalogue.tr("Data as measured"), lines=[line], figures=figures)
 
 
 def imaged(
     survey: xr.Dataset,
     steps: Sequence[Step],
     options: ImageOptions,
+    catalogue: Catalogue = ENGLISH,
 ) -> List[Section]:
     """Return the data after the steps, the image, and the echoes in it."""
     try:
         processed = apply_steps(survey, steps, _no_other_survey)
     except AnalysisError as error:
-        # The report of a survey that cannot be imaged is wanted all the more.
-        return [Section(IMAGE_TITLE, warnings=[f"No image was made: {error}"])]
+        # A survey that cannot be imaged gets a report too, which says why.
+        return [_no_image(error, catalogue)]
     views = []
     if dataset.S21 in processed:
-        figures = _b_scans(_shown(processed, options), *_middle(processed))
-        lines = [f"step: {_told(step)}" for step in steps]
-        views.append(Section("Data after the steps", lines=lines, figures=figures))
+        figures = _b_scans(_shown(processed, options), *_middle(processed), catalogue)
+        lines = [catalogue.tr("step: {step}", step=_step_text(step)) for step in steps]
+        views.append(Section(catalogue.tr("Data after the steps"), lines=lines, figures=figures))
     try:
         image = image_survey(processed, options)
     except AnalysisError as error:
-        return [*views, Section(IMAGE_TITLE, warnings=[f"No image was made: {error}"])]
-    return [*views, *_image(image, options)]
+        return [*views, _no_image(error, catalogue)]
+    return [*views, *_image(image, options, catalogue)]
 
 
-def _image(image: xr.Dataset, options: ImageOptions) -> List[Section]:
+def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
+    warning = Message("No image was made: {reason}", reason=error.message)
+    return Section(catalogue.text(IMAGE_TITLE), warnings=[shown(warning, catalogue)])
+
+
+def _image(image: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> List[Section]:
     echoes = find_echoes(image)
-    figures: Pictures = [
-        (f"Maximum projections at {turn:g} deg", scans.projection_figure(image, number))
-        for number, turn in enumerate(image[dataset.POLARIZATION].values)
-    ]
+    figures: Pictures = []
+    for number, turn in enumerate(image[dataset.POLARIZATION].values):
+        caption = catalogue.tr("Maximum projections at {rotation_deg:g} deg", rotation_deg=turn)
+        figures.append((caption, scans.projection_figure(image, number, catalogue)))
     slices_m = image[dataset.DEPTH].sel(depth=[one.depth_m for one in echoes], method="nearest")
     # Echoes of both polarizations are mostly at one depth.
     for depth_m in list(dict.fromkeys(slices_m.values.tolist()))[:SLICES]:
-        figures.append((f"Slice at {_mm(depth_m)} mm", scans.c_scan_figure(image, depth_m)))
-    depths = image[dataset.DEPTH].values
-    rows = [
-        ("permittivity", permittivity_line(image)),
-        ("depths", f"{len(depths)} from {_mm(depths[0])} to {_mm(depths[-1])} mm"),
-        ("method", options.method.value),
-        ("window", options.window.value),
-        ("widest angle in air", f"{options.widest_angle_deg:g} deg"),
-        ("height", "as recorded" if options.height_m is None else f"{options.height_m:g} m"),
-    ]
-    lines = doubtful_echoes(echoes) if echoes else ["No echo stands out."]
-    listed = Section("Echoes", lines=lines, heading=ECHO_HEADING)
-    listed.rows = [_row(echo) for echo in echoes]
-    return [Section(IMAGE_TITLE, rows=rows, figures=figures), listed]
-
-
-def _row(echo: Echo) -> Tuple[str, ...]:
-    widths = (echo.width_x_m, echo.width_y_m, echo.width_depth_m)
-    turn_deg = echo.polarization_deg
-    return (
-        "combined" if np.isnan(turn_deg) else f"{turn_deg:g} deg",
-        *(_mm(one) for one in (echo.x_m, echo.y_m, echo.depth_m)),
-        f"{echo.level_db:.1f}",
-        f"{echo.above_noise_db:.1f}",
-        ", ".join(_mm(one) for one in widths),
+        caption = catalogue.tr("Slice at {depth_mm:.1f} mm", depth_mm=depth_m * dataset.MM_PER_M)
+        figures.append((caption, scans.c_scan_figure(image, depth_m, catalogue)))
+    lines = [catalogue.text(one) for one in doubtful_echoes(echoes)]
+    listed = Section(
+        catalogue.tr("Echoes"),
+        lines=lines if echoes else [catalogue.tr("No echo was found.")],
+        rows=[echo_row(echo, catalogue) for echo in echoes],
+        heading=echo_heading(catalogue),
     )
+    rows = _parameters(image, options, catalogue)
+    return [Section(catalogue.text(IMAGE_TITLE), rows=rows, figures=figures), listed]
 
 
-def _mm(value_m: float) -> str:
-    return f"{value_m * dataset.MM_PER_M:.1f}"
+def _parameters(
+    image: xr.Dataset, options: ImageOptions, catalogue: Catalogue
+) -> List[Tuple[str, ...]]:
+    depths_mm = image[dataset.DEPTH].values * dataset.MM_PER_M
+    depths = catalogue.tr(
+        "{count} from {first_mm:.1f} to {last_mm:.1f} mm",
+        count=len(depths_mm),
+        first_mm=depths_mm[0],
+        last_mm=depths_mm[-1],
+    )
+    recorded = options.height_m is None
+    height = catalogue.tr("as recorded") if recorded else f"{options.height_m:g} m"
+    return [
+        (catalogue.tr("permittivity"), catalogue.text(permittivity_line(image))),
+        (catalogue.tr("depths"), depths),
+        (catalogue.tr("method"), options.method.value),
+        (catalogue.tr("window"), options.window.value),
+        (
+            catalogue.tr("widest angle in air"),
+            catalogue.tr("{angle_deg:g} deg", angle_deg=options.widest_angle_deg),
+        ),
+        (catalogue.tr("height"), height),
+    ]
 
 
-def _told(step: Step) -> str:
+def _step_text(step: Step) -> str:
     values = ", ".join(f"{key} {value}" for key, value in step.parameters.items())
     return f"{step.name} ({values})" if values else step.name
 
@@ -145,14 +163,16 @@ def _middle(survey: xr.Dataset) -> Tuple[float, float]:
     return x_m, y_m
 
 
-def _b_scans(in_time: xr.Dataset, x_m: float, y_m: float) -> Pictures:
+def _b_scans(in_time: xr.Dataset, x_m: float, y_m: float, catalogue: Catalogue) -> Pictures:
     figures: Pictures = []
     for along, at_m in ((dataset.X, y_m), (dataset.Y, x_m)):
         if in_time.sizes[along] > 1:
-            figure = scans.b_scan_figure(in_time, along, at_m)
-            figures.append((f"B-scan along {along}", figure))
+            figure = scans.b_scan_figure(in_time, along, at_m, catalogue=catalogue)
+            figures.append((catalogue.tr("B-scan along {axis}", axis=along), figure))
     return figures
 
 
 def _no_other_survey(path: str) -> xr.Dataset:
-    raise AnalysisError(f"a report subtracts no other survey, but a step names {path}")
+    raise AnalysisError(
+        Message("a report cannot subtract another survey, but a step names {path}", path=path)
+    )

@@ -1,4 +1,4 @@
-"""The sections of a survey's report, in their order."""
+"""The sections of a survey's report, in order."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import datetime
 import platform
 from importlib import metadata
 from pathlib import Path
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, List, Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,13 +15,17 @@ from gpr20_analysis import __version__, dataset
 from gpr20_analysis.imaging.image import ImageOptions
 from gpr20_analysis.plotting import maps
 from gpr20_analysis.processing.chain import Step
-from gpr20_analysis.progress import Progress, silent
+from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.verification import FILES, Verification, verify_survey
 from gpr20_analysis.report import pictures
-from gpr20_analysis.report.page import Section, table
-from gpr20_analysis.report.summary import SIMULATED, settings_of, summarize
+from gpr20_analysis.report.page import Section
+from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of
+from gpr20_analysis.sentences import ENGLISH, limited, sentences_of, shown
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message, verbatim
 
-TOLD = 50
+LISTED = 50
+"""Number of sentences of a list that the report shows."""
 LIBRARIES = ("numpy", "scipy", "xarray", "h5py", "matplotlib", "rosbags", "mcap")
 
 
@@ -30,83 +34,133 @@ def sections_of(
     path: Path,
     steps: Sequence[Step],
     options: ImageOptions,
-    progress: Progress = silent,
+    progress: Progress = no_progress,
+    catalogue: Catalogue = ENGLISH,
 ) -> List[Section]:
     """Return the sections of a survey's report.
 
     Args:
         survey: Dataset with `s21`.
         path: Where it was loaded from; the folder of a survey is verified.
-        steps: What is done before imaging.
+        steps: The steps before imaging.
         options: How the image is made.
-        progress: Shows how far it has come.
+        progress: Shows the progress.
+        catalogue: Language of the report.
     """
     found: List[Section] = []
     parts: List[Callable[[], Sequence[Section]]] = [
-        lambda: _checked(survey, path),
-        lambda: [Section("Survey", rows=table(summarize(survey)))],
-        lambda: [Section("How it was measured", rows=settings_of(survey))],
-        lambda: [_quality(survey)],
-        lambda: [pictures.as_measured(survey, options)],
-        lambda: pictures.imaged(survey, steps, options),
-        lambda: [Section("Made with", rows=table(versions(survey)))],
+        lambda: _checked(survey, path, catalogue),
+        lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
+        lambda: [_table(Message("Measurement settings"), settings_of(survey), catalogue)],
+        lambda: [_quality(survey, catalogue)],
+        lambda: [pictures.as_measured(survey, options, catalogue)],
+        lambda: pictures.imaged(survey, steps, options, catalogue),
+        lambda: [_table(Message("Software versions"), versions(survey), catalogue)],
     ]
     for part in progress(parts, len(parts)):
         found += [one for one in part() if not one.empty]
     return found
 
 
-def versions(survey: xr.Dataset) -> Dict[str, str]:
-    """Return what the survey was measured and the report was made with."""
+def versions(survey: xr.Dataset) -> List[Row]:
+    """Return the versions of the software that measured the survey and made the report."""
     now = datetime.datetime.now(datetime.timezone.utc)
-    return {
-        "report made": now.isoformat(timespec="seconds"),
-        "robot's software": str(survey.attrs.get("software_revision", "not recorded")),
+    recorded = survey.attrs.get("software_revision")
+    robot = Message("not recorded") if recorded is None else verbatim(str(recorded))
+    libraries = {
         "gpr20_analysis": __version__,
         "Python": platform.python_version(),
         **{name: metadata.version(name) for name in LIBRARIES},
     }
+    return [
+        (Message("report created"), verbatim(now.isoformat(timespec="seconds"))),
+        (Message("software of the robot"), robot),
+        *((verbatim(name), verbatim(version)) for name, version in libraries.items()),
+    ]
 
 
-def _checked(survey: xr.Dataset, path: Path) -> List[Section]:
-    """Return verdict and verification: what must be known before anything else."""
+def _table(title: Message, rows: Sequence[Row], catalogue: Catalogue) -> Section:
+    texts = [tuple(shown(one, catalogue) for one in row) for row in rows]
+    return Section(catalogue.text(title), rows=texts)
+
+
+def _checked(survey: xr.Dataset, path: Path, catalogue: Catalogue) -> List[Section]:
+    """Return the verdict and the verification, which come first."""
     warnings = [SIMULATED] if survey.attrs.get("simulated") else []
+    good = []
     size, absent = survey[dataset.QUALITY].size, len(dataset.missing_samples(survey))
     if absent:
         warnings.append(
-            f"{absent} of {size} samples have no numbers: the ground below them was NOT searched"
+            Message(
+                "{count} of {total} samples have no data: the ground below them was NOT searched",
+                count=absent,
+                total=size,
+            )
         )
-    good = [] if absent else [f"every one of the {size} samples of the grid is there"]
-    if not path.is_dir() or not any((path / name).exists() for name in FILES):
-        lines = ["Only the folder of a survey can be verified against its plan and checksums."]
-        return [Section("Verdict", warnings, [*good, *lines])]
-    found = verify_survey(path)
-    (warnings if found.status else good).append(found.verdict)
-    return [Section("Verdict", warnings, good), _verification(found)]
+    else:
+        good.append(Message("All {total} samples of the grid have data.", total=size))
+    found = None
+    if path.is_dir() and any((path / name).exists() for name in FILES):
+        found = verify_survey(path)
+        (warnings if found.status else good).append(found.verdict)
+    else:
+        good.append(
+            Message("Only the folder of a survey can be verified against its plan and checksums.")
+        )
+    verdict = _section(Message("Verdict"), warnings, good, catalogue)
+    return [verdict, *([_verification(found, catalogue)] if found else [])]
 
 
-def _verification(found: Verification) -> Section:
-    more = len(found.faults) - TOLD
-    warnings = found.faults[:TOLD] + ([f"and {more} more"] if more > 0 else [])
-    return Section("Verification", warnings, found.notes)
+def _verification(found: Verification, catalogue: Catalogue) -> Section:
+    faults = limited(found.faults, LISTED)
+    return _section(Message("Verification"), faults, found.notes, catalogue)
 
 
-def _quality(survey: xr.Dataset) -> Section:
-    warnings = [f"DAMAGED: {one}" for one in survey.attrs.get("faults", [])[:TOLD]]
-    absent = dataset.missing_samples(survey)
-    warnings += absent[:TOLD] + ([f"and {len(absent) - TOLD} more"] if len(absent) > TOLD else [])
+def _section(
+    title: Message, warnings: Sequence[Message], lines: Sequence[Message], catalogue: Catalogue
+) -> Section:
+    return Section(
+        catalogue.text(title),
+        [shown(one, catalogue) for one in warnings],
+        [shown(one, catalogue) for one in lines],
+    )
+
+
+def _quality(survey: xr.Dataset, catalogue: Catalogue) -> Section:
+    warnings = [
+        Message("DAMAGED: {sentence}", sentence=one)
+        for one in limited(sentences_of(survey, "faults"), LISTED)
+    ]
+    warnings += limited(dataset.missing_samples(survey), LISTED)
+    lines = [Message("note: {sentence}", sentence=one) for one in sentences_of(survey, "notes")]
+    section = _section(
+        Message("Coverage and quality"), warnings, [*lines, *_remarks(survey)], catalogue
+    )
+    figure = maps.coverage_figure(survey, catalogue)
+    section.figures.append((catalogue.tr("Coverage"), figure))
+    if np.isfinite(survey[dataset.HEIGHT]).any():
+        figure = maps.height_figure(survey, catalogue)
+        section.figures.append((catalogue.tr("Antenna height above the ground"), figure))
+    section.rows = [
+        (
+            catalogue.tr("{rotation_deg:g} deg", rotation_deg=turn),
+            catalogue.tr(
+                "{usable} of {total} samples usable", usable=int(own.sum()), total=own.size
+            ),
+        )
+        for turn, own in zip(survey[dataset.POLARIZATION].values, dataset.usable(survey).values)
+    ]
+    return section
+
+
+def _remarks(survey: xr.Dataset) -> List[Message]:
     remarks = survey["remarks"].values if "remarks" in survey else np.array([])
-    lines = [f"note: {one}" for one in survey.attrs.get("notes", [])]
-    lines += [
-        f"remark of the robot on {np.count_nonzero(remarks == one)} samples: {one}"
+    return [
+        Message(
+            "remark of the robot on {count} samples: {remark}",
+            count=np.count_nonzero(remarks == one),
+            remark=str(one),
+        )
         for one in sorted(set(remarks.ravel()))
         if one
     ]
-    figures = [("Coverage", maps.coverage_figure(survey))]
-    if np.isfinite(survey[dataset.HEIGHT]).any():
-        figures.append(("Antenna height above the ground", maps.height_figure(survey)))
-    rows: List[Tuple[str, ...]] = [
-        (f"{turn:g} deg", f"{int(own.sum())} of {own.size} samples usable")
-        for turn, own in zip(survey[dataset.POLARIZATION].values, dataset.usable(survey).values)
-    ]
-    return Section("Coverage and quality", warnings, lines, rows, figures=figures)

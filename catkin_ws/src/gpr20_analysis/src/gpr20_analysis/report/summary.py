@@ -1,118 +1,212 @@
-"""What is to be told of a survey in a few lines."""
+"""A summary of a survey in a few lines, and its settings."""
 
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
+from gpr20_common.message import Message, received_message, verbatim
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
-SIMULATED = "SIMULATED: the data show no real ground"
-WORDS = ("survey_id", "source", "started", "ended", "outcome", "reason", "software_revision")
+SIMULATED = Message("SIMULATED: the data show no real ground")
+RECORDED = {
+    "survey_id": Message("survey id"),
+    "source": Message("source"),
+    "started": Message("started"),
+    "ended": Message("ended"),
+    "outcome": Message("outcome"),
+    "reason": Message("reason"),
+    "software_revision": Message("software revision"),
+}
+OUTCOMES = {
+    "finished": Message("finished"),
+    "stopped": Message("stopped"),
+    "failed": Message("failed"),
+    "interrupted": Message("interrupted"),
+}
+
+Row = Tuple[Message, Message]
+"""Title and text."""
 
 
 def summarize(survey: xr.Dataset) -> Dict[str, str]:
-    """Return title and text of what a survey holds, in the order of telling."""
-    told = {
-        word.replace("_", " "): str(survey.attrs[word]) for word in WORDS if word in survey.attrs
-    }
+    """Return title and text of each line of a survey's summary, in English."""
+    return {str(title): str(text) for title, text in summary_of(survey)}
+
+
+def summary_of(survey: xr.Dataset) -> List[Row]:
+    """Return the lines of a survey's summary."""
+    rows = [
+        (title, _recorded(name, survey.attrs[name]))
+        for name, title in RECORDED.items()
+        if name in survey.attrs
+    ]
     if "simulated" in survey.attrs:
-        told["ground"] = SIMULATED if survey.attrs["simulated"] else "measured"
+        ground = SIMULATED if survey.attrs["simulated"] else Message("measured")
+        rows.append((Message("ground"), ground))
     if dataset.QUALITY in survey:
-        told["samples"] = _samples(survey)
+        rows.append((Message("samples"), _samples(survey)))
     if dataset.IMAGE in survey:
-        told["image"] = (
-            f"{survey.attrs.get('method', 'unknown method')}, relative permittivity "
-            f"{survey.attrs.get('permittivity', 'unknown')}"
-        )
-        told["depth"] = _axis(survey[dataset.DEPTH].values)
-    told["polarizations"] = ", ".join(f"{one:g} deg" for one in survey[dataset.POLARIZATION].values)
-    told["x"] = _axis(survey[dataset.X].values)
-    told["y"] = _axis(survey[dataset.Y].values)
+        rows.append((Message("image"), _image(survey)))
+        rows.append((Message("depth"), _axis(survey[dataset.DEPTH].values)))
+    turns_deg = survey[dataset.POLARIZATION].values
+    turns = [Message("{rotation_deg:g} deg", rotation_deg=one) for one in turns_deg]
+    rows.append((Message("polarizations"), _listed(turns)))
+    rows.append((verbatim("x"), _axis(survey[dataset.X].values)))
+    rows.append((verbatim("y"), _axis(survey[dataset.Y].values)))
     if dataset.FREQUENCY in survey.coords:
-        told["frequency"] = _frequency(survey[dataset.FREQUENCY].values)
+        rows.append((Message("frequency"), _frequency(survey[dataset.FREQUENCY].values)))
     if dataset.HEIGHT in survey:
-        told["height"] = _height(survey[dataset.HEIGHT].values)
-    told["size"] = f"{survey.nbytes / 1e6:.1f} MB"
-    return told
+        rows.append((Message("height"), _height(survey[dataset.HEIGHT].values)))
+    rows.append((Message("size"), Message("{size_mb:.1f} MB", size_mb=survey.nbytes / 1e6)))
+    return rows
 
 
-def _samples(survey: xr.Dataset) -> str:
+def _recorded(name: str, value: object) -> Message:
+    text = verbatim(str(value))
+    return OUTCOMES.get(str(value), text) if name == "outcome" else text
+
+
+def _samples(survey: xr.Dataset) -> Message:
     quality = survey[dataset.QUALITY].values
     usable = int(np.count_nonzero((quality & int(dataset.UNUSABLE)) == 0))
-    parts = [f"{usable} of {quality.size} of the grid"]
-    for flag in (flag for flag in dataset.Quality if flag):
-        count = int(np.count_nonzero(quality & int(flag)))
-        if count:
-            parts.append(f"{count} {str(flag.name).lower().replace('_', ' ')}")
-    return ", ".join(parts)
+    text = Message("{usable} of {total} of the grid", usable=usable, total=quality.size)
+    missing, damaged, no_height, remarked = (
+        int(np.count_nonzero(quality & int(flag)))
+        for flag in (
+            dataset.Quality.MISSING,
+            dataset.Quality.DAMAGED,
+            dataset.Quality.NO_HEIGHT,
+            dataset.Quality.REMARKED,
+        )
+    )
+    counts = [
+        (missing, Message("{count} missing", count=missing)),
+        (damaged, Message("{count} damaged", count=damaged)),
+        (no_height, Message("{count} no height", count=no_height)),
+        (remarked, Message("{count} remarked", count=remarked)),
+    ]
+    return _listed([text, *(message for count, message in counts if count)])
 
 
-def _axis(values_m: np.ndarray) -> str:
-    text = f"{len(values_m)} from {values_m[0] / MM:g} to {values_m[-1] / MM:g} mm"
-    if len(values_m) < 2:
-        return text
-    spacings = np.diff(values_m) / MM
-    if np.ptp(spacings) < 0.02:  # two motor steps [mm]
-        return f"{text}, every {spacings.mean():.4g} mm"
-    return f"{text}, every {spacings.min():.4g} to {spacings.max():.4g} mm"
+def _listed(messages: Sequence[Message]) -> Message:
+    text = messages[0]
+    for one in messages[1:]:
+        text = Message("{before}, {next}", before=text, next=one)
+    return text
 
 
-def _frequency(values_hz: np.ndarray) -> str:
-    step = (values_hz[-1] - values_hz[0]) / max(len(values_hz) - 1, 1)
-    return (
-        f"{len(values_hz)} from {values_hz[0] / GHZ:g} to {values_hz[-1] / GHZ:g} GHz, every "
-        f"{step / MHZ:.5g} MHz"
+def _image(survey: xr.Dataset) -> Message:
+    return Message(
+        "{method}, relative permittivity {permittivity}",
+        method=survey.attrs.get("method", Message("unknown method")),
+        permittivity=survey.attrs.get("permittivity", Message("unknown")),
     )
 
 
-def _height(values_m: np.ndarray) -> str:
+def _axis(values_m: np.ndarray) -> Message:
+    ends = Message(
+        "{count} from {first_mm:g} to {last_mm:g} mm",
+        count=len(values_m),
+        first_mm=values_m[0] / MM,
+        last_mm=values_m[-1] / MM,
+    )
+    if len(values_m) < 2:
+        return ends
+    spacings = np.diff(values_m) / MM
+    if np.ptp(spacings) < 0.02:  # two motor steps [mm]
+        return Message("{range}, every {step_mm:.4g} mm", range=ends, step_mm=spacings.mean())
+    return Message(
+        "{range}, every {smallest_mm:.4g} to {largest_mm:.4g} mm",
+        range=ends,
+        smallest_mm=spacings.min(),
+        largest_mm=spacings.max(),
+    )
+
+
+def _frequency(values_hz: np.ndarray) -> Message:
+    step = (values_hz[-1] - values_hz[0]) / max(len(values_hz) - 1, 1)
+    return Message(
+        "{count} from {first_ghz:g} to {last_ghz:g} GHz, every {step_mhz:.5g} MHz",
+        count=len(values_hz),
+        first_ghz=values_hz[0] / GHZ,
+        last_ghz=values_hz[-1] / GHZ,
+        step_mhz=step / MHZ,
+    )
+
+
+def _height(values_m: np.ndarray) -> Message:
     known = values_m[np.isfinite(values_m)]
     if not known.size:
-        return "not measured"
-    return f"{known.min() / MM:.4g} to {known.max() / MM:.4g} mm, mean {known.mean() / MM:.4g} mm"
+        return Message("not measured")
+    return Message(
+        "{lowest_mm:.4g} to {highest_mm:.4g} mm, mean {mean_mm:.4g} mm",
+        lowest_mm=known.min() / MM,
+        highest_mm=known.max() / MM,
+        mean_mm=known.mean() / MM,
+    )
 
 
-INSTRUMENT = {"identity": "instrument", "address": "its address", "calibration": "its calibration"}
+INSTRUMENT = {
+    "identity": Message("VNA"),
+    "address": Message("VNA address"),
+    "calibration": Message("VNA calibration"),
+}
 PLAN, ENDS = ("x", "y"), ("start_mm", "stop_mm", "points")
 HZ_PER_GHZ = 1e9
 SETTINGS = {
-    "settle_s": "pause before a sweep [s]",
-    "height_s": "time of a height measurement [s]",
-    "attempts": "attempts before a pause",
-    "on_height_failure": "if the height cannot be measured",
+    "settle_s": Message("settling time before a sweep [s]"),
+    "height_s": Message("duration of a height measurement [s]"),
+    "attempts": Message("attempts before a pause"),
+    "on_height_failure": Message("if the height cannot be measured"),
 }
 
 
-def settings_of(survey: xr.Dataset) -> List[Tuple[str, ...]]:
-    """Return title and text of each setting that is recorded; none without survey.json."""
+def settings_of(survey: xr.Dataset) -> List[Row]:
+    """Return title and text of each recorded setting; none without survey.json."""
     described: Dict[str, Any] = json.loads(survey.attrs.get("survey_json", "{}"))
     parameters = _mapping(described, "parameters")
-    rows: List[Tuple[str, ...]] = []
+    rows: List[Row] = []
     for axis in PLAN:
         start, stop, points = (parameters.get(f"{axis}_{end}") for end in ENDS)
         if points is not None:
-            rows.append((f"planned {axis}", f"{points} stops from {start} to {stop} mm"))
+            text = Message(
+                "{count} stops from {start} to {stop} mm", count=points, start=start, stop=stop
+            )
+            rows.append((Message("planned {axis}", axis=axis), text))
     sweep = _mapping(_mapping(described, "instrument"), "sweep")
     ends: List[Any] = [sweep.get(key) for key in ("start_frequency_hz", "stop_frequency_hz")]
     if all(isinstance(end, (int, float)) for end in ends):
         start_ghz, stop_ghz = (end / HZ_PER_GHZ for end in ends)
-        text = f"{sweep.get('points')} points, {start_ghz:g} to {stop_ghz:g} GHz"
-        rows.append(("sweep as accepted", text))
+        text = Message(
+            "{count} points, {start_ghz:g} to {stop_ghz:g} GHz",
+            count=sweep.get("points"),
+            start_ghz=start_ghz,
+            stop_ghz=stop_ghz,
+        )
+        rows.append((Message("sweep accepted by the VNA"), text))
     rows += _rows(_mapping(described, "instrument"), INSTRUMENT)
     rows += _rows(_mapping(described, "settings"), SETTINGS)
     for axis, own in _mapping(described, "axes").items():
         unit = "deg" if own.get("type") == "ROT" else "mm"
-        limits = [own.get(key) for key in ("min_coord", "max_coord", "step_size")]
-        rows.append(
-            (f"axis {axis}", "{} to {} {unit}, in steps of {} {unit}".format(*limits, unit=unit))
+        text = Message(
+            "{lower} to {upper} {unit}, in steps of {step} {unit}",
+            lower=own.get("min_coord"),
+            upper=own.get("max_coord"),
+            step=own.get("step_size"),
+            unit=unit,
         )
-    verdict = _mapping(described, "report").get("verdict")
-    return rows + ([("the robot's own verdict", str(verdict))] if verdict else [])
+        rows.append((Message("axis {axis}", axis=axis), text))
+    report = _mapping(described, "report")
+    if report.get("verdict"):
+        recorded = json.dumps(report.get("verdict_message"))
+        verdict = received_message(str(report["verdict"]), recorded)
+        rows.append((Message("verdict of the robot"), verdict))
+    return rows
 
 
 def _mapping(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
@@ -120,5 +214,5 @@ def _mapping(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _rows(values: Mapping[str, Any], titles: Mapping[str, str]) -> List[Tuple[str, ...]]:
-    return [(title, str(values[key])) for key, title in titles.items() if key in values]
+def _rows(values: Mapping[str, Any], titles: Mapping[str, Message]) -> List[Row]:
+    return [(title, verbatim(str(values[key]))) for key, title in titles.items() if key in values]

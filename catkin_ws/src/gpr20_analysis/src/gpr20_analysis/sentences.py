@@ -1,0 +1,83 @@
+"""Sentences about a survey in the attributes of its Dataset, and how they are shown.
+
+Attributes `missing`, `faults` and `notes` are lists of English sentences. Attribute `messages`
+holds the template and values of each, as JSON, so that it can be shown in another language.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence
+
+import xarray as xr
+
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row, received_message
+
+MISSING, FAULTS, NOTES = "missing", "faults", "notes"
+LIST_ATTRIBUTES = (MISSING, FAULTS, NOTES)
+"""Attributes that are lists of sentences."""
+MESSAGES = "messages"
+ENGLISH = Catalogue()
+
+
+def sentences_of(data: xr.Dataset, name: str) -> List[Message]:
+    """Return the sentences of an attribute, such as `notes`.
+
+    A sentence without a template, as older files hold them, stays as it is.
+    """
+    recorded = json.loads(data.attrs.get(MESSAGES, "{}"))
+    return [received_message(str(one), recorded.get(one, "")) for one in data.attrs.get(name, [])]
+
+
+def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) -> Dict[str, Any]:
+    """Return attributes in which some lists of sentences are replaced."""
+    changed = dict(attributes)
+    recorded = json.loads(changed.get(MESSAGES, "{}"))
+    for name, messages in lists.items():
+        sentences = [(str(one), one.to_json()) for one in messages]
+        changed[name] = [text for text, _ in sentences]
+        recorded.update(sentences)
+    if recorded:
+        changed[MESSAGES] = json.dumps(recorded)
+    return changed
+
+
+def sentence_of(data: xr.Dataset, name: str) -> Optional[Message]:
+    """Return the sentence of an attribute that is one sentence; None if it is not there."""
+    if name not in data.attrs:
+        return None
+    recorded = json.loads(data.attrs.get(MESSAGES, "{}"))
+    text = str(data.attrs[name])
+    return received_message(text, recorded.get(text, ""))
+
+
+def with_sentence(attributes: Mapping[str, Any], name: str, message: Message) -> Dict[str, Any]:
+    """Return attributes with one that is a sentence."""
+    recorded = json.loads(attributes.get(MESSAGES, "{}"))
+    recorded[str(message)] = message.to_json()
+    return {**attributes, name: str(message), MESSAGES: json.dumps(recorded)}
+
+
+def with_notes(data: xr.Dataset, notes: Sequence[Message]) -> Dict[str, Any]:
+    """Return the attributes of a Dataset with notes added to those that it has."""
+    return with_sentences(data.attrs, notes=[*sentences_of(data, NOTES), *notes])
+
+
+def first_of(messages: Sequence[Message], most: int) -> Message:
+    """Return the first few messages as one, with the number of the others."""
+    return in_a_row(limited(messages, most))
+
+
+def limited(messages: Sequence[Message], most: int) -> List[Message]:
+    """Return the first few messages, and one more with the number of the others."""
+    others = len(messages) - most
+    more = [Message("and {count} more", count=others)] if others > 0 else []
+    return [*messages[:most], *more]
+
+
+def shown(message: Message, catalogue: Catalogue = ENGLISH) -> str:
+    """Return a message in the language of a catalogue, with its details in brackets."""
+    details = BETWEEN_SENTENCES.join(message.all_details)
+    sentence = catalogue.text(message)
+    return f"{sentence} ({details})" if details else sentence

@@ -1,0 +1,110 @@
+"""People read the commands and the report in their language; programs read the same as ever."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands import main as gpr20
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.sentences import sentences_of, shown, with_sentences
+from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.message import Message, received_message
+
+ALL = len(POINTS)
+SPANISH = {
+    "{path} does not exist": "{path} no existe",
+    "missing: {position}": "falta: {position}",
+    "{stored} of {planned} planned traces are stored and readable": "{stored} de {planned} trazas",
+    "INCOMPLETE, but intact: {counted}": "INCOMPLETA, pero intacta: {counted}",
+    "Verdict": "Veredicto",
+    "No image was made: {reason}": "No hay imagen: {reason}",
+    "Coverage: {usable} of {total} samples usable": "Cobertura: {usable} de {total}",
+}
+
+
+@pytest.fixture(autouse=True)
+def catalogues(monkeypatch):
+    """Spanish of this test's own, so that it does not follow each change of the catalogue."""
+
+    def read(language):
+        return Catalogue(SPANISH if language is Language.SPANISH else None)
+
+    monkeypatch.setattr(gpr20, "read_catalogue", read)
+    for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("LANG", "en_US.UTF-8")
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("stopped"), ALL - 4, "stopped")
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_the_language_is_an_option_anywhere_in_the_call(tmp_path, capsys, place):
+    arguments = ["info", str(tmp_path / "nowhere")]
+    arguments[place:place] = ["--language", "es"]
+    assert gpr20.main(arguments) == 3
+    assert capsys.readouterr().err == f"gpr20 info: {tmp_path}/nowhere no existe\n"
+
+
+def test_the_language_comes_from_the_environment_else(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("LANG", "es_PE.UTF-8")
+    assert gpr20.main(["info", str(tmp_path / "nowhere")]) == 3
+    assert "no existe" in capsys.readouterr().err
+
+
+def test_an_unknown_language_is_refused(tmp_path):
+    assert gpr20.main(["info", str(tmp_path), "--language", "quechua"]) == 3
+
+
+def test_the_verdict_and_the_warnings_are_translated(stopped, capsys):
+    assert gpr20.main(["verify", str(stopped), "--language", "es"]) == 1
+    verdict = f"INCOMPLETA, pero intacta: {ALL - 4} de {ALL} trazas"
+    assert capsys.readouterr().out.splitlines()[-1] == verdict
+    assert gpr20.main(["info", str(stopped), "--language", "es"]) == 1
+    assert "falta: x " in capsys.readouterr().err
+
+
+def test_json_for_programs_is_the_same_in_every_language(stopped, capsys):
+    answers = []
+    for language in ("en", "es"):
+        assert gpr20.main(["info", str(stopped), "--json", "--language", language]) == 1
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0] == answers[1]
+    assert answers[0]["missing"][0].startswith("missing: x ")
+
+
+def test_the_report_is_written_in_the_language(stopped, tmp_path):
+    output = tmp_path / "report.html"
+    assert gpr20.main(["report", str(stopped), "-o", str(output), "--language", "es"]) == 1
+    text = output.read_text(encoding="utf-8")
+    assert '<html lang="es">' in text
+    for words in ("<h2>Veredicto</h2>", "INCOMPLETA", "falta: x ", "No hay imagen: "):
+        assert words in text
+
+
+def test_sentences_of_a_stored_dataset_can_be_translated_later(stopped, tmp_path):
+    write_dataset(load_survey(stopped), tmp_path / "s.nc")
+    missing = sentences_of(read_dataset(tmp_path / "s.nc"), "missing")
+    assert len(missing) == 4
+    assert all(shown(one, Catalogue(SPANISH)).startswith("falta: x ") for one in missing)
+
+
+def test_a_sentence_without_template_stays_as_it_is(stopped):
+    survey = load_survey(stopped)
+    survey.attrs["notes"] = ["written by hand"]
+    (note,) = sentences_of(survey, "notes")
+    assert str(note) == "written by hand"
+
+
+def test_lists_of_sentences_hold_the_english_text_with_details():
+    message = Message("{count} samples", count=3, details="errno 5")
+    attributes = with_sentences({}, notes=[message])
+    assert attributes["notes"] == ["3 samples (errno 5)"]
+    recorded = json.loads(attributes["messages"])["3 samples (errno 5)"]
+    assert received_message("", recorded) == message
