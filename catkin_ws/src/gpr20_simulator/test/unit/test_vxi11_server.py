@@ -350,8 +350,9 @@ def test_device_that_goes_silent_is_found_nowhere(device):
 
 def test_server_stops_while_a_client_waits(server, link):
     def read_nothing():
-        with pytest.raises(EOFError):
+        with pytest.raises(EOFError) as ended:
             link.read(io_timeout_ms=60_000)
+        return ended
 
     reading = InBackground(read_nothing)
     wait_until(lambda: reading.is_waiting, "start of the read")
