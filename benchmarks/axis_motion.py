@@ -19,13 +19,12 @@ import actionlib
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from robot_kit import simulated_robot
-from std_srvs.srv import Trigger
 
 from gpr20_axis_driver.axis_exceptions import MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus, CurrentCoordinate, SurveyParameters
-from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
+from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import SharedState, open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
@@ -76,7 +75,7 @@ class XAxis:
     def home(self) -> None:
         """Find the zero."""
         rospy.wait_for_service("x_axis/homing", LIMIT_S)
-        response = rospy.ServiceProxy("x_axis/homing", Trigger)()
+        response = rospy.ServiceProxy("x_axis/homing", Command)()
         assert response.success, response.message
 
     def move(self, target_mm: float) -> float:
@@ -249,7 +248,7 @@ class Control:
             rospy.wait_for_service(name, LIMIT_S)
         self._set = rospy.ServiceProxy("set_survey_parameters", SetSurveyParameters)
         self._start = rospy.ServiceProxy("start_survey", StartSurvey)
-        self.stop = rospy.ServiceProxy("stop_survey", Trigger)
+        self.stop = rospy.ServiceProxy("stop_survey", Command)
         self.code = -1
         self._subscriber = rospy.Subscriber("control_status", ControlStatus, self._note)
 

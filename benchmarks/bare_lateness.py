@@ -15,7 +15,7 @@ LIMIT_S = 0.0005
 
 
 def main() -> None:
-    print(realtime_scheduling().sentence)
+    print(realtime_scheduling().message)
     lateness_s = []
     due_s = time.monotonic()
     for _ in range(WAKE_UPS):

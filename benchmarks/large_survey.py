@@ -71,16 +71,16 @@ def process(survey: Path, steps: List[str], output: Path, limit_bytes: int) -> s
         resource.setrlimit(resource.RLIMIT_DATA, (limit_bytes, limit_bytes))
 
     started_s = time.monotonic()
-    with tempfile.TemporaryFile() as told:
+    with tempfile.TemporaryFile() as errors:
         running = subprocess.Popen(
-            command, preexec_fn=limited, stdout=subprocess.DEVNULL, stderr=told
+            command, preexec_fn=limited, stdout=subprocess.DEVNULL, stderr=errors
         )
         _, status, used = os.wait4(running.pid, 0)
         running.returncode = status
         took_s = time.monotonic() - started_s
         if status:
-            told.seek(0)
-            return f"failed: {told.read().decode().strip().splitlines()[-1]}"
+            errors.seek(0)
+            return f"failed: {errors.read().decode().strip().splitlines()[-1]}"
     return f"{took_s:6.1f} s, {used.ru_utime + used.ru_stime:6.1f} s of the processor, " + (
         f"{used.ru_maxrss / KIB_PER_MIB:5.0f} MiB"
     )

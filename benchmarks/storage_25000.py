@@ -123,7 +123,7 @@ def store_all(
             print(rows[-1], file=sys.stderr, flush=True)
             times_ms.clear()
         elif len(times_ms) > 1000:
-            del times_ms[0]  # a row tells of the last 1,000 stores before it
+            del times_ms[0]  # a row reports the 1,000 stores before it
     return rows
 
 

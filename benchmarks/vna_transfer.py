@@ -82,7 +82,7 @@ class Case:
 
 
 def serve(pipe: Connection) -> None:
-    """Run the simulated instrument, tell its port, and end when told to."""
+    """Run the simulated instrument, print its port, and end on request."""
     scene = Scene()
     vna = SimulatedAnalyzer(
         medium_by_name("scene", scene),

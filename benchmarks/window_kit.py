@@ -14,12 +14,11 @@ from typing import Any, Callable, Iterator, List
 import rospy
 from PyQt5.QtCore import QEventLoop, QTimer
 from robot_kit import running
-from std_srvs.srv import Trigger
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
-from gpr20_msgs.srv import SetSurveyParameters, StartSurvey
+from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.profiles import Profiles
@@ -53,7 +52,7 @@ def new_window(languages: Languages, folder: Path) -> UserInterface:
 
 
 class Operator:
-    """Starts surveys through the services, as another window would, and hears how they go."""
+    """Starts surveys through the services, as another window would, and follows their progress."""
 
     def __init__(self) -> None:
         self.code = -1
@@ -82,11 +81,11 @@ class Operator:
 
     def pause(self) -> None:
         """Ask to pause."""
-        self.call("pause_survey", Trigger)
+        self.call("pause_survey", Command)
 
     def stop(self) -> None:
         """Ask to stop."""
-        self.call("stop_survey", Trigger)
+        self.call("stop_survey", Command)
 
     def _note(self, message: ControlStatus) -> None:
         self.code = message.code

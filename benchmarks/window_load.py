@@ -6,7 +6,7 @@ this process, so its own counters are those of the window.
 
     scripts/bench.sh window_load --minutes 120        (memory over two hours)
 
-A heartbeat of 10 ms tells how long the window's thread was busy with something else: beyond
+A heartbeat of 10 ms measures how long the window's thread was busy with something else: beyond
 50 ms it could not have drawn 20 frames a second.
 """
 
@@ -31,10 +31,11 @@ from window_kit import (
     virtual_screen,
 )
 
+from gpr20_common.catalogue import Language
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05

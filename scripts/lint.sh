@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Style and types: ruff and mypy everywhere, who may import whom, catkin_lint, shell syntax.
+# Style and types: ruff and mypy everywhere, who may import whom, translations, catkin_lint, shell.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -17,6 +17,7 @@ MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)catkin_ws/devel/lib
     benchmarks/*.py scripts/*.py scripts/crash_matrix
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
+scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
 echo "lint: nothing to complain about"

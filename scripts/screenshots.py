@@ -10,10 +10,11 @@ from PyQt5.QtWidgets import QApplication
 from robot_kit import simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
+from gpr20_common.catalogue import Language
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 # A finished survey for the list, then the one that the pictures show.
 SMALL_SURVEY = {"x_points": 3, "y_points": 3}

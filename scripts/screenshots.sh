@@ -1,10 +1,16 @@
 #!/usr/bin/env bash
-# Pictures of every tab of the window, 800x480, in both languages, into docs/images: a survey of the simulated robot over two targets.
-#   scripts/screenshots.sh [FOLDER]     another folder than docs/images
+# Pictures of the window, 800x480, in both languages, from surveys of the simulated robot.
+#   scripts/screenshots.sh                   every tab, over two targets, into docs/images
+#   scripts/screenshots.sh FOLDER            the same into another folder
+#   scripts/screenshots.sh --faults FOLDER   STATUS, paused by each fault of the simulator
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 "$GPR20_ROOT/scripts/setup.sh" --dev
 gpr20_use_workspace
 export ROS_IP=127.0.0.1
-PYTHONPATH="$GPR20_ROOT/benchmarks:$PYTHONPATH" exec python "$GPR20_ROOT/scripts/screenshots.py" "${1:-$GPR20_ROOT/docs/images}"
+export PYTHONPATH="$GPR20_ROOT/benchmarks:$PYTHONPATH"
+if [ "${1:-}" = --faults ]; then
+    exec python "$GPR20_ROOT/scripts/fault_screenshots.py" "${2:?name a folder for the pictures}"
+fi
+exec python "$GPR20_ROOT/scripts/screenshots.py" "${1:-$GPR20_ROOT/docs/images}"

@@ -14,7 +14,7 @@ DEBIAN_PACKAGES=(
     python3-numpy python3-pyqt5 python3-rosbag python3-rospy python3-rostest python3-sensor-msgs
     python3-rosmsg python3-rosnode python3-rosservice python3-rostopic python3-std-srvs rosbash
 )
-DEBIAN_DEV_PACKAGES=(iproute2 nftables procps python3-psutil xvfb)
+DEBIAN_DEV_PACKAGES=(gettext iproute2 nftables procps python3-psutil xvfb)
 
 dev=no robot=no
 for argument in "$@"; do

@@ -15,7 +15,7 @@ for option in "$@"; do
     fi
 done
 
-data="${GPR20_DATA:-$HOME/gpr20_data}"
+data="$(realpath -ms "${GPR20_DATA:-$HOME/gpr20_data}")"
 time_scale="${GPR20_TIME_SCALE:-50}"
 logs="$(mktemp -d)"
 log="$logs/roslaunch.log"
@@ -38,8 +38,9 @@ case " $* " in *" --resume"*) area=() ;; esac
 status=0 survey=
 rosrun gpr20_user_interface run_survey "${area[@]}" "$@" || status=$?
 if [ "$status" -eq 0 ]; then
-    # The control's last word names the folder; it is latched, so it comes at once.
-    survey="$(timeout 20 rostopic echo -n 1 /control_status/message | sed -n 's/.* traces in \([^"]*\)"*$/\1/p')"
+    # The status is latched, so it comes at once. The folder's name ends with the id's first part.
+    id="$(timeout 20 rostopic echo -n 1 /control_status/survey_id | grep -oE -m 1 '[0-9a-f]{8}-[0-9a-f-]{27}')"
+    survey="$(find "$data" -maxdepth 1 -type d -name "*_${id%%-*}")"
 fi
 shut_down
 if [ "$status" -ne 0 ]; then

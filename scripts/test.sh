@@ -1,15 +1,34 @@
 #!/usr/bin/env bash
-# Install what is missing, then run every check of the project:
-# lint, the unit tests (under Python 3.8 too where it is present), the rostests, the commands of the README.
-#   scripts/test.sh            everything
-#   scripts/test.sh lint|unit|unit38|ros|commands ...   only these parts
+# Install what is missing, then run the tests: one run of pytest, side by side.
+#   scripts/test.sh                  everything
+#   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, pythons, or files of tests
+# The last line counts the tests that passed, failed, were skipped (why) or were repeated.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+paths=()
+other_pythons=no coverage=()
+[ $# -gt 0 ] || { other_pythons=yes coverage=(--cov --cov-report=); }
+for argument in "$@"; do
+    case "$argument" in
+        lint) paths+=("$GPR20_ROOT/scripts/test/test_lint.py") ;;
+        unit) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/unit) coverage=(--cov --cov-report=) ;;
+        ros) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/ros) ;;
+        commands) paths+=("$GPR20_ROOT/scripts/test") other_pythons=yes ;;
+        pythons) paths+=("$GPR20_ROOT/scripts/test/test_other_pythons.py") other_pythons=yes ;;
+        *)
+            if [ ! -e "${argument%%::*}" ]; then
+                echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros, commands, pythons" >&2
+                exit 2
+            fi
+            paths+=("$(realpath -s "${argument%%::*}")${argument#"${argument%%::*}"}") ;;
+    esac
+done
 cd "$GPR20_ROOT"
 
-# A Python of this version that runs, if this machine has one.
-other_python() {
+# python_of 3.8: that interpreter, if this machine has it.
+python_of() {
     local candidate
     for candidate in "python$1" "$HOME/.pyenv/versions/$1".*/bin/python; do
         # A version manager may have a command of that name that only says which to choose.
@@ -18,13 +37,10 @@ other_python() {
 }
 
 # Make the virtual environment of another Python: .venv38 for 3.8, .venv313 for 3.13.
-install_other_python() {
+make_venv() {
     local pins="requirements/python$1.txt" venv="$GPR20_ROOT/.venv${1/./}" python
-    python="$(other_python "$1")"
-    if [ -z "$python" ]; then
-        echo "no Python $1 here: its unit tests are skipped"
-        return
-    fi
+    python="$(python_of "$1")"
+    if [ -z "$python" ]; then echo "no Python $1 here: the tests under it are skipped"; return; fi
     if cmp -s "$pins" "$venv/installed"; then return; fi
     echo "making the virtual environment $venv"
     rm -rf "$venv"
@@ -33,10 +49,14 @@ install_other_python() {
     cp "$pins" "$venv/installed"
 }
 
-install_other_python 3.8 & python38=$!
-install_other_python 3.13 & python313=$!
+installations=()
+if [ "$other_pythons" = yes ]; then
+    for version in 3.8 3.13; do
+        make_venv "$version" & installations+=($!)
+    done
+fi
 scripts/setup.sh --dev
-wait "$python38"
-wait "$python313"
-gpr20_use_workspace
-exec python scripts/run_checks.py "$@"
+for installation in "${installations[@]}"; do wait "$installation"; done
+# Many tests wait for the robot more than they compute.
+exec "$GPR20_VENV/bin/python" -m pytest --numprocesses $(($(nproc) + 1)) --durations 20 \
+    "${coverage[@]}" "${paths[@]}"

@@ -157,7 +157,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=20, help="of the random instants")
     arguments = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="gpr20_crash_matrix_"))
-    # The robot must not outlive the script, whoever ends it.
+    # The robot must not outlive the script, however it ends.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     robot = MonitoredRobot(folder, TIME_SCALE)
     matrix = Matrix(robot, random.Random(arguments.seed))

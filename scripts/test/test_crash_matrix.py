@@ -7,6 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = [pytest.mark.real_time, pytest.mark.takes(150)]
+
 MATRIX = Path(__file__).resolve().parents[1] / "crash_matrix"
 KILLS = 20
 LIMIT_S = 600.0

@@ -18,7 +18,11 @@ from network_namespaces import (
 )
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
-pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root")
+pytestmark = [
+    pytest.mark.real_time,
+    pytest.mark.takes(60),
+    pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root"),
+]
 
 PORT = 11311
 SURVEY = "rosrun gpr20_user_interface run_survey --wait 60 --x-points 5 --y-points 5"

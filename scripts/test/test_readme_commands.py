@@ -14,6 +14,8 @@ from robot_kit import free_port
 from rosbags.highlevel import AnyReader
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
+pytestmark = [pytest.mark.real_time, pytest.mark.takes(150)]
+
 
 def fenced_lines(text):
     """Return the lines inside fences, in order."""

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.takes(60)
+
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = ROOT / "catkin_ws/src/gpr20_analysis"
 SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys"

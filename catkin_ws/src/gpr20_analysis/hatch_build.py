@@ -9,7 +9,10 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 NEEDED = {
     "gpr20_survey": [""],
-    "gpr20_common": ["__init__.py", "errors.py", "mid", "low"],
+    "gpr20_common": [
+        *("__init__.py", "catalogue.py", "errors.py", "message.py", "os_reason.py"),
+        *("low", "mid", "translations"),
+    ],
 }
 
 

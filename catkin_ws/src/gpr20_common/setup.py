@@ -10,5 +10,6 @@ setup(
             "gpr20_common.mid",
         ],
         package_dir={"": "src"},
+        package_data={"gpr20_common": ["translations/*.po"]},
     )
 )

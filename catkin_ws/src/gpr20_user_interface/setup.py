@@ -9,9 +9,7 @@ setup(
             "gpr20_user_interface.low",
             "gpr20_user_interface.mid",
             "gpr20_user_interface.views",
-            "gpr20_user_interface.views.robot_sentences",
         ],
-        package_data={"gpr20_user_interface": ["translations/*.ts"]},
         package_dir={"": "src"},
     )
 )

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every fault of the simulated robot: what the operator reads, and that the survey goes on.
+"""Every fault of the simulated robot: what the operator reads, and that the survey continues.
 
 A survey that meets a fault pauses; nothing wrong is stored; once the fault is gone it ends
 with every point exactly once.
@@ -15,12 +15,12 @@ import numpy as np
 import rospy
 import rostest
 import vxi11
-from std_srvs.srv import Trigger
 from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
 from gpr20_msgs.msg import ControlStatus, SurveyParameters, Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
+    Command,
     Connection,
     FreqSweepSetup,
     GetCalibrationStatus,
@@ -38,13 +38,13 @@ from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 
 TRACES = 18
-RESUMABLE = "resume when it is mended, or stop"
+RESUMABLE = "Fix the fault and resume, or stop."
 NAN = float("nan")
 # What each service must refuse before there is a survey or a connection.
 REFUSED = (
     ("set_survey_parameters", SetSurveyParameters, SurveyParameters(x_start_mm=NAN)),
     ("start_survey", StartSurvey),
-    ("stop_survey", Trigger),
+    ("stop_survey", Command),
     ("resume_survey", ResumeSurvey, ""),
     ("connection", Connection, True, "here"),
     ("freq_sweep_setup", FreqSweepSetup, NAN, -1.0, 0),
@@ -165,7 +165,7 @@ class FaultsTest(unittest.TestCase):
         self.wait_for_pause("homing the x axis failed", "stuck closed")
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
-        # The axis has its zero back: it stands where it says.
+        # The axis has its zero back: it is where it reports to be.
         self.assertEqual(self.state.steps(AxisId.X), 100 * self.FAR_MM)
 
     def test_03_an_endstop_stuck_open_does_no_harm_before_the_next_homing(self):
@@ -180,7 +180,7 @@ class FaultsTest(unittest.TestCase):
         self.finish(survey_id)
 
     def test_10_an_instrument_that_hangs(self):
-        self.check_vna_fault("HANG", "no connection to the VNA at 127.0.0.1", "check the address")
+        self.check_vna_fault("HANG", "no connection to the VNA at 127.0.0.1", "check its address")
 
     def test_11_an_instrument_that_drops_its_connections(self):
         self.check_vna_fault("DROP", "no connection to the VNA at 127.0.0.1", "closed by the other")
@@ -192,21 +192,21 @@ class FaultsTest(unittest.TestCase):
         self.check_vna_fault("LATE", "127.0.0.1 failed", "IO timeout", "check the VNA and its")
 
     def test_14_a_block_that_is_cut(self):
-        self.check_vna_fault("TRUNCATE", "the data block is cut", "look at the VNA's display")
+        self.check_vna_fault("TRUNCATE", "data are incomplete", "look at the VNA's display")
 
     def test_15_numbers_that_are_none(self):
-        self.check_vna_fault("NAN", "numbers of the instrument are not finite", "VNA's display")
+        self.check_vna_fault("NAN", "numbers from the VNA are not finite", "VNA's display")
 
     def test_16_an_instrument_that_babbles(self):
-        self.check_vna_fault("GARBAGE", "the VNA says it is", "expected is Anritsu MS2026C")
+        self.check_vna_fault("GARBAGE", "the VNA identifies itself", "expected Anritsu MS2026C")
 
     def test_17_data_of_the_sweep_before(self):
-        self.check_vna_fault("STALE", "the very same data as for the sweep before")
+        self.check_vna_fault("STALE", "exactly the same data as in the previous sweep")
 
     def test_18_another_instrument_at_the_same_address(self):
         # Only a new link asks who is there.
         survey_id = self.begin_and_meet("vna", ("WRONG_IDENTITY", 0), ("DROP", 1))
-        self.wait_for_pause("the VNA says it is 'Rohde&Schwarz,ZNL6", "check the address")
+        self.wait_for_pause("the VNA identifies itself as 'Rohde&Schwarz,ZNL6", "address")
         self.fault("vna", "NONE")
         self.finish(survey_id)
 
@@ -218,7 +218,7 @@ class FaultsTest(unittest.TestCase):
         self.fault("vna", "REFUSE_SETTINGS")
         self.fault("adc", "NONE")
         self.client.go_on(survey_id)
-        self.wait_for_pause("the VNA did not take a setting", "start frequency shall be 600000000")
+        self.wait_for_pause("the VNA did not accept a setting", "instead of 600000000")
         self.fault("vna", "NONE")
         self.finish(survey_id)
 
@@ -227,7 +227,7 @@ class FaultsTest(unittest.TestCase):
         self.fault("vna", "REFUSE_SETTINGS")
         _survey_id, status = self.client.run_to_end(frequency_points=52)
         self.assertEqual(status.code, ControlStatus.FAILED)
-        self.assertIn("number of points shall be 52 and is '51'", status.message)
+        self.assertIn("number of points is '51' instead of 52", status.message)
         self.assertEqual(self.true_steps(), before)
 
     def turn_knob(self, command):
@@ -249,7 +249,7 @@ class FaultsTest(unittest.TestCase):
         self.check_adc_fault("STUCK", "is stuck", "check its plug and supply")
 
     def test_31_a_height_out_of_range(self):
-        self.check_adc_fault("OUT_OF_RANGE", "it measures from 0.1 to 0.8 m", "check that it sees")
+        self.check_adc_fault("OUT_OF_RANGE", "it measures from 0.1 to 0.8 m", "sees the ground")
 
     # What hangs, and what waits.
 
@@ -259,7 +259,7 @@ class FaultsTest(unittest.TestCase):
         pid = node_pid("/vna_acquisition")
         os.kill(pid, signal.SIGSTOP)
         try:
-            self.wait_for_pause("vna_acquisition went silent", "did not come back within 3 s")
+            self.wait_for_pause("the VNA driver stopped answering", "no answer within 3 s")
         finally:
             os.kill(pid, signal.SIGCONT)
         self.finish(survey_id)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A disk that fills during a survey pauses it; after space was made it goes on to its end."""
+"""A disk that fills during a survey pauses it; after space was made it continues to its end."""
 
 import os
 import shutil

@@ -54,7 +54,7 @@ class Imaging(unittest.TestCase):
         scene = read_scene(rospy.get_param("simulator/scene"))
         cls.permittivity = scene.soil.relative_permittivity
         cls.sphere, cls.disc, cls.wire = scene.targets
-        cls.told = {}
+        cls.report = {}
         cls.client = SurveyClient()
         survey_id = cls.client.begin(**GRID)
         ends = (ControlStatus.FINISHED, ControlStatus.FAILED, ControlStatus.PAUSED)
@@ -70,24 +70,24 @@ class Imaging(unittest.TestCase):
 
     def echoes(self, *options):
         """Return what gpr20 image says as JSON; each image is made once."""
-        if options not in self.told:
-            self.told[options] = json.loads(gpr20("image", self.folder, "--json", *options))
-        return self.told[options]
+        if options not in self.report:
+            self.report[options] = json.loads(gpr20("image", self.folder, "--json", *options))
+        return self.report[options]
 
     def image_at_known_permittivity(self, method):
         return self.echoes("--permittivity", self.permittivity, "--method", method)
 
-    def nearest(self, told, target, rotation_deg):
+    def nearest(self, report, target, rotation_deg):
         """Return the echo of one polarization that is nearest to a target, and its distances."""
-        echoes = [one for one in told["echoes"] if one["polarization_deg"] == rotation_deg]
+        echoes = [one for one in report["echoes"] if one["polarization_deg"] == rotation_deg]
         self.assertTrue(echoes, f"no echo at {rotation_deg} deg")
         return min(((one, *off_mm(one, target)) for one in echoes), key=lambda found: found[1])
 
     def check_point_targets(self, method):
-        told = self.image_at_known_permittivity(method)
+        report = self.image_at_known_permittivity(method)
         for target in (self.sphere, self.disc):
             for rotation_deg in (0.0, 90.0):
-                _, across_mm, deeper_mm = self.nearest(told, target, rotation_deg)
+                _, across_mm, deeper_mm = self.nearest(report, target, rotation_deg)
                 print(
                     f"{method}, {target.name}, {rotation_deg:g} deg: {across_mm:.1f} mm across, "
                     f"{deeper_mm:+.1f} mm in depth"
@@ -102,14 +102,14 @@ class Imaging(unittest.TestCase):
         self.check_point_targets("back-projection")
 
     def test_wire_shows_in_the_polarization_along_it_alone(self):
-        told = self.image_at_known_permittivity("phase-shift")
-        _, _, deeper_mm = self.nearest(told, self.wire, 90.0)
+        report = self.image_at_known_permittivity("phase-shift")
+        _, _, deeper_mm = self.nearest(report, self.wire, 90.0)
         self.assertLess(abs(deeper_mm), LARGEST_ERROR_MM)
         half_mm = self.wire.size_m * 500.0
         across = {
             turn: [
                 one
-                for one in told["echoes"]
+                for one in report["echoes"]
                 if one["polarization_deg"] == turn
                 and abs(one["x_m"] * 1000.0 - self.wire.x_mm) < 15.0
                 and abs(one["y_m"] * 1000.0 - self.wire.y_mm) < half_mm
@@ -120,19 +120,19 @@ class Imaging(unittest.TestCase):
         self.assertFalse(across[0.0])
 
     def test_estimated_permittivity_says_how_far_off_it_may_be(self):
-        told = self.echoes()
-        self.assertEqual(told["permittivity_source"], "estimated by focus")
-        self.assertLess(told["permittivity_lowest"], self.permittivity)
-        self.assertGreater(told["permittivity_highest"], self.permittivity)
+        report = self.echoes()
+        self.assertEqual(report["permittivity_source"], "estimated by focus")
+        self.assertLess(report["permittivity_lowest"], self.permittivity)
+        self.assertGreater(report["permittivity_highest"], self.permittivity)
         for target in (self.sphere, self.disc):
-            _, across_mm, deeper_mm = self.nearest(told, target, 0.0)
+            _, across_mm, deeper_mm = self.nearest(report, target, 0.0)
             print(
-                f"permittivity estimated {told['permittivity']:.2f} instead of "
+                f"permittivity estimated {report['permittivity']:.2f} instead of "
                 f"{self.permittivity:g}: {target.name} {across_mm:.1f} mm across, "
                 f"{deeper_mm:+.1f} mm in depth"
             )
             self.assertLess(across_mm, LARGEST_ERROR_MM)
-            limit = told["depth_uncertainty"] * target.depth_m * 1000.0 + LARGEST_ERROR_MM
+            limit = report["depth_uncertainty"] * target.depth_m * 1000.0 + LARGEST_ERROR_MM
             self.assertLess(abs(deeper_mm), limit)
 
     def test_text_output_and_figures_are_written(self):

@@ -64,8 +64,8 @@ class SecondLaunchTest(unittest.TestCase):
                 command = ["rosrun", package, program, f"__name:={name}", f"__ns:={namespace}"]
                 status, said = run(command)
                 self.assertEqual(status, 1, said)
-                self.assertIn(f"{full_name} cannot start: it runs already", said)
-                self.assertIn("give this one a namespace of its own", said)
+                self.assertIn(f"{full_name} cannot start: it is already running", said)
+                self.assertIn("give this one its own namespace", said)
                 self.assertEqual(node_pid(full_name), before)
         status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)

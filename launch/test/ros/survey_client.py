@@ -1,4 +1,4 @@
-"""The control of a running robot, and the folders of its surveys, for the tests."""
+"""A client of a running robot, and the folders of its surveys, for the tests."""
 
 import json
 import struct
@@ -10,10 +10,9 @@ from xmlrpc.client import ServerProxy
 import rosgraph
 import rosnode
 import rospy
-from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import ControlStatus, SurveyData, SurveyParameters
-from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 
 LIMIT_S = 120.0
 # Of all nodes: where these are, every node is there.
@@ -41,7 +40,7 @@ PARAMETERS = {
 
 
 def wait_until_connected(subscribers):
-    """Wait until each subscriber has a publisher: what was said before is lost."""
+    """Wait until each subscriber has a publisher: earlier messages are lost."""
     deadline_s = time.monotonic() + LIMIT_S
     for subscriber in subscribers:
         while subscriber.get_num_connections() == 0:
@@ -50,7 +49,7 @@ def wait_until_connected(subscribers):
 
 
 class SurveyClient:
-    """Requests to main_control, and everything it has said."""
+    """Requests to main_control, and everything it has published."""
 
     def __init__(self):
         self._changed = threading.Condition()
@@ -59,10 +58,10 @@ class SurveyClient:
         self.survey_id = ""
         for name in SERVICES:
             rospy.wait_for_service(name, LIMIT_S)
-        self.pause = rospy.ServiceProxy("pause_survey", Trigger)
+        self.pause = rospy.ServiceProxy("pause_survey", Command)
         self.set_parameters = rospy.ServiceProxy("set_survey_parameters", SetSurveyParameters)
         self.start = rospy.ServiceProxy("start_survey", StartSurvey)
-        self.stop = rospy.ServiceProxy("stop_survey", Trigger)
+        self.stop = rospy.ServiceProxy("stop_survey", Command)
         self.resume = rospy.ServiceProxy("resume_survey", ResumeSurvey)
         self._subscribers = [
             rospy.Subscriber("control_status", ControlStatus, self._note, self.statuses),
@@ -77,14 +76,14 @@ class SurveyClient:
             self._changed.notify_all()
 
     def wait(self, condition, limit_s=LIMIT_S):
-        """Wait until a condition on what was said holds."""
+        """Wait until a condition on the received messages holds."""
         with self._changed:
             assert self._changed.wait_for(condition, limit_s), (
                 f"still {self.statuses[-1:]} {self.progress[-1:]}"
             )
 
     def forget(self):
-        """Forget the statuses that were heard."""
+        """Forget the received statuses."""
         with self._changed:
             self.statuses.clear()
 
@@ -102,16 +101,16 @@ class SurveyClient:
         started = self.start()
         assert started.success, started.message
         self.survey_id = started.survey_id
-        # What was said of the survey before may come after the answer.
+        # Messages about the survey before may arrive after the answer.
         self.wait(lambda: any(one.survey_id == started.survey_id for one in self.statuses))
         return started.survey_id
 
     def go_on(self, survey_id):
-        """Resume a paused survey; what was said before is forgotten."""
+        """Resume a paused survey; statuses received before are forgotten."""
         self.forget()
         answer = self.resume(survey_id)
         assert answer.success, answer.message
-        # That it is paused or ended may be said once more after the answer.
+        # The old state may be received once more after the answer.
         self.wait(lambda: any(one.code in GOING_ON for one in self.statuses))
 
     def wait_for_status(self, *codes):
@@ -146,7 +145,7 @@ class SurveyClient:
 
 def node_pid(name):
     """Return the process of a node."""
-    # Not from its cache: a node that was started anew is elsewhere.
+    # Not from its cache: a restarted node has another address.
     server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
     _code, _message, pid = ServerProxy(server).getPid(rospy.get_name())
     return pid

@@ -101,8 +101,8 @@ class WholeSurveyTest(unittest.TestCase):
         refusals = [
             ({"x_start_mm": math.nan}, "x start is nan mm; it must lie between 0 and 650 mm"),
             ({"start_frequency_hz": 6.0e9}, "must be below the stop frequency, 6000000000 Hz"),
-            ({"x_points": 2}, "x points is 2; it must be more than 2"),
-            ({"y_points": 2}, "y points is 2; it must be more than 2"),
+            ({"x_points": 2}, "x points is 2; it must be at least 3"),
+            ({"y_points": 2}, "y points is 2; it must be at least 3"),
             ({"x_stop_mm": 700.0}, "x stop is 700 mm; it must lie between 0 and 650 mm"),
             ({"y_stop_mm": 801.0}, "y stop is 801 mm; it must lie between 0 and 800 mm"),
             ({"frequency_points": 4001}, "4001; it must lie between 2 and 4000"),

@@ -20,7 +20,7 @@ def offset_s():
 
 
 def set_off(call, unit):
-    """Return a call that tells the time of day by the clock that is off."""
+    """Return a call that returns the time of day by the clock that is off."""
     return lambda: call() + offset_s() * unit
 
 

@@ -16,6 +16,8 @@ from gpr20_analysis.formats import group_csv, merged_hdf5, original_json
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
+pytestmark = pytest.mark.takes(60)
+
 ALL = len(POINTS)
 VICTIM = 7
 DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3

@@ -15,6 +15,8 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.report import pictures
 from gpr20_analysis.report.page import Section, page
 
+pytestmark = pytest.mark.takes(40)
+
 ALL = len(POINTS)
 OPTIONS = ["--permittivity", "4", "--depth", "0", "0.02", "0.005"]
 LOW = ["--height", "0.03"]  # the sweep of these surveys tells short delays only

@@ -6,7 +6,7 @@ from gpr20_common.errors import Gpr20Error
 
 
 class AxisException(Gpr20Error):
-    """An axis refused or failed to do what was asked; `message` says why and what to do."""
+    """An axis refused or failed to do what was asked; `message` is why and what to do."""
 
 
 class TravelError(AxisException, ValueError):
@@ -14,11 +14,11 @@ class TravelError(AxisException, ValueError):
 
 
 class NotHomedError(AxisException, RuntimeError):
-    """The axis does not know where it is, so it has no legal range."""
+    """The axis is not homed, so its position is unknown."""
 
 
 class AxisBusyError(AxisException, RuntimeError):
-    """The axis is still carrying out something else."""
+    """The axis is still carrying out another motion."""
 
 
 class EndstopError(AxisException, OSError):
@@ -34,19 +34,19 @@ class PositionLostError(AxisException, RuntimeError):
 
 
 class NodeHungError(AxisException, RuntimeError):
-    """The motion was ended because nobody could have stopped it."""
+    """The motion was ended because the node could not have stopped it."""
 
 
 class ZeroUnknownError(AxisException, RuntimeError):
-    """An axis without endstop does not remember where its zero is."""
+    """The zero of an axis without endstop is unknown."""
 
 
 class StepCounterError(AxisException, OSError):
-    """The file that holds an axis's step count cannot be used."""
+    """The file of an axis's step count cannot be used."""
 
 
 class PulseProcessError(AxisException, OSError):
-    """The process that makes the pulses could not be started, or has ended."""
+    """The pulse process could not be started, or has ended."""
 
 
 class PinLibraryError(AxisException, OSError):

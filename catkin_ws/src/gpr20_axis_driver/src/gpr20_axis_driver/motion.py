@@ -1,4 +1,4 @@
-"""One motion of an axis: what is asked for, what came of it, and who can carry it out."""
+"""One motion of an axis: the request, its report, and what carries it out."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
-# Asked at every step: whether to end the motion now.
+# Called at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]
 
 
@@ -72,7 +72,7 @@ class LateLimits:
 
     @classmethod
     def of(cls, parameters: AxisParameters) -> LateLimits:
-        """Return the limits that the parameters name, for a robot that moves in real time."""
+        """Return the limits of the parameters, for a robot that moves in real time."""
         return cls(parameters.late_limit_s, parameters.gap_limit_s)
 
 
@@ -96,7 +96,7 @@ class Lateness:
 
     @classmethod
     def of(cls, lateness_s: Sequence[float], slowed: int) -> Lateness:
-        """Sum up the lateness of each pulse [s]."""
+        """Summarize the lateness of each pulse [s]."""
         if not lateness_s:
             return cls(slowed=slowed)
         ordered = sorted(lateness_s)
@@ -108,7 +108,7 @@ class Lateness:
 
 @dataclass(frozen=True)
 class MotionReport:
-    """What came of a motion.
+    """The result of a motion.
 
     Attributes:
         ending: How it ended.
@@ -131,14 +131,14 @@ class MotionRunner(Protocol):
     """Makes the pulses of motions, next to the hardware."""
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor rests."""
+        """Carry out a motion and return when the motor is at rest."""
 
     def close(self) -> None:
         """Leave the step and direction pins low and release the hardware."""
 
 
 class AxisHardware(Protocol):
-    """What an axis is wired to. It is pickled, so it names things and opens them later."""
+    """What an axis is wired to. It is pickled, so the hardware is opened only by `open`."""
 
     @property
     def name(self) -> str:
@@ -162,7 +162,7 @@ class AxisHardware(Protocol):
 
     @property
     def first_steps(self) -> Optional[int]:
-        """Where the motor rests if nothing was ever counted; None if that is unknown."""
+        """Position of the motor before the first count [motor steps]; None if it is unknown."""
 
     def open(self, counter: StepCounter) -> MotionRunner:
         """Open the hardware; both pins are low then."""

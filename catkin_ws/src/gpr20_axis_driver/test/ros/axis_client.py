@@ -13,9 +13,9 @@ from pathlib import Path
 
 import actionlib
 import rospy
-from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import AxisAction, AxisGoal
+from gpr20_msgs.srv import Command
 
 LIMIT_S = 60.0
 
@@ -31,7 +31,7 @@ def move(target):
 
 
 def wait_for_end():
-    # Not by wait_for_result, which waits for ever for a result that comes too early.
+    # Not by wait_for_result, which waits for ever for a result that arrives too early.
     deadline_s = time.monotonic() + LIMIT_S
     while client.gh.get_comm_state() != actionlib.CommState.DONE:
         assert time.monotonic() < deadline_s, "the goal never ended"
@@ -39,7 +39,7 @@ def wait_for_end():
 
 
 if what == "home":
-    rospy.ServiceProxy(f"{group}/homing", Trigger)()
+    rospy.ServiceProxy(f"{group}/homing", Command)()
 elif "unplugged" in sys.argv:
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
     from vanishing_peer import come_back, vanish

@@ -39,12 +39,12 @@ class AxisFaultsTest(unittest.TestCase):
         cls.z = Axis(AxisId.Z)
 
     def assert_stopped_within(self, axis, requested_ns, ramp_s):
-        """The axis stands, its last pulse came in time, and its coordinate is exact."""
+        """The axis is at rest, its last pulse came in time, and its coordinate is exact."""
         wait_until(lambda: axis.last is not None and not axis.last.moving)
         self.assertLess((axis.last_pulse_ns - requested_ns) * 1e-9, ramp_s + STOP_S)
         steps = axis.steps
-        axis.heard.clear()
-        self.assertTrue(axis.heard.wait(LIMIT_S))
+        axis.received.clear()
+        self.assertTrue(axis.received.wait(LIMIT_S))
         self.assertEqual(axis.steps, steps)
         if axis.last.homed:
             step_size = 1.0 / X_STEPS_PER_MM if axis is self.x else 1.8
@@ -141,7 +141,7 @@ class AxisFaultsTest(unittest.TestCase):
         steps = self.z.steps
         response = self.z.call("homing")
         self.assertFalse(response.success)
-        self.assertIn("to their mark and call the service set_zero", response.message)
+        self.assertIn("to their mark and set the zero of this axis", response.message)
         self.assertEqual(self.z.steps, steps)
         self.assertTrue(self.z.call("set_zero").success)
         wait_until(lambda: self.z.last.homed)
@@ -177,7 +177,7 @@ class AxisFaultsTest(unittest.TestCase):
         os.kill(pid, signal.SIGSTOP)
         hung_ns = time.monotonic_ns()
         try:
-            # Longer than a computer may stall, and than the pulses go on without the node.
+            # Longer than a computer may stall, and than the pulses continue without the node.
             wait_until(lambda: time.monotonic_ns() - self.x.last_pulse_ns > 3_000_000_000)
         finally:
             os.kill(pid, signal.SIGCONT)
@@ -185,7 +185,7 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertLess(self.x.steps, FAR_MM * X_STEPS_PER_MM)
         state, result = self.x.finish()
         self.assertEqual(state, GoalStatus.ABORTED)
-        self.assertIn("the node hung", result.message)
+        self.assertIn("the axis driver did not respond for 2 s", result.message)
         wait_until(lambda: round(self.x.last.coordinate * X_STEPS_PER_MM) == self.x.steps)
         self.assertTrue(self.x.last.homed)
         self.assertEqual(self.x.move(1.0)[0], GoalStatus.SUCCEEDED)

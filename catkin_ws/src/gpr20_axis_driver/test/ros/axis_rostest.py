@@ -11,6 +11,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from axis_under_test import LIMIT_S, Axis, wait_until
 
+from gpr20_common.high.graph_message import message_from
 from gpr20_survey.axes.axis_id import AxisId
 
 # So far that a move there is still under way when a slow computer stops it: 9 s.
@@ -51,6 +52,9 @@ class AxisTest(unittest.TestCase):
             state, result = self.x.move(target)
             self.assertEqual(state, GoalStatus.ABORTED)
             self.assertIn("outside the axis, 0 to 650 mm", result.message)
+            message = message_from(result)
+            self.assertIn("outside the axis, {low:g} to {high:g}", message.template)
+            self.assertEqual((message.values["low"], message.values["high"]), (0.0, 650.0))
         self.assertEqual(self.x.steps, steps)
 
     def test_5_a_cancelled_goal_is_preempted_with_an_exact_coordinate(self):
@@ -90,6 +94,7 @@ class AxisTest(unittest.TestCase):
         self.assertIn("busy", refused.message)
         self.assertFalse(answers[0].success)
         self.assertIn("stopped", answers[0].message)
+        self.assertIn("stopped", message_from(answers[0]).template)
         wait_until(lambda: not self.x.last.moving)
         self.assertFalse(self.x.last.homed)
 
@@ -105,7 +110,7 @@ class AxisTest(unittest.TestCase):
         self.x.readings.clear()
         self.x.move(100.0)
         stamps = [r.header.stamp.to_sec() for r in self.x.readings if r.moving]
-        # 50 Hz, and 10 Hz at rest; the median knows nothing of a computer that stalls.
+        # 50 Hz, and 10 Hz at rest; the median ignores a computer that stalls.
         self.assertLess(statistics.median(np.diff(stamps)), 0.05)
 
 

@@ -1,4 +1,4 @@
-"""One axis as its tests see it: client, processes, and the truth beside it."""
+"""One axis for tests: client, processes, and the true state."""
 
 import subprocess
 import sys
@@ -11,9 +11,9 @@ import actionlib
 import rosgraph
 import rosnode
 import rospy
-from std_srvs.srv import Trigger
 
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
+from gpr20_msgs.srv import Command
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 
@@ -29,36 +29,36 @@ def wait_until(condition):
 
 
 class Axis:
-    """One axis as a client sees it, with the truth beside it."""
+    """One axis as a client sees it, and its true state."""
 
     def __init__(self, name):
         self.name = name
         self.group = f"{name.value}_axis"
         self.last = None
         self.readings = []
-        self.heard = threading.Event()
+        self.received = threading.Event()
         self.subscriber = rospy.Subscriber(
-            f"{self.group}/current_coord", CurrentCoordinate, self._hear
+            f"{self.group}/current_coord", CurrentCoordinate, self._receive
         )
         self.connect()
-        # Only now: who opens it first says where the carriage begins.
+        # Only now: the first process that opens it sets where the carriage begins.
         self.world = open_shared_state(shared_state_path("/"))
 
-    def _hear(self, message):
+    def _receive(self, message):
         self.last = message
         self.readings.append(message)
-        self.heard.set()
+        self.received.set()
 
     def connect(self):
         """Wait for the node, which may have been restarted."""
         self.client = actionlib.SimpleActionClient(f"{self.group}/axis", AxisAction)
         assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
-        self.heard.clear()
-        assert self.heard.wait(LIMIT_S)
+        self.received.clear()
+        assert self.received.wait(LIMIT_S)
 
     def call(self, service):
         rospy.wait_for_service(f"{self.group}/{service}", LIMIT_S)
-        return rospy.ServiceProxy(f"{self.group}/{service}", Trigger)()
+        return rospy.ServiceProxy(f"{self.group}/{service}", Command)()
 
     def home(self):
         response = self.call("homing")
@@ -71,8 +71,8 @@ class Axis:
     def finish(self):
         """Wait for the end; return (terminal state, result).
 
-        Not by wait_for_result: SimpleActionClient loses a result that comes before it has kept
-        the goal's handle, and would wait for ever.
+        Not by wait_for_result: SimpleActionClient loses a result that arrives before it has
+        stored the goal's handle, and would wait for ever.
         """
         deadline_s = time.monotonic() + LIMIT_S
         while self.client.gh.get_comm_state() != actionlib.CommState.DONE:
@@ -108,8 +108,8 @@ class Axis:
         """Begin a move; return when the axis has moved by some steps and the client knows of it.
 
         The carriage can be ahead of the client. A goal that is cancelled before its client has
-        heard that it is active ends as LOST there: a status that was sent before the goal came
-        does not name it.
+        received its active status ends as LOST there: a status that was sent before the goal
+        arrived does not contain it.
         """
         before = self.steps
         self.client.send_goal(AxisGoal(target_coordinate=target))

@@ -36,7 +36,7 @@ Z_PARAMETERS = AxisParameters(
 
 
 class SteppedClock(Clock):
-    """Time passes only by being slept, each sleep as much too long as `oversleep_s` says."""
+    """Time passes only in sleeps, each too long by `oversleep_s`."""
 
     def __init__(self) -> None:
         self.time_s = 0.0
@@ -116,12 +116,12 @@ class Count:
 
 
 class DirectPulses:
-    """Makes the pulses here and now, with no process in between."""
+    """Makes the pulses at once, without a separate process."""
 
     def __init__(self, runner, count):
         self.runner = runner
         self.memory = count
-        self.failure = ""
+        self.failure = None
 
     @property
     def steps(self):
@@ -141,7 +141,7 @@ class DirectPulses:
         self.memory.rest()
 
     def revive(self):
-        self.failure = ""
+        self.failure = None
 
     def close(self):
         self.runner.close()

@@ -33,7 +33,7 @@ class Sending(NamedTuple):
 
 
 class RecordedPigpio:
-    """The module; `pi()` connects to the one daemon that stands behind it."""
+    """The module; `pi()` connects to the one daemon behind it."""
 
     INPUT, OUTPUT, PUD_UP = INPUT, OUTPUT, PUD_UP
     WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE = WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE
@@ -164,5 +164,5 @@ class RecordedPi:
 
     def _answer(self, value):
         if not self._daemon.running:
-            raise ConnectionResetError("the daemon has gone")
+            raise ConnectionResetError("the daemon is gone")
         return value

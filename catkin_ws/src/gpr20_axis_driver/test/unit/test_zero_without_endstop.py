@@ -15,7 +15,7 @@ from gpr20_axis_driver.motion import never
 
 def test_homing_is_refused_while_nobody_knows_the_rotation():
     axis = Axis(Z_PARAMETERS, start_steps=50)
-    with pytest.raises(ZeroUnknownError, match="to their mark and call the service set_zero"):
+    with pytest.raises(ZeroUnknownError, match="to their mark and set the zero of this axis"):
         axis.driver.homing(never)
     assert axis.machine.pulses == []
     assert not axis.driver.homing_done
@@ -52,7 +52,7 @@ def test_after_a_gap_the_zero_must_be_set_again():
     axis.driver.set_zero()
     sleeps = iter([0.0] * 40 + [0.2])
     axis.clock.oversleep_s = lambda: next(sleeps, 0.0)
-    with pytest.raises(PositionLostError, match="to their mark and call the service set_zero"):
+    with pytest.raises(PositionLostError, match="to their mark and set the zero of this axis"):
         axis.driver.move_to_coordinate(90.0, never)
     with pytest.raises(ZeroUnknownError):
         axis.driver.homing(never)

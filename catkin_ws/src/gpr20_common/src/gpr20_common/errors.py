@@ -1,17 +1,31 @@
 """The root of every error that GPR-20 raises on purpose."""
 
+from __future__ import annotations
+
+from typing import Union
+
+from gpr20_common.message import Message, verbatim
+
 
 class Gpr20Error(Exception):
     """Something was refused or failed; the message says what, why and what to do.
 
     Each package derives one error of its own from this one. The high levels catch
-    this class in one place and hand its text to the operator.
+    this class in one place and hand its message to the operator.
+
+    Attributes:
+        message: What was refused or failed, why, and what to do. Its English text is what
+            `str` returns.
     """
 
-    @property
-    def message(self) -> str:
-        """What was refused or failed, why, and what to do."""
-        return str(self)
+    message: Message
+
+    def __init__(self, message: Union[Message, str]) -> None:
+        super().__init__(message)
+        self.message = message if isinstance(message, Message) else verbatim(message)
+
+    def __str__(self) -> str:
+        return str(self.message)
 
 
 class InvalidValueError(Gpr20Error, ValueError):

@@ -14,19 +14,19 @@ class SpiError(HeightError, OSError):
 
 
 class SensorStuckError(HeightError):
-    """The converter reads one end of its scale, or the same code for ever.
+    """The converter reads one end of its scale, or the same code all the time.
 
     The sensor is off, unplugged or broken.
     """
 
 
 class SensorRangeError(HeightError, ValueError):
-    """What the sensor sees is nearer or farther than it can measure."""
+    """The ground is nearer or farther than the sensor can measure."""
 
 
 class SensorNoiseError(HeightError):
-    """The readings scatter too much for a height."""
+    """The readings scatter too much."""
 
 
 class HeightStoppedError(HeightError):
-    """The measurement was ended because the node shuts down."""
+    """The measurement was ended because the node is shutting down."""

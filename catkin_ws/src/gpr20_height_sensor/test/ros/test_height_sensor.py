@@ -12,6 +12,7 @@ import rospy
 import rostest
 from sensor_msgs.msg import Range
 
+from gpr20_common.high.graph_message import message_from
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_msgs.srv import GetHeight
 from gpr20_simulator.srv import SetFault
@@ -93,6 +94,9 @@ class HeightSensorTest(unittest.TestCase):
         answer = type(self).get_height()
         self.assertFalse(answer.success)
         self.assertIn("it measures from 0.1 to 0.8 m", answer.message)
+        message = message_from(answer)
+        self.assertIn("it measures from {nearest_m:g} to", message.template)
+        self.assertEqual(message.values["nearest_m"], 0.1)
 
 
 if __name__ == "__main__":

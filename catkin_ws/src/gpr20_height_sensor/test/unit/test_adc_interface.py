@@ -56,7 +56,7 @@ def test_refuses_a_reply_that_no_converter_gives(reply):
 
 
 def test_a_failing_bus_is_our_error():
-    with pytest.raises(SpiError, match="check the wiring"):
+    with pytest.raises(SpiError, match="check its wiring"):
         AdcInterface(FakeSpi(OSError("broken")), 0).read_code()
 
 

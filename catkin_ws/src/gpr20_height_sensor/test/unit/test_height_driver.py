@@ -1,4 +1,4 @@
-"""A height is a robust value of fresh readings, or there is none and the reason is said."""
+"""A height is a robust value of fresh readings, or an error with the reason."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_height_sensor.errors import (
     HeightError,
     HeightStoppedError,
@@ -155,7 +156,7 @@ def test_the_very_same_code_for_ever_is_no_height_and_another_code_ends_that():
     for _ in range(5):
         driver.take_measurement()
     for count in (30, 35):
-        with pytest.raises(SensorStuckError, match=f"last {count} readings .* hold a hand"):
+        with pytest.raises(SensorStuckError, match=f"last {count} readings .* put a hand"):
             driver.take_measurement()
     assert driver.take_measurement().height_m == pytest.approx(0.2, abs=0.001)
 
@@ -183,7 +184,7 @@ def test_a_usual_sensor_under_a_still_robot_is_never_taken_for_stuck():
 
 
 def test_a_converter_that_does_not_answer_is_no_height():
-    driver, _ = driver_with([code_at(0.2), SpiError("nothing there")])
+    driver, _ = driver_with([code_at(0.2), SpiError(Message("nothing there"))])
     with pytest.raises(SpiError):
         driver.take_measurement()
 

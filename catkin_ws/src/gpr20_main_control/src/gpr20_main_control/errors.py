@@ -1,8 +1,9 @@
-"""What can go wrong with a survey."""
+"""Errors of a survey."""
 
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 
 
 class SurveyError(Gpr20Error):
@@ -10,7 +11,7 @@ class SurveyError(Gpr20Error):
 
 
 class RequestRefusedError(SurveyError, RuntimeError):
-    """A request does not fit what the control is doing now."""
+    """A request is not possible in the present state."""
 
 
 class DeviceError(SurveyError, OSError):
@@ -18,8 +19,15 @@ class DeviceError(SurveyError, OSError):
 
 
 class NodeLostError(DeviceError):
-    """A node is gone, or is another than before; the survey holds until it is back."""
+    """A node does not answer or was restarted; the survey waits until it is back."""
 
 
 class StopRequested(SurveyError):
     """A stop of the survey was requested."""
+
+
+def message_of(error: Exception) -> Message:
+    """Return the message of an error; a fault in the software has a general one."""
+    if isinstance(error, Gpr20Error):
+        return error.message
+    return Message("internal error in the main control", details=f"{type(error).__name__}: {error}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that die or hang: the control says so soon, and the survey loses nothing."""
+"""Nodes that die or hang: control_status names them soon, and the survey loses nothing."""
 
 import os
 import shutil
@@ -12,6 +12,7 @@ import rospkg
 import rospy
 import rostest
 
+from gpr20_common.high.graph_message import message_from
 from gpr20_msgs.msg import ControlStatus
 
 # The client of the whole graph's tests is the client of these, too.
@@ -22,6 +23,12 @@ from survey_client import SurveyClient, json_traces, node_pid
 NOTICE_LIMIT_S = 6.0
 TRACES = 18
 ENDED = (ControlStatus.FINISHED, ControlStatus.PAUSED, ControlStatus.FAILED)
+
+
+def missing_nodes(status):
+    """Return the nodes that do not answer, by the warning of a status."""
+    warning = message_from(status).values.get("warning")
+    return () if warning is None else warning.all_details
 
 
 class NodeDeathsTest(unittest.TestCase):
@@ -43,9 +50,9 @@ class NodeDeathsTest(unittest.TestCase):
             self.client.wait_for_status(ControlStatus.STOPPED)
 
     def wait_until_named(self, node, begun_s):
-        """Wait until the control's message names the node; return that status."""
+        """Wait until a status warns that the node does not answer; return the last status."""
         statuses = self.client.statuses
-        self.client.wait(lambda: any(f"{node} does not answer" in one.message for one in statuses))
+        self.client.wait(lambda: any(node in missing_nodes(one) for one in statuses))
         noticed_s = time.monotonic() - begun_s
         print(f"{node}: noticed after {noticed_s:.2f} s")
         self.assertLess(noticed_s, NOTICE_LIMIT_S)
@@ -61,7 +68,7 @@ class NodeDeathsTest(unittest.TestCase):
 
     def wait_until_all_answer(self):
         statuses = self.client.statuses
-        self.client.wait(lambda: "does not answer" not in statuses[-1].message)
+        self.client.wait(lambda: not missing_nodes(statuses[-1]))
 
     def check_complete(self, survey_id):
         status = self.client.wait_for_status(*ENDED)
@@ -72,7 +79,7 @@ class NodeDeathsTest(unittest.TestCase):
         self.assertEqual(len(places), TRACES)
 
     def check_death_in_a_survey(self, node):
-        """Kill a node in a survey, which must hold and go on by itself."""
+        """Kill a node in a survey, which must wait and continue by itself."""
         survey_id = self.client.begin()
         self.client.wait_for_visited(4)
         begun_s = self.signal(node, signal.SIGKILL)
@@ -146,8 +153,9 @@ class NodeDeathsTest(unittest.TestCase):
         finally:
             os.kill(pid, signal.SIGCONT)
         self.assertEqual(status.code, ControlStatus.PAUSED, status.message)
-        self.assertIn("did not come back within 20 s", status.message)
-        self.assertIn("resume when it is mended, or stop", status.message)
+        self.assertIn("the height sensor stopped answering", status.message)
+        self.assertIn("no answer within 20 s", status.message)
+        self.assertIn("Fix the fault and resume, or stop.", status.message)
         self.wait_until_all_answer()
         self.client.go_on(survey_id)
         self.check_complete(survey_id)
@@ -174,7 +182,7 @@ class NodeDeathsTest(unittest.TestCase):
         self.check_complete(fresh)
         messages = [status.message for status in self.client.statuses]
         folder = self.client.folder(cut_off)
-        expected = f"survey {folder.name} was still open and is closed as interrupted"
+        expected = f"survey {folder.name} was still open; it is closed as interrupted"
         self.assertTrue(any(expected in message for message in messages), messages)
         self.client.go_on(folder.name)
         self.check_complete(cut_off)

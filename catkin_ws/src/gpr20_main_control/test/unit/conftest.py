@@ -1,11 +1,11 @@
-"""A control over a fake robot, which ends whatever the test left behind."""
+"""A main control over a fake robot, which ends what the test left running."""
 
 import sys
 from pathlib import Path
 
 import pytest
 
-# The examples of surveys are those of the package that says what a survey is.
+# The examples of surveys are in the package that defines surveys.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/unit"))
 
 from fake_robot import LIMIT_S, Bench

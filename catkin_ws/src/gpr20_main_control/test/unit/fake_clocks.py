@@ -1,4 +1,4 @@
-"""Clocks by which time passes faster, or when a test says so."""
+"""Clocks whose time passes faster, or is set by a test."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class FastClock(Clock):
 
 
 class ManualClock(Clock):
-    """Time passes when a test says so, and a little in each wait, which ends at once."""
+    """A test sets the time; each wait ends at once and takes a little of it."""
 
     def __init__(self):
         self.time_s = 0.0

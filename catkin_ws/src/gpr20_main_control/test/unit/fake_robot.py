@@ -1,4 +1,4 @@
-"""A robot made of plain objects, and a control over it, for the tests of the survey."""
+"""A robot of plain objects, and a main control over it, for the tests of the survey."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import numpy as np
 from fake_clocks import FastClock
 from survey_examples import AXES, PARAMETERS
 
+from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_liveness import NodeLiveness
+from gpr20_main_control.mid.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.robot import (
     AxisReading,
     MoveOutcome,
@@ -30,11 +31,15 @@ from gpr20_survey.trace.sweep import Sweep
 
 LIMIT_S = 20.0
 FIRST_SWEEP_US = 1_800_000_000_000_000
-NODES = ("x_axis/axis_driver", "vna_acquisition", "vna_processing")
+NODES = {
+    "x_axis/axis_driver": Message("the x axis driver"),
+    "vna_acquisition": Message("the VNA driver"),
+    "vna_processing": Message("the storage"),
+}
 
 
 class FakeAxis:
-    """An axis that arrives at once, unless told otherwise."""
+    """An axis that arrives at once, unless a test sets something else."""
 
     def __init__(self):
         self.coordinate = 0.0
@@ -70,11 +75,11 @@ class FakeAxis:
         self.moves.append(target)
         self.begun.set()
         if self.fail_move:
-            self._outcome = MoveOutcome(False, self.fail_move)
+            self._outcome = MoveOutcome(False, verbatim(self.fail_move))
             return
         if not self.stay and self.blocked.is_set():
             self.coordinate = target + self.offset
-        self._outcome = None if self.lose_result else MoveOutcome(True, "")
+        self._outcome = None if self.lose_result else MoveOutcome(True, verbatim(""))
 
     def move_outcome(self, wait_s):
         if not self.blocked.wait(wait_s):
@@ -85,7 +90,7 @@ class FakeAxis:
         self.homings += 1
         self.hanging.wait(LIMIT_S)
         if self.fail_homing:
-            raise DeviceError(self.fail_homing)
+            raise DeviceError(verbatim(self.fail_homing))
         self.coordinate, self.homed = 0.0, True
 
     def stop(self):
@@ -115,7 +120,7 @@ class FakeAnalyzer:
 
     def _check_calibration(self):
         if self.calibration_refusal:
-            raise DeviceError(self.calibration_refusal)
+            raise DeviceError(verbatim(self.calibration_refusal))
 
     def configure(self, settings):
         self._settings = self.accept(settings)
@@ -128,7 +133,7 @@ class FakeAnalyzer:
         self.on_sweep()
         if self.failures:
             self.failures -= 1
-            raise DeviceError("the VNA did not answer")
+            raise DeviceError(Message("the VNA did not answer"))
         self._check_calibration()
         self.sweeps += 1
         settings = self.other_settings or self._settings
@@ -146,12 +151,12 @@ class FakeHeightSensor:
     def height_m(self):
         if self.failures:
             self.failures -= 1
-            raise DeviceError("the sensor is out of range")
+            raise DeviceError(Message("the sensor is out of range"))
         return 0.2
 
 
 class FakeStorage:
-    """Keeps samples in memory."""
+    """Stores samples in memory."""
 
     def __init__(self):
         self.records = []
@@ -169,7 +174,7 @@ class FakeStorage:
 
     def open(self, record):
         if self.fail_open:
-            raise DeviceError(self.fail_open)
+            raise DeviceError(verbatim(self.fail_open))
         self.records.append(record)
         return OpenedSurvey("/data/survey", self.interrupted)
 
@@ -182,7 +187,7 @@ class FakeStorage:
             return ReopenedSurvey(
                 self.records[-1].survey_id, "/data/survey", "{}", "", stored, None
             )
-        raise DeviceError(f"there is no survey {survey}")
+        raise DeviceError(Message("there is no survey {survey}", survey=survey))
 
     def report(self, survey_id, report_json):
         self.reports.append(json.loads(report_json))
@@ -191,7 +196,7 @@ class FakeStorage:
         self.free.wait(LIMIT_S)
         if self.failures:
             self.failures -= 1
-            raise DeviceError("the disk is full")
+            raise DeviceError(Message("the disk is full"))
         self.samples.append(sample)
 
     def close(self, survey_id, outcome, reason):
@@ -202,10 +207,11 @@ class FakeStorage:
 
 
 class HandNotedNodes(NodeLiveness):
-    """Nodes that a test calls alive or silent; nobody asks them."""
+    """Nodes that a test marks as alive or silent; they are not polled."""
 
     def __init__(self, clock, on_change):
-        super().__init__(dict.fromkeys(NODES), clock, on_change)
+        nodes = {name: WatchedNode(plain_name, int) for name, plain_name in NODES.items()}
+        super().__init__(nodes, clock, on_change)
         self.on_refresh = lambda: None
         for name in NODES:
             self.note_alive(name, 1)
@@ -215,7 +221,7 @@ class HandNotedNodes(NodeLiveness):
 
 
 class Bench:
-    """A control over a fake robot, and what it said."""
+    """A main control over a fake robot, and its history."""
 
     def __init__(self, time_scale=1.0, clock=None, analyzer=None, storage=None, **settings):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
@@ -251,7 +257,7 @@ class Bench:
         self.coverages.append((coverage.states, coverage.verdict()))
 
     def release(self):
-        """Let go of everything that a test has blocked."""
+        """Release everything that a test has blocked."""
         self.storage.free.set()
         for axis in self.axes:
             axis.blocked.set()
@@ -281,18 +287,18 @@ class Bench:
         self.complete()
 
     def wait_for_visited(self, points, limit_s=LIMIT_S):
-        """Wait until so many points are stored."""
+        """Wait until a number of points is stored."""
         with self._changed:
             assert self._changed.wait_for(
                 lambda: self.board.status.visited_points >= points, limit_s
             ), f"still {self.board.status}"
 
     def wait_for_message(self, text):
-        """Wait until the control says something."""
+        """Wait until the message of the control contains a text."""
         with self._changed:
-            assert self._changed.wait_for(lambda: text in self.board.status.message, LIMIT_S), (
-                f"still {self.board.status}"
-            )
+            assert self._changed.wait_for(
+                lambda: text in str(self.board.status.message), LIMIT_S
+            ), f"still {self.board.status}"
 
     def wait_for(self, *states, limit_s=LIMIT_S):
         """Wait until the control is in one of the states and return its status."""

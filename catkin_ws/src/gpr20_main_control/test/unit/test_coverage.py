@@ -1,5 +1,6 @@
 """What a survey has measured and what it has not."""
 
+import json
 import math
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_common.message import Message, received_message
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.repeat_measurement import compare
 from gpr20_main_control.mid.survey_report import SurveyReport
@@ -15,6 +17,7 @@ from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
 MOMENT_US = 1_800_000_000_000_000
+NO_ANSWER = Message("no answer")
 
 
 def numbers(real, imag):
@@ -49,17 +52,18 @@ def test_nothing_is_complete_until_every_sample_is_stored():
     coverage = Coverage(3)
     for index in range(3):
         assert not coverage.verdict().complete
-        assert "complete:" not in coverage.verdict().text
+        assert "complete:" not in str(coverage.verdict().message)
         coverage.note_stored(index)
     assert coverage.verdict().complete
-    assert coverage.verdict().text == "complete: all 3 planned traces are stored"
+    assert str(coverage.verdict().message) == "complete: all 3 planned traces are stored"
 
 
 def test_a_failed_sample_keeps_its_reason_until_it_is_stored():
     coverage = Coverage(3)
-    coverage.note_failed(1, "no answer")
-    assert coverage.reasons == {1: "no answer"}
-    assert "0 of 3 planned traces are stored, 1 failed, 2 not visited" in coverage.verdict().text
+    coverage.note_failed(1, NO_ANSWER)
+    assert coverage.reasons == {1: NO_ANSWER}
+    verdict = str(coverage.verdict().message)
+    assert "0 of 3 planned traces are stored, 1 failed, 2 not visited" in verdict
     coverage.note_stored(1)
     assert coverage.reasons == {}
     assert coverage.states[1] is SampleState.MEASURED
@@ -67,7 +71,7 @@ def test_a_failed_sample_keeps_its_reason_until_it_is_stored():
 
 def test_a_stored_sample_never_becomes_failed():
     coverage = Coverage(3, stored=[0])
-    coverage.note_failed(0, "the control measurement failed")
+    coverage.note_failed(0, NO_ANSWER)
     assert coverage.states[0] is SampleState.MEASURED
     assert coverage.reasons == {}
 
@@ -94,12 +98,13 @@ def test_a_control_measurement_is_told_relative_to_the_stored_trace():
     assert control.index == 7
     assert control.difference_db == pytest.approx(10.0 * math.log10(0.25 / 25.0))
     assert control.height_difference_m == pytest.approx(0.01)
-    assert "point 7 differs by -20.0 dB" in control.text
-    assert "+10.0 mm" in control.text
+    assert "point 7 was measured again and differs by -20.0 dB" in str(control.message)
+    assert "+10.0 mm" in str(control.message)
 
 
 def test_a_control_measurement_without_height_tells_none():
-    assert "mm" not in compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), math.nan).text
+    control = compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), math.nan)
+    assert "mm" not in str(control.message)
 
 
 def test_a_report_goes_on_where_the_former_one_ended():
@@ -110,14 +115,38 @@ def test_a_report_goes_on_where_the_former_one_ended():
     assert second.to_json() == first.to_json()
 
 
+def test_a_report_has_its_sentences_as_text_and_as_template_with_values():
+    coverage = Coverage(2, [0])
+    reason = Message("{points} points instead of 51", points=50)
+    coverage.note_failed(1, reason)
+    report = json.loads(SurveyReport(coverage).to_json())
+    verdict = coverage.verdict().message
+    assert report["verdict"] == str(verdict)
+    assert received_message("", json.dumps(report["verdict_message"])) == verdict
+    (failed,) = report["failed"]
+    assert (failed["index"], failed["reason"]) == (1, "50 points instead of 51")
+    assert received_message("", json.dumps(failed["reason_message"])) == reason
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf])
+def test_a_reason_with_a_number_that_is_not_finite_leaves_the_report_strict_json(number):
+    coverage = Coverage(1)
+    coverage.note_failed(0, Message("the level is {level_db:.1f} dB", level_db=number))
+    report = json.loads(SurveyReport(coverage).to_json())
+    json.dumps(report, allow_nan=False)
+    (failed,) = report["failed"]
+    restored = received_message("", json.dumps(failed["reason_message"]))
+    assert str(restored) == failed["reason"] == f"the level is {number} dB"
+
+
 def test_every_change_of_the_coverage_is_announced_once():
     coverage = Coverage(3, [0])
     announced = []
     coverage.on_change = lambda one: announced.append(one.states)
     coverage.note_stored(1)
     coverage.note_remeasured(0)
-    coverage.note_failed(2, "no answer")
-    coverage.note_failed(1, "it is stored already")
+    coverage.note_failed(2, NO_ANSWER)
+    coverage.note_failed(1, NO_ANSWER)
     assert announced == [
         [SampleState.MEASURED, SampleState.MEASURED, SampleState.NOT_VISITED],
         [SampleState.REMEASURED, SampleState.MEASURED, SampleState.NOT_VISITED],
@@ -127,5 +156,5 @@ def test_every_change_of_the_coverage_is_announced_once():
 
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
-    with pytest.raises(SurveyError, match="former report cannot be read"):
+    with pytest.raises(SurveyError, match="the report in the survey's survey.json cannot be read"):
         SurveyReport(Coverage(1), former)

@@ -1,4 +1,4 @@
-"""Calls that a survey gave up and that reach their node when it is back: they change nothing."""
+"""Calls that a survey gave up and that reach their node later: they change nothing."""
 
 import threading
 import time
@@ -6,6 +6,7 @@ import time
 import pytest
 from fake_robot import LIMIT_S, Bench, FakeAnalyzer, FakeStorage
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -40,7 +41,7 @@ class ForgetfulAnalyzer(FakeAnalyzer):
     def frequencies_hz(self):
         self.late_calls_end()
         if self._settings is None:
-            raise DeviceError("no sweep is configured")
+            raise DeviceError(Message("no sweep is configured"))
         return super().frequencies_hz()
 
 
@@ -61,18 +62,18 @@ def bench():
 
 
 def release_between_setup_and_question(bench):
-    """Let the held call reach its node after the fresh sweep was set up, if that can be."""
+    """Let the held call reach its node after the new sweep was set up, if that is possible."""
     analyzer = bench.analyzer
     connections = len(analyzer.connections)
 
     def late_calls_end():
         analyzer.late_calls_end = lambda: None
         analyzer.node_is_back.set()
-        # The fresh call and the late one.
+        # The new call and the late one.
         wait_until(lambda: len(analyzer.connections) == connections + 2)
 
     analyzer.late_calls_end = late_calls_end
-    # If the fresh calls wait for the late one, nobody asks for the frequencies before it ends.
+    # If the new calls wait for the late one, the frequencies are not read before it ends.
     threading.Timer(0.3, analyzer.node_is_back.set).start()
 
 
@@ -84,7 +85,7 @@ def test_a_connection_that_was_given_up_does_not_undo_the_next_one(bench):
     bench.control.resume("")
     assert bench.analyzer.waiting.wait(LIMIT_S)
     bench.nodes.note_silent(VNA)
-    bench.wait_for_message(f"holding: {VNA} went silent")
+    bench.wait_for_message("Waiting: the VNA driver stopped answering")
     release_between_setup_and_question(bench)
     bench.nodes.note_alive(VNA, 2)
     bench.complete()
@@ -103,7 +104,7 @@ def test_a_call_that_was_given_up_before_its_turn_is_never_made():
 
     def give_up():
         if begun.is_set():
-            raise DeviceError("given up")
+            raise DeviceError(Message("given up"))
 
     with pytest.raises(DeviceError):
         calls.call(first, give_up)

@@ -9,12 +9,13 @@ pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
 from fake_robot import LIMIT_S
-from std_srvs.srv import TriggerResponse
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.high import ros_axis
 from gpr20_main_control.mid.serial_calls import in_background
+from gpr20_msgs.srv import CommandResponse
+from gpr20_survey.axes.axis_id import AxisId
 
 
 @pytest.fixture
@@ -42,12 +43,12 @@ class Graph:
 
     def call(self, name):
         self.called.append(name)
-        return TriggerResponse(True, "")
+        return CommandResponse(success=True)
 
 
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     graph.away = "x_axis/homing"
-    axis = ros_axis.RosAxis("x_axis", Clock())
+    axis = ros_axis.RosAxis(AxisId.X, Clock())
     homing = in_background(lambda: axis.home(LIMIT_S))
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
@@ -59,7 +60,7 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
 
 def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     graph.away = "x_axis/stop"
-    axis = ros_axis.RosAxis("x_axis", Clock())
+    axis = ros_axis.RosAxis(AxisId.X, Clock())
     axis.stop()
     assert graph.waiting.wait(LIMIT_S)
     homing = in_background(lambda: axis.home(LIMIT_S))

@@ -3,6 +3,7 @@
 import pytest
 from fake_robot import Bench
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -37,7 +38,7 @@ def test_a_height_is_asked_for_at_every_point(bench, monkeypatch):
 
 def test_the_reason_of_a_missing_height_is_a_remark_whatever_characters_it_has(monkeypatch):
     def fail():
-        raise DeviceError("no answer:\nthe node died")
+        raise DeviceError(Message("no answer:\nthe node died"))
 
     bench = Bench(on_height_failure="store_without")
     monkeypatch.setattr(bench.height, "height_m", fail)

@@ -1,4 +1,4 @@
-"""Random requests, failures and measurements: the control stays legal, and nothing is lost."""
+"""Random requests, failures and measurements: every transition is legal, nothing is lost."""
 
 import threading
 import time
@@ -9,9 +9,10 @@ from fake_robot import LIMIT_S, NODES, Bench, FakeAnalyzer
 from hypothesis import event, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from keeping_storage import KeepingStorage, folder_of
+from strict_storage import StrictStorage, folder_of
 from survey_examples import PARAMETERS, TRAVEL
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_survey.plan.survey_parameters import SurveyParametersError
 from gpr20_survey.plan.survey_plan import survey_points
@@ -20,7 +21,7 @@ from gpr20_survey.plan.survey_state import SurveyState as State
 
 SMALL = replace(PARAMETERS, y_points=3, polarizations_deg=(0.0,))
 PLAN = survey_points(SMALL, TRAVEL)
-# A pause on request, one because of what was mended meanwhile, and one more.
+# A pause on request, one for a fault that was fixed meanwhile, and one more.
 MOST_PAUSES = 4
 MEASURING = (State.SURVEYING, State.PAUSING)
 
@@ -43,7 +44,7 @@ class GatedAnalyzer(FakeAnalyzer):
                     lambda: self.granted is ticket or self.waiting is not ticket, LIMIT_S
                 )
                 if self.granted is not ticket:
-                    raise DeviceError("nobody waits for this sweep any more")
+                    raise DeviceError(Message("this sweep was given up"))
         return super().sweep()
 
     def grant(self):
@@ -53,21 +54,21 @@ class GatedAnalyzer(FakeAnalyzer):
             self.changed.notify_all()
 
     def abandon(self):
-        """Let a sweep that nobody waits for fail."""
+        """Let a sweep that was given up fail."""
         with self.changed:
             self.waiting = None
             self.changed.notify_all()
 
 
 class SurveyMachine(RuleBasedStateMachine):
-    """Steps on a control over a fake robot; after each the control has come to rest or to a gate.
+    """Steps on a main control over a fake robot; after each, it is at rest or waits for a sweep.
 
-    What is drawn never depends on the state, only what is done with it: a step may do nothing.
+    The drawn values never depend on the state; a step that the state does not allow does nothing.
     """
 
     def __init__(self):
         super().__init__()
-        self.analyzer, self.storage = GatedAnalyzer(), KeepingStorage()
+        self.analyzer, self.storage = GatedAnalyzer(), StrictStorage()
         self.bench = Bench(
             analyzer=self.analyzer, storage=self.storage, settle_s=0.0, return_limit_s=3600.0
         )
@@ -88,7 +89,7 @@ class SurveyMachine(RuleBasedStateMachine):
         return self.bench.board.status.state
 
     def settle(self):
-        """Wait until only a request or a sweep that is let go can change anything."""
+        """Wait until only a request or the end of a sweep can change anything."""
         deadline_s = time.monotonic() + LIMIT_S
         while not self.has_settled():
             assert time.monotonic() < deadline_s, f"still {self.bench.board.status}"
@@ -101,7 +102,7 @@ class SurveyMachine(RuleBasedStateMachine):
         if state in MEASURING:
             return self.analyzer.waiting is not None and (self.storage.broken or self.all_stored())
         if state is State.CHECKING:
-            return bool(self.nodes.missing()) and "holding" in self.bench.board.status.message
+            return bool(self.nodes.missing()) and "Waiting" in str(self.bench.board.status.message)
         return state is State.PAUSED or state in AT_REST
 
     def all_stored(self):
@@ -197,9 +198,9 @@ class SurveyMachine(RuleBasedStateMachine):
                 self.settle()
 
     @rule()
-    def mend_and_go_on(self):
+    def repair_and_continue(self):
         """Do what an operator does until the survey measures again, which it must."""
-        self.mend()
+        self.repair()
         if self.state is State.PAUSED:
             self.resume()
         elif self.state in AT_REST and self.configured:
@@ -207,10 +208,10 @@ class SurveyMachine(RuleBasedStateMachine):
         assert self.state in (*MEASURING, State.FINISHED) or not self.configured
 
     @rule()
-    def mend_and_measure_to_the_end(self):
+    def repair_and_measure_to_the_end(self):
         """A survey that is not stopped ends with everything, whatever it has met."""
         for _ in range(MOST_PAUSES):
-            self.mend()
+            self.repair()
             self.measure(len(PLAN) + 1)
             if not self.state.running:
                 break
@@ -220,7 +221,7 @@ class SurveyMachine(RuleBasedStateMachine):
         if self.bench.states[-2:-1] in (["SURVEYING"], ["PAUSING"]):
             assert self.state is State.FINISHED
 
-    def mend(self):
+    def repair(self):
         self.storage.broken, self.bench.y.fail_move = False, ""
         if self.state not in MEASURING:
             self.analyzer.failures = 0
@@ -244,7 +245,7 @@ class SurveyMachine(RuleBasedStateMachine):
     def lose_zero(self):
         self.bench.x.homed = False
 
-    @rule(node=st.sampled_from(NODES))
+    @rule(node=st.sampled_from(list(NODES)))
     def node_dies(self, node):
         self.nodes.note_silent(node)
         if node == "vna_processing":
@@ -252,9 +253,8 @@ class SurveyMachine(RuleBasedStateMachine):
         if node == "x_axis/axis_driver":
             self.bench.x.homed = False
         self.wait_for_hold()
-        assert f"{node} does not answer" in self.bench.board.status.text or (
-            len(self.nodes.missing()) > 1
-        )
+        shown = self.bench.board.status.full_message
+        assert "does not answer" in shown.sentence() and node in shown.all_details
 
     def wait_for_hold(self):
         deadline_s = time.monotonic() + LIMIT_S
@@ -298,7 +298,7 @@ class SurveyMachine(RuleBasedStateMachine):
             assert set(self.storage.samples[status.survey_id]) == set(range(len(PLAN)))
             assert self.storage.outcomes[status.survey_id] == "finished"
         elif status.state in (State.STOPPED, State.PAUSED, State.FAILED):
-            assert "complete:" not in status.message or "INCOMPLETE" in status.message
+            assert "complete:" not in str(status.message)
 
     @invariant()
     def what_is_shown_as_visited_is_stored(self):

@@ -1,10 +1,11 @@
-"""Nodes that are lost: the survey holds, and goes on or pauses by what it was."""
+"""Nodes that are lost: the survey waits, and continues or pauses."""
 
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, Bench
+from fake_robot import LIMIT_S, NODES, Bench
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -39,21 +40,23 @@ def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(patient_bench
     bench = patient_bench
     lose(bench, node, after=5)
     bench.start()
-    bench.wait_for_message(f"holding: {node} went silent")
+    bench.wait_for_message(f"Waiting: {NODES[node]} stopped answering")
     assert bench.board.status.state is State.CHECKING
-    assert f"{node} does not answer" in bench.board.status.text
+    shown = bench.board.status.full_message
+    assert shown.sentence().startswith(f"Warning: {NODES[node]} does not answer. Waiting: ")
+    assert shown.all_details == (node,)
     assert all(axis.stops > 0 for axis in bench.axes)
     come_back(bench, node)
     bench.complete()
     assert "PAUSED" not in bench.states
-    assert "does not answer" not in bench.board.status.text
+    assert "does not answer" not in str(bench.board.status.full_message)
 
 
 def test_the_sample_in_flight_is_measured_again_after_connecting_anew(patient_bench):
     bench = patient_bench
     lose(bench, VNA, after=5)
     bench.start()
-    bench.wait_for_message("holding")
+    bench.wait_for_message("Waiting")
     connections = len(bench.analyzer.connections)
     come_back(bench, VNA)
     bench.complete()
@@ -66,7 +69,7 @@ def test_an_axis_that_was_started_anew_is_homed_and_a_control_is_measured(patien
     bench = patient_bench
     lose(bench, X_AXIS, after=5)
     bench.start()
-    bench.wait_for_message("holding")
+    bench.wait_for_message("Waiting")
     bench.x.homed = False
     come_back(bench, X_AXIS)
     bench.complete()
@@ -78,8 +81,10 @@ def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):
     lose(bench, VNA, after=5)
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "vna_acquisition went silent and did not come back within 30 s" in status.message
-    assert "resume when it is mended, or stop" in status.message
+    assert status.message.sentence() == (
+        "Paused: the VNA driver stopped answering; no answer within 30 s. Fix the fault and "
+        "resume, or stop."
+    )
     come_back(bench, VNA)
     bench.resume_to_the_end()
 
@@ -97,7 +102,9 @@ def test_a_node_that_dies_again_and_again_pauses_the_survey(patient_bench):
     bench.analyzer.on_sweep = die
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "started anew, 4 times with no trace in between" in status.message
+    assert "restarted; this happened 4 times without a stored trace in between" in str(
+        status.message
+    )
     bench.analyzer.on_sweep = lambda: None
     bench.resume_to_the_end()
 
@@ -109,7 +116,7 @@ def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(patient_b
         if bench.analyzer.sweeps == 5:
             bench.analyzer.on_sweep = lambda: None
             bench.analyzer.failures = 1
-            # Nobody knows yet; the survey has to ask.
+            # The loss is not known yet; the survey has to poll.
             bench.nodes.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
 
     bench.analyzer.on_sweep = fail
@@ -124,9 +131,10 @@ def test_a_paused_survey_says_so_and_stays_paused(bench):
     bench.wait_for(State.PAUSED)
     bench.nodes.note_silent(VNA)
     assert bench.board.status.state is State.PAUSED
-    assert bench.board.status.text.endswith("; vna_acquisition does not answer")
+    warning = bench.board.status.full_message.sentence()
+    assert warning.startswith("Warning: the VNA driver does not answer. Paused: ")
     come_back(bench, VNA)
-    assert "does not answer" not in bench.board.status.text
+    assert "does not answer" not in str(bench.board.status.full_message)
     bench.y.fail_move = ""
     bench.resume_to_the_end()
 
@@ -139,7 +147,8 @@ def test_a_control_at_rest_says_so(bench, configured):
     state = bench.board.status.state
     bench.nodes.note_silent(X_AXIS)
     assert bench.board.status.state is state
-    assert bench.board.status.text.endswith("; x_axis/axis_driver does not answer")
+    warning = bench.board.status.full_message.sentence()
+    assert warning.startswith("Warning: the x axis driver does not answer. ")
 
 
 def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(patient_bench):
@@ -156,7 +165,9 @@ def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(patient_benc
     bench.control.pause()
     bench.nodes.note_silent(VNA)
     status = bench.wait_for(State.PAUSED)
-    assert "on request; vna_acquisition went silent" in status.message
+    assert "Paused on request, and a part failed: the VNA driver stopped answering" in str(
+        status.message
+    )
     bench.analyzer.on_sweep = lambda: None
     hang.set()
     come_back(bench, VNA)
@@ -167,7 +178,7 @@ def test_a_survey_that_holds_can_be_stopped(patient_bench):
     bench = patient_bench
     lose(bench, X_AXIS, after=5)
     bench.start()
-    bench.wait_for_message("holding")
+    bench.wait_for_message("Waiting")
     bench.control.stop()
     bench.wait_for(State.STOPPED)
     assert bench.storage.closed[-1][1] == "stopped"
@@ -177,7 +188,7 @@ def test_a_survey_that_is_started_without_a_node_fails_before_anything_moves(ben
     bench.nodes.note_silent(VNA)
     bench.start()
     status = bench.wait_for(State.FAILED)
-    assert "vna_acquisition went silent and did not come back" in status.message
+    assert "the VNA driver stopped answering; no answer within" in str(status.message)
     assert all(axis.moves == [] and axis.homings == 0 for axis in bench.axes)
 
 
@@ -193,10 +204,10 @@ def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(pa
 
     bench.storage.close = close_and_die
     bench.start()
-    bench.wait_for_message("holding: vna_processing went silent")
+    bench.wait_for_message("Waiting: the storage stopped answering")
 
     def refuse(*_arguments):
-        raise DeviceError("a survey that has ended is not opened again and takes no report")
+        raise DeviceError(Message("a survey that has ended cannot be reopened"))
 
     bench.storage.reopen = bench.storage.report = refuse
     come_back(bench, STORAGE)
@@ -215,7 +226,7 @@ def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(patient_bench):
 
     bench.storage.open = open_and_die
     bench.start()
-    bench.wait_for_message("holding: vna_processing went silent")
+    bench.wait_for_message("Waiting: the storage stopped answering")
     come_back(bench, STORAGE)
     bench.complete()
     first, second = bench.storage.records
@@ -226,10 +237,10 @@ def test_a_survey_that_was_still_open_is_told_and_can_be_resumed(bench):
     bench.storage.interrupted = "20260101T000000_01234567"
     bench.start()
     bench.wait_for(State.FINISHED)
-    said = [status.message for status in bench.history]
+    messages = [str(status.message) for status in bench.history]
     assert any(
-        "survey 20260101T000000_01234567 was still open and is closed as interrupted" in one
-        for one in said
+        "survey 20260101T000000_01234567 was still open; it is closed as interrupted" in one
+        for one in messages
     )
 
 
@@ -240,7 +251,7 @@ def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch
     def open_slowly(_survey):
         opening.set()
         assert opened.wait(LIMIT_S)
-        raise RequestRefusedError("there is none")
+        raise RequestRefusedError(Message("there is none"))
 
     monkeypatch.setattr(bench.storage, "reopen", open_slowly)
 
@@ -251,7 +262,7 @@ def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch
     resuming = threading.Thread(target=resume)
     resuming.start()
     assert opening.wait(LIMIT_S)
-    with pytest.raises(RequestRefusedError, match="another request is still being carried out"):
+    with pytest.raises(RequestRefusedError, match="another request did not end"):
         bench.start()
     opened.set()
     resuming.join(LIMIT_S)

@@ -1,4 +1,4 @@
-"""Surveys that were cut off go on with exactly what is missing."""
+"""Interrupted surveys continue with exactly the points that are missing."""
 
 import json
 from dataclasses import asdict
@@ -27,7 +27,7 @@ def test_after_an_axis_was_homed_again_the_last_point_is_measured_as_a_control(b
     bench.wait_for(State.FINISHED)
     report = bench.storage.reports[-1]
     (control,) = report["controls"]
-    # The fifth sweep was taken twice: the trace says 5 or less, the control one more than all.
+    # The fifth point was measured twice; the repeat measurement is not among the traces.
     assert control["index"] == bench.storage.samples[4].index
     assert report["coverage"].count("r") == 1
     assert [sample.index for sample in bench.storage.samples] == list(range(24))
@@ -76,7 +76,7 @@ def test_a_survey_that_was_cut_off_goes_on_with_exactly_what_is_missing(bench, s
     cut_off_survey(bench, stored)
     bench.x.homed = bench.y.homed = bench.z.homed = True
     message = bench.control.resume("20260101T000000_5ec1a5d2")
-    assert f"{24 - len(stored)} of 24 traces to go" in message
+    assert f"{24 - len(stored)} of 24 traces remain" in str(message)
     status = bench.wait_for(State.FINISHED)
     assert status.survey_id == "5ec1a5d2-0000-4000-8000-000000000000"
     missing = [index for index in range(24) if index not in stored]
@@ -95,15 +95,17 @@ def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench
     # The first sweep of this analyzer is 1 + 1j everywhere, which is what is stored.
     assert control["difference_db"] is None
     assert control["height_difference_m"] == 0.0
-    said = [status.message for status in bench.history]
-    assert any("point 1 differs by -inf dB" in message for message in said)
+    messages = [str(status.message) for status in bench.history]
+    assert any(
+        "point 1 was measured again and differs by -inf dB" in message for message in messages
+    )
 
 
 @pytest.mark.parametrize(
     "changes, message",
     [
-        ({"simulated": False}, "measured by the real robot.* a simulated one"),
-        ({"parameters": {}}, "survey.json is not whole"),
+        ({"simulated": False}, "measured by the real robot; a simulated robot cannot resume"),
+        ({"parameters": {}}, "survey.json is incomplete"),
         ({"axes": {}}, "with step_size None of the x axis"),
     ],
 )
@@ -128,7 +130,7 @@ def test_a_survey_that_is_not_there_is_refused(bench):
 def test_a_survey_that_holds_more_than_its_plan_is_refused_and_closed(bench, stored, report):
     cut_off_survey(bench, stored, report)
     with pytest.raises(
-        SurveyError, match="holds trace 30, its parameters give only 24|former report"
+        SurveyError, match="holds trace 30, but its parameters give only 24|the report in"
     ):
         bench.control.resume("survey")
     assert bench.board.status.state is State.IDLE

@@ -2,6 +2,7 @@
 
 import pytest
 
+from gpr20_common.message import Message
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import (
     AT_REST,
@@ -44,9 +45,11 @@ def test_after_every_end_new_parameters_and_a_new_start_are_possible(state):
 
 
 def test_an_illegal_transition_changes_nothing_and_tells_nobody():
-    told = []
-    board = SurveyStatus(lambda before, after: told.append(after), told.append, told.append)
+    changes = []
+    board = SurveyStatus(
+        lambda before, after: changes.append(after), changes.append, changes.append
+    )
     with pytest.raises(TransitionError):
-        board.enter(SurveyState.SURVEYING, "out of nowhere")
+        board.enter(SurveyState.SURVEYING, Message("Measuring"))
     assert board.status.state is SurveyState.IDLE
-    assert told == []
+    assert changes == []

@@ -1,4 +1,4 @@
-"""The steps of a survey, listed; nothing carries them out."""
+"""The list of steps of a survey; they are not executed."""
 
 import json
 from dataclasses import asdict, replace

@@ -16,8 +16,7 @@ def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
     bench.analyzer.on_sweep = block
     bench.start()
     bench.wait_for_visited(2)
-    message = bench.control.stop()
-    assert "STOPPED" in message
+    assert str(bench.control.stop()).startswith("Stopping")
     for axis in bench.axes:
         assert axis.stops > 0
         axis.blocked.set()
@@ -45,7 +44,7 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
     bench.analyzer.on_sweep = break_down
     bench.start()
     final = bench.wait_for(State.FAILED)
-    assert "a fault of ours" in final.message
+    assert "a fault of ours" in str(final.message)
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.storage.closed[-1][1] == "failed"
 
@@ -106,7 +105,7 @@ def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
     at_rest = []
     threading.Timer(0.005, lambda: (at_rest.append(True), bench.x.blocked.set())).start()
     bench.wait_for(State.STOPPED)
-    assert at_rest or "STILL MOVES" in bench.board.status.message
+    assert at_rest or "STILL MOVES" in str(bench.board.status.message)
 
 
 def test_an_axis_that_does_not_stop_is_told(bench):
@@ -115,7 +114,7 @@ def test_an_axis_that_does_not_stop_is_told(bench):
     assert bench.x.begun.wait(LIMIT_S)
     bench.control.stop()
     final = bench.wait_for(State.STOPPED)
-    assert "AN AXIS STILL MOVES" in final.message
+    assert "AN AXIS STILL MOVES" in str(final.message)
 
 
 def test_a_stop_does_not_wait_for_an_instrument_that_hangs_in_the_checks(bench, monkeypatch):
@@ -143,5 +142,7 @@ def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(be
     bench.wait_for(State.STOPPING)
     bench.nodes.note_silent("vna_processing")
     status = bench.wait_for(State.STOPPED)
-    assert "the recordings could not be finished: vna_processing went silent" in status.message
+    assert "the recordings could not be finished: the storage stopped answering" in str(
+        status.message
+    )
     hang.set()

@@ -25,7 +25,7 @@ def switch(state, board):
 
 
 def test_fault_of_the_analyzer_reaches_its_board(switch, board):
-    assert "SIMULATED vna" in switch.set("vna", "truncate", 2)
+    assert "SIMULATED vna" in str(switch.set("vna", "truncate", 2))
     assert [board.strikes(VnaFault.TRUNCATE) for _ in range(3)] == [True, True, False]
 
 

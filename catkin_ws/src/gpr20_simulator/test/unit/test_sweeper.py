@@ -15,6 +15,8 @@ from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed
 from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
 from gpr20_simulator.mid.sweeper import Sweeper
 
+pytestmark = pytest.mark.real_time
+
 POINTS = 100
 POINT_S = 0.01
 SWEEP_S = POINTS * POINT_S

@@ -25,6 +25,8 @@ from gpr20_simulator.mid.simulated_analyzer import (
     medium_by_name,
 )
 
+pytestmark = pytest.mark.real_time
+
 POINT_S = 350e-6
 POINTS = 401
 SWEEP_S = POINTS * POINT_S

@@ -23,6 +23,8 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_simulator.low.vxi11_core import Limits, NetworkFault
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
+pytestmark = pytest.mark.real_time
+
 # A call that takes longer hangs.
 LIMIT_S = 10.0
 LIMITS = Limits(receive_size=1024, reply_size=2000, message_size=5000, links=3, connections=8)

@@ -6,9 +6,11 @@ import contextlib
 import errno
 import os
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, Optional, Union
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 
 
 class ProcessingError(Gpr20Error):
@@ -24,46 +26,59 @@ class ForeignTraceError(TraceRefusedError):
 
 
 class SurveyRefusedError(ProcessingError, ValueError):
-    """A survey cannot be opened or closed as it was asked for; nothing was changed."""
+    """A survey cannot be opened or closed as requested; nothing was changed."""
 
 
 class StorageFailedError(ProcessingError, OSError):
-    """The disk did not take something; it is not stored and may be stored again."""
+    """The disk refused something; it is not stored and may be stored again."""
 
 
-class FileReplacedError(ProcessingError, OSError):
-    """An open file is no longer the one of its name: what is written into it is lost."""
+class _FileError(ProcessingError, OSError):
+    def __init__(self, message: Message, path: Path) -> None:
+        super().__init__(message)
+        self.filename = str(path)
+        self.strerror = message.sentence()
 
 
-class IrregularFileError(ProcessingError, OSError):
+class FileReplacedError(_FileError):
+    """The name of an open file now belongs to another file: what is written is lost."""
+
+
+class IrregularFileError(_FileError):
     """A link, a folder, a pipe or the like is where a file should be."""
 
 
 _ADVICE = {
-    errno.ENOSPC: "the disk is full; make space and store again",
-    errno.EDQUOT: "the disk quota is used up; make space and store again",
-    errno.EROFS: "the disk is read-only; look for disk errors with dmesg and mount it writable",
-    errno.EACCES: "permission denied; make the folder and what is in it readable and writable "
-    "for this user",
-    errno.EEXIST: "a file of this name exists with other content and was left alone; "
-    "move it out of the survey's folder and store again",
-    errno.EPERM: "not permitted; what is in the folder must belong to this user, and its file "
-    "system know hard links",
-    errno.ENOENT: "it is gone; if the survey's folder was moved or renamed, put it back, "
-    "then resume the survey",
-    errno.EISDIR: "this is a folder, no file; move it away",
-    errno.ENOTDIR: "this is a file, no folder; move it away",
+    errno.ENOSPC: Message("the disk is full; make space and try again"),
+    errno.EDQUOT: Message("the disk quota is used up; make space and try again"),
+    errno.EROFS: Message("the disk is read-only; look for disk errors and mount it writable"),
+    errno.EACCES: Message(
+        "permission denied; make the folder and its content readable and writable for this user"
+    ),
+    errno.EEXIST: Message(
+        "a file of this name exists with other content and was left alone; move it out of the "
+        "survey's folder and try again"
+    ),
+    errno.EPERM: Message(
+        "not permitted; the folder's content must belong to this user, and its file system must "
+        "support hard links"
+    ),
+    errno.ENOENT: Message(
+        "there is no such file or folder; if the survey's folder was moved or renamed, put it "
+        "back, then resume the survey"
+    ),
+    errno.EISDIR: Message("this is a folder, not a file; move it away"),
+    errno.ENOTDIR: Message("this is a file, not a folder; move it away"),
 }
 
 
 @contextlib.contextmanager
-def storing(what: str, path: Path, failed: str = "be written to") -> Iterator[None]:
-    """Turn an error of the disk into one that says what to do.
+def storing(failure: Message, path: Path) -> Iterator[None]:
+    """Turn an error of the disk into one with advice on what to do.
 
     Args:
-        what: What is written, for the message.
-        path: Where it is written.
-        failed: What could not be done, if it is no writing.
+        failure: What could not be done, with the path: the first half of the sentence.
+        path: Where it was done; if an error concerns another file, the message names that too.
 
     Raises:
         StorageFailedError: The body raised an OSError.
@@ -71,25 +86,41 @@ def storing(what: str, path: Path, failed: str = "be written to") -> Iterator[No
     try:
         yield
     except OSError as error:
-        place = f"{printable(str(path))}{_file_of(error, path)}"
-        raise StorageFailedError(f"{what} could not {failed} {place}: {_advice(error)}") from error
+        raise StorageFailedError(_failed(failure, path, error)) from error
 
 
-def printable(name: str) -> str:
-    """Return a file's name as text that can be sent and shown, whatever bytes it holds."""
+def _failed(failure: Message, path: Path, error: OSError) -> Message:
+    advice = _advice(error)
+    # An error of our own has no technical text beside its message.
+    details = "" if isinstance(error, ProcessingError) else error
+    file = _other_file(error, path)
+    if file is None:
+        return Message("{failure}: {advice}", failure=failure, advice=advice, details=details)
+    return Message(
+        "{failure}, at {file}: {advice}",
+        failure=failure,
+        file=printable(file),
+        advice=advice,
+        details=details,
+    )
+
+
+def _other_file(error: OSError, path: Path) -> Optional[str]:
+    # Of two names the second is the new one, which fails most often.
+    file = error.filename2 or error.filename
+    # A temporary file has the name of the file that it becomes within its own.
+    if not isinstance(file, str) or path.name in os.path.basename(file):
+        return None
+    return file
+
+
+def printable(name: Union[str, Path]) -> str:
+    """Return a file's name or path as text that can be sent and shown, whatever bytes it holds."""
     return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
-def _file_of(error: OSError, path: Path) -> str:
-    # Of two names the second is the new one, which is what fails most often.
-    file = error.filename2 or error.filename
-    # A temporary file has the name of what it shall become within its own.
-    if not isinstance(file, str) or path.name in os.path.basename(file):
-        return ""
-    return f" (at {printable(file)})"
-
-
-def _advice(error: OSError) -> str:
-    if isinstance(error, (IrregularFileError, FileReplacedError)):
-        return str(error.strerror)
-    return _ADVICE.get(error.errno or 0, f"{error.strerror or error}; check the disk")
+def _advice(error: OSError) -> Message:
+    if isinstance(error, ProcessingError):
+        return error.message
+    known = _ADVICE.get(error.errno or 0)
+    return known or Message("{reason}; check the disk", reason=os_reason(error))

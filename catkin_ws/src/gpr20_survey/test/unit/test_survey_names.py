@@ -54,7 +54,7 @@ def test_a_trace_file_name_is_one_plain_name_that_sorts_by_index(index, x_mm, y_
     ("text", "reason"),
     [
         ("", "not strict JSON"),
-        ("[1]", "is a list"),
+        ("[1]", "is of type list"),
         ("null", "must be an object"),
         ('{"a": NaN}', "NaN is not allowed"),
         ('{"a": 1e999}', "not strict JSON"),

@@ -15,13 +15,9 @@ class ParametersRefusedError(UserInterfaceError, ValueError):
     """The parameters of the survey are not allowed; the message names each."""
 
 
-class LanguageError(UserInterfaceError, ValueError):
-    """The window cannot speak this language."""
-
-
 class SurveyNotReadableError(UserInterfaceError, ValueError):
-    """What is told of a survey cannot be shown; the message says why."""
+    """A survey, or a part of it, cannot be shown; the message gives the reason."""
 
 
 class ProfileError(UserInterfaceError, ValueError):
-    """A profile of parameters cannot be read, written or named so."""
+    """A profile of parameters cannot be read or written, or its name is not allowed."""

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import threading
 import uuid
-from typing import List, Optional
+from typing import Any, List, Optional, Union
 
 import rospy
 from sensor_msgs.msg import Range
-from std_srvs.srv import Trigger, TriggerResponse
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
+from gpr20_common.message import Message, verbatim
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import (
+    Command,
+    CommandResponse,
     ResumeSurvey,
     ResumeSurveyResponse,
     SetSurveyParameters,
@@ -62,7 +65,7 @@ class FakeMainControl:
         self.asked = 0
         self.may_answer = threading.Event()
         self.may_answer.set()
-        self.refusal = ""
+        self.refusal: Optional[Message] = None
         # Points that the survey may take; a test that needs time gives them out slowly.
         self.point_limit = 10**6
         self._advertise()
@@ -88,7 +91,7 @@ class FakeMainControl:
     def listeners(self) -> int:
         return self._data.get_num_connections()
 
-    def pause(self, message: str) -> None:
+    def pause(self, message: Union[Message, str]) -> None:
         self._say(ControlStatus.PAUSED, message)
 
     def fail(self, message: str) -> None:
@@ -132,8 +135,8 @@ class FakeMainControl:
         self._services = [
             advertise(name("set_survey_parameters"), SetSurveyParameters, self._set),
             advertise(name("start_survey"), StartSurvey, self._start),
-            advertise(name("stop_survey"), Trigger, self._stop),
-            advertise(name("pause_survey"), Trigger, self._pause),
+            advertise(name("stop_survey"), Command, self._stop),
+            advertise(name("pause_survey"), Command, self._pause),
             advertise(name("resume_survey"), ResumeSurvey, self._resume),
         ]
 
@@ -148,13 +151,18 @@ class FakeMainControl:
             self._parameters_topic.publish(message)
             self._say(ControlStatus.CONFIGURED, "ready to start")
         estimate = rospy.Duration(parameters.total_points * self._point_s)
-        return SetSurveyParametersResponse(True, "accepted", parameters.total_points, estimate)
+        return _answer(
+            SetSurveyParametersResponse,
+            "accepted",
+            total_points=parameters.total_points,
+            estimated_time=estimate,
+        )
 
     def _start(self, _request: object) -> StartSurveyResponse:
         self.asked += 1
         if not self.may_answer.wait(ANSWER_LIMIT_S):
-            raise Gpr20Error("the test did not let the fake answer")
-        if self.refusal:
+            raise Gpr20Error(verbatim("the test did not let the fake answer"))
+        if self.refusal is not None:
             raise Gpr20Error(self.refusal)
         with self._lock:
             self._refuse_while_active()
@@ -162,40 +170,39 @@ class FakeMainControl:
             self.survey_id = str(uuid.uuid4())
             self._visited = 0
             self._say(ControlStatus.CHECKING, "checking the devices")
-        return StartSurveyResponse(True, "started", self.survey_id)
+        return _answer(StartSurveyResponse, "started", survey_id=self.survey_id)
 
     def _refuse_while_active(self) -> None:
         if self.code in ACTIVE:
-            raise Gpr20Error(f"survey {self.survey_id} is running; stop it first")
+            raise Gpr20Error(verbatim(f"survey {self.survey_id} is running; stop it first"))
 
-    def _stop(self, _request: object) -> TriggerResponse:
+    def _stop(self, _request: object) -> CommandResponse:
         with self._lock:
             self.stops += 1
             if self.code not in ACTIVE:
-                raise Gpr20Error("no survey runs")
+                raise Gpr20Error(verbatim("no survey runs"))
             self._say(ControlStatus.STOPPING, "axes ramp down")
-        return TriggerResponse(True, "stopping")
+        return _answer(CommandResponse, "stopping")
 
-    def _pause(self, _request: object) -> TriggerResponse:
+    def _pause(self, _request: object) -> CommandResponse:
         with self._lock:
             if self.code != ControlStatus.SURVEYING:
-                raise Gpr20Error("no survey is measuring; there is nothing to pause")
+                raise Gpr20Error(verbatim("no survey is measuring; there is nothing to pause"))
             self._say(ControlStatus.PAUSING, "pausing after this sample")
-        return TriggerResponse(True, "pausing")
+        return _answer(CommandResponse, "pausing")
 
     def _resume(self, _request: object) -> ResumeSurveyResponse:
         with self._lock:
             if self.code != ControlStatus.PAUSED:
-                raise Gpr20Error("no survey is paused")
+                raise Gpr20Error(verbatim("no survey is paused"))
             self._say(ControlStatus.SURVEYING, "going on")
-        return ResumeSurveyResponse(True, "going on")
+        return _answer(ResumeSurveyResponse, "going on")
 
-    def _say(self, code: int, message: str) -> None:
+    def _say(self, code: int, message: Union[Message, str]) -> None:
+        fields = message_fields(message if isinstance(message, Message) else verbatim(message))
         with self._lock:
             self.code = code
-            status = ControlStatus(
-                code=code, message=message, survey_id=self.survey_id, simulated=True
-            )
+            status = ControlStatus(code=code, survey_id=self.survey_id, simulated=True, **fields)
             status.header.stamp = rospy.Time.now()
             self._status.publish(status)
             self._publish_data()
@@ -241,3 +248,7 @@ class FakeMainControl:
         target = (at + 1, 2 * at, 90.0) if running else (-1.0, -1.0, -1.0)
         self._target.publish(Coordinates(rospy.Header(stamp=rospy.Time.now()), *target))
         self._height.publish(Range(min_range=0.1, max_range=0.8, range=0.312))
+
+
+def _answer(response_class: Any, text: str, **fields: Any) -> Any:
+    return response_class(success=True, **message_fields(verbatim(text)), **fields)

@@ -19,6 +19,7 @@ import rostest
 from fake_main_control import FakeMainControl
 from waiting import LIMIT_S, wait_until
 
+from gpr20_common.message import Message
 from gpr20_msgs.msg import ControlStatus
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -50,7 +51,11 @@ class RunSurvey(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             universal_newlines=True,
-            env={**os.environ, "ROS_MASTER_URI": master or os.environ["ROS_MASTER_URI"]},
+            env={
+                **os.environ,
+                "LANGUAGE": "en",
+                "ROS_MASTER_URI": master or os.environ["ROS_MASTER_URI"],
+            },
         )
         self.processes.append(process)
         return process
@@ -76,7 +81,7 @@ class RunSurvey(unittest.TestCase):
         self.assertEqual(self.fake.visited, 18)
         for part in ("18 traces", "100.0 %", "0d:0h:0m:0s remaining", "SIMULATED", "/data/survey"):
             self.assertIn(part, output)
-        self.assertIn(f"survey id: {self.fake.survey_id}", output)
+        self.assertIn(f"Survey id: {self.fake.survey_id}", output)
 
     def test_bar_shows_the_same(self) -> None:
         process = self.client(*SMALL, "--bar", "always")
@@ -99,7 +104,7 @@ class RunSurvey(unittest.TestCase):
         output = self.end_of(process)
         self.assertEqual(process.returncode, 1, output)
         self.assertIn("x stop is 700 mm; it must lie between 0 and 650 mm", output)
-        self.assertNotIn("no survey was run", output)
+        self.assertNotIn("No survey was run", output)
 
     def test_ctrl_c_stops_the_survey_and_waits_for_it(self) -> None:
         self.fake.may_stop.clear()
@@ -110,7 +115,7 @@ class RunSurvey(unittest.TestCase):
         self.fake.may_stop.set()
         output = self.end_of(process)
         self.assertEqual(process.returncode, 130, output)
-        self.assertIn("survey stopped\nstopped by request", output)
+        self.assertIn("Survey stopped.\nstopped by request", output)
         self.assertEqual(self.fake.code, ControlStatus.STOPPED)
 
     def test_sigterm_stops_the_survey_too(self) -> None:
@@ -128,7 +133,7 @@ class RunSurvey(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         output = self.end_of(process)
         self.assertEqual(process.returncode, 130, output)
-        self.assertIn("the robot may still run", output)
+        self.assertIn("the robot may still move", output)
         self.assertEqual(self.fake.code, ControlStatus.STOPPING)
 
     def test_paused_survey_is_left_paused_and_can_be_resumed(self) -> None:
@@ -158,14 +163,14 @@ class RunSurvey(unittest.TestCase):
         process = self.client("--attach")
         output = self.end_of(process)
         self.assertEqual(process.returncode, 1, output)
-        self.assertIn("no survey runs: main_control is IDLE", output)
+        self.assertIn("No survey is running. The main control is IDLE", output)
 
     def test_vanished_control_ends_the_client_with_a_failure(self) -> None:
         process = self.surveying_client()
         self.fake.close()
         output = self.end_of(process)
         self.assertEqual(process.returncode, 3, output)
-        self.assertIn("main_control has not been heard", output)
+        self.assertIn("No contact with the main control for", output)
 
     def test_failed_survey_is_a_failure(self) -> None:
         process = self.surveying_client()
@@ -213,7 +218,17 @@ class RunSurvey(unittest.TestCase):
         waiting.send_signal(signal.SIGINT)
         output = self.end_of(waiting)
         self.assertEqual(waiting.returncode, 130, output)
-        self.assertIn("nothing was started", output)
+        self.assertIn("Nothing was started", output)
+
+    def test_lines_are_in_the_language_that_is_asked_for_with_the_details_behind_them(self) -> None:
+        process = self.surveying_client("--language", "es")
+        self.fake.pause(Message("the disk is full", details="errno 28"))
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 4, output)
+        self.assertIn("Campaña EN PAUSA", output)
+        self.assertIn("\nel disco está lleno (errno 28)\n", output)
+        self.assertIn("trazas", output)
+        self.assertIn("ROBOT SIMULADO", output)
 
 
 if __name__ == "__main__":

@@ -18,28 +18,28 @@ from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
-from std_srvs.srv import Trigger
 from virtual_screen import VirtualScreen
 from window_case import new_interface
 
+from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.high.raw_message import deserialized
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, Trace
-from gpr20_msgs.srv import ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_msgs.srv import Command, ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.survey_arguments import parse_arguments
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.plots import LEVELS
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 SERVICES = {
     "set_survey_parameters": SetSurveyParameters,
     "start_survey": StartSurvey,
-    "pause_survey": Trigger,
+    "pause_survey": Command,
     "resume_survey": ResumeSurvey,
-    "stop_survey": Trigger,
+    "stop_survey": Command,
     "read_traces": ReadTraces,
 }
 SHOWN_WITHIN_S = 1.0
@@ -126,7 +126,7 @@ class Traces(unittest.TestCase):
         stop_mm = str(100 + 10 * (points - 1))
         texts = ["--x-start", "100", "--x-stop", stop_mm, "--x-points", str(points)]
         texts += ["--y-start", "100", "--y-stop", "120", "--y-points", "3"]
-        arguments = parse_arguments([*texts, "--frequency-points", "201"])
+        arguments = parse_arguments([*texts, "--frequency-points", "201"], Catalogue())
         self.call("set_survey_parameters", parameters_message(arguments.parameters))
         self.call("start_survey")
 

@@ -8,11 +8,13 @@ import time
 from fake_main_control import ANSWER_LIMIT_S, FakeMainControl
 from PyQt5 import sip
 from PyQt5.QtWidgets import QApplication
-from std_srvs.srv import Trigger, TriggerResponse
 from window_case import WindowCase, new_interface, run_on_a_screen, wait_until
 
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, verbatim
+from gpr20_msgs.srv import Command, CommandResponse
 from gpr20_user_interface.mid.survey_model import SurveyModel
 
 
@@ -75,10 +77,15 @@ class Window(WindowCase):
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
 
     def test_refusal_opens_a_dialog_that_does_not_block(self) -> None:
-        self.fake.refusal = "the VNA is not calibrated; calibrate it"
+        self.fake.refusal = Message("permission denied", details="errno 13")
         self.click("start")
         wait_until(self.window.notice.isVisible, "a dialog opens")
-        self.assertIn("not calibrated", self.window.notice.reason.toPlainText())
+        self.assertEqual(self.window.notice.reason.toPlainText(), "permission denied")
+        self.assertEqual(self.window.notice.details.toPlainText(), "errno 13")
+        self.touch(self.window.language_button)
+        spanish = "permiso denegado"
+        wait_until(lambda: self.window.notice.reason.toPlainText() == spanish, "it is translated")
+        self.touch(self.window.language_button)
         self.assertEqual(self.fake.starts, 0)
         self.keep_picture("refused")
         self.touch(self.window.notice.close_button)
@@ -99,7 +106,10 @@ class Window(WindowCase):
     def test_vanished_control_is_told_and_comes_back(self) -> None:
         self.start()
         self.fake.close()
-        wait_until(lambda: "not heard for" in self.window.top_bar.alarm.text(), "the loss is told")
+        wait_until(
+            lambda: "contact with the main control for" in self.window.top_bar.alarm.text(),
+            "the loss is told",
+        )
         # What the robot does is not known: neither stopped nor free to start.
         self.assertEqual(self.title(), "SURVEYING")
         self.assertEqual(self.enabled(), "stop")
@@ -163,20 +173,21 @@ class Window(WindowCase):
         self.click("stop")
         wait_until(self.window.notice.isVisible, "a dialog opens")
         reason = self.window.notice.reason.toPlainText()
-        self.assertIn("stop_survey", reason)
+        self.assertIn("the main control does not answer", reason)
+        self.assertIn("stop_survey", self.window.notice.details.toPlainText())
         for axis in "xyz":
             self.assertIn(f"{axis} axis does NOT answer", reason)
-        self.assertIn("power off", self.window.notice.next_step.text())
+        self.assertIn("switch it off", self.window.notice.next_step.text())
 
     def test_stop_without_main_control_stops_the_axes(self) -> None:
         stopped = []
 
-        def stop(axis: str) -> TriggerResponse:
+        def stop(axis: str) -> CommandResponse:
             stopped.append(axis)
-            return TriggerResponse(True, "stopping")
+            return CommandResponse(success=True, **message_fields(verbatim("stopping")))
 
         for axis in "xyz":
-            service = advertise(f"{axis}_axis/stop", Trigger, lambda _request, a=axis: stop(a))
+            service = advertise(f"{axis}_axis/stop", Command, lambda _request, a=axis: stop(a))
             self.addCleanup(service.shutdown)
         self.start()
         self.fake.close()

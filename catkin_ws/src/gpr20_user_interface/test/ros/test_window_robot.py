@@ -127,7 +127,7 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
         alarm = self.window.top_bar.alarm
-        wait_until(lambda: "VNA is in trouble" in alarm.text(), "the loss is told")
+        wait_until(lambda: "VNA fault" in alarm.text(), "the loss is told")
         wait_until(lambda: self.title() == "PAUSED", "the survey holds")
         self.assertTrue(alarm.isVisible())
         self.assertIn("VNA", self.window.top_bar.message.whole)

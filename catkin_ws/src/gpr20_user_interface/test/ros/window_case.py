@@ -18,12 +18,13 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QWidget
 from virtual_screen import VirtualScreen
 
+from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Refusal, SurveyModel
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:

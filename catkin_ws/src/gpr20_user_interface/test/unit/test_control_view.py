@@ -98,7 +98,7 @@ def test_too_many_points_in_all_turn_the_fields_of_both_axes(window):
         enter(window, name, "1000")
     for name in ("x_points", "y_points"):
         said = window.control.form.edit(name).toolTip()
-        assert "fewer, a survey has at most 1000000 traces" in said
+        assert "at most 1000000 traces per survey" in said
     assert not window.control.start.isEnabled()
 
 

@@ -2,13 +2,18 @@ import io
 
 import pytest
 
+from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.displays import BarDisplay, PlainDisplay
 from gpr20_user_interface.mid.events import ControlState, Progress
 
-SURVEYING = ControlState(SurveyState.SURVEYING, "visiting", "id", True)
+SURVEYING = ControlState(SurveyState.SURVEYING, verbatim("visiting"), "id", True)
 TOTAL = 200
+ENGLISH = Catalogue()
+SPANISH = read_catalogue(Language.SPANISH)
 
 
 def progress(visited):
@@ -17,7 +22,7 @@ def progress(visited):
 
 def test_plain_lines_come_every_five_percent_and_at_the_end():
     stream = io.StringIO()
-    display = PlainDisplay(stream)
+    display = PlainDisplay(stream, ENGLISH)
     for visited in range(TOTAL + 1):
         display.show(progress(visited), SURVEYING)
     shown = [int(line.split("%")[1].split("/")[0]) for line in stream.getvalue().splitlines()]
@@ -26,7 +31,7 @@ def test_plain_lines_come_every_five_percent_and_at_the_end():
 
 def test_plain_last_line_is_not_lost_below_five_percent():
     stream = io.StringIO()
-    display = PlainDisplay(stream)
+    display = PlainDisplay(stream, ENGLISH)
     for visited in (194, 199, 200, 200):
         display.show(progress(visited), SURVEYING)
     assert [line.split("%")[0].strip() for line in stream.getvalue().splitlines()] == [
@@ -39,8 +44,8 @@ def test_plain_last_line_is_not_lost_below_five_percent():
 def test_bar_carries_everything_within_the_width_of_the_terminal(columns, monkeypatch):
     monkeypatch.setenv("COLUMNS", columns)
     stream = io.StringIO()
-    display = BarDisplay(TerminalBar(stream))
-    display.note("SURVEYING: visiting")
+    display = BarDisplay(TerminalBar(stream), ENGLISH)
+    display.note(verbatim("SURVEYING: visiting"))
     display.show(progress(50), SURVEYING)
     display.close()
     text = stream.getvalue()
@@ -54,5 +59,27 @@ def test_bar_carries_everything_within_the_width_of_the_terminal(columns, monkey
 
 def test_bar_that_never_moved_leaves_no_trace():
     stream = io.StringIO()
-    BarDisplay(TerminalBar(stream)).close()
+    BarDisplay(TerminalBar(stream), ENGLISH).close()
     assert stream.getvalue() == ""
+
+
+def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them():
+    stream = io.StringIO()
+    display = PlainDisplay(stream, SPANISH)
+    message = Message("Stop not accepted: {reason}", reason=Message("no answer in time"))
+    display.note(message)
+    display.note(Message("permission denied", details="[Errno 13] Permission denied: '/data'"))
+    display.show(progress(50), SURVEYING)
+    assert stream.getvalue().splitlines() == [
+        "No se aceptó la parada: no hubo respuesta a tiempo",
+        "permiso denegado ([Errno 13] Permission denied: '/data')",
+        " 25.0 %  50/200 trazas  quedan 0d:0h:2m:30s (según lo medido)",
+    ]
+
+
+def test_bar_is_in_the_language_of_the_terminal():
+    stream = io.StringIO()
+    display = BarDisplay(TerminalBar(stream), SPANISH)
+    display.show(progress(50), SURVEYING)
+    display.close()
+    assert "SIMULADO MIDIENDO" in stream.getvalue()

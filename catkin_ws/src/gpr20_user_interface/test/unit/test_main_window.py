@@ -6,11 +6,12 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QPushButton
 from window_helpers import application, click, show, snapshot, window, wishes
 
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Progress, Request
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
+from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth, Progress, Request
+from gpr20_user_interface.mid.notices import Refused, refusal_notice
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.notice import NoticeKind
 from gpr20_user_interface.views.style import TOUCH_PX
 
 __all__ = ["application", "window"]
@@ -53,10 +54,13 @@ def test_state_and_progress_are_seen_from_every_tab(window):
     ("alarm", "words"),
     [
         (Alarm(AlarmKind.MASTER_GONE), "ROS master does not answer: the robot may still move"),
-        (Alarm(AlarmKind.CONTROL_NEVER_HEARD), "roslaunch gpr20 survey.launch"),
-        (Alarm(AlarmKind.CONTROL_SILENT, 7.9), "not heard for 7 s: the robot may still move"),
-        (Alarm(AlarmKind.SURVEY_INTERRUPTED), "the survey is INTERRUPTED. SURVEYS resumes it"),
-        (Alarm(AlarmKind.ANALYZER_GONE, detail="no answer"), "VNA is in trouble: no answer"),
+        (Alarm(AlarmKind.NO_CONTROL), "roslaunch gpr20 survey.launch"),
+        (
+            Alarm(AlarmKind.CONTROL_LOST, 7.9),
+            "No contact with the main control for 7 s: the robot may still move",
+        ),
+        (Alarm(AlarmKind.SURVEY_INTERRUPTED), "the survey is INTERRUPTED. Resume it on SURVEYS"),
+        (Alarm(AlarmKind.ANALYZER_FAULT, reason=verbatim("no answer")), "VNA fault: no answer"),
     ],
 )
 def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, words):
@@ -73,7 +77,8 @@ def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, 
 def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window, request_):
     heard = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
-    window.notice.show_notice(NoticeKind[request_.name], "<b>the reason</b>")
+    reason = verbatim("<b>the reason</b>")
+    window.notice.show_notice(refusal_notice(Refused[request_.name], reason))
     assert window.notice.isVisible()
     assert window.notice.reason.toPlainText() == "<b>the reason</b>"
     assert window.notice.next_step.text().startswith("Next: ")
@@ -93,3 +98,52 @@ def test_everything_to_touch_is_large_enough_for_a_glove(window):
         for widget in touched:
             assert min(widget.height(), widget.width()) >= TOUCH_PX, widget.objectName()
     assert window.tabs.tabBar().height() >= TOUCH_PX
+
+
+NO_SPACE = Message(
+    "the disk is full", details="[Errno 28] No space left on device: '/data/traces/7.json'"
+)
+
+
+def test_details_of_a_refusal_stand_below_its_sentence(window):
+    window.notice.show_notice(refusal_notice(Refused.START, NO_SPACE))
+    assert window.notice.reason.toPlainText() == "the disk is full"
+    assert window.notice.details_title.text() == "Details"
+    assert window.notice.details.toPlainText() == NO_SPACE.details
+    window.notice.show_notice(refusal_notice(Refused.START, verbatim("no details")))
+    assert not window.notice.details.isVisible()
+    assert not window.notice.details_title.isVisible()
+
+
+def test_touch_on_the_status_message_opens_it_with_its_details(window):
+    heard = wishes(window)
+    window.show_tab(TabName.STATUS)
+    status = Message("Paused: {reason}", reason=NO_SPACE)
+    state = ControlState(SurveyState.PAUSED, status, "id", True)
+    show(window, snapshot(SurveyState.PAUSED, state=state))
+    click(window.status.message.text.viewport())
+    assert window.notice.isVisible()
+    assert window.notice.title.text() == "PAUSED"
+    assert window.notice.reason.toPlainText() == "Paused: the disk is full"
+    assert window.notice.details.toPlainText() == NO_SPACE.details
+    assert not window.notice.next_step.isVisible()
+    click(window.top_bar.stop)
+    assert heard == ["stop"]
+
+
+def test_touch_on_a_node_opens_its_message_details_and_values(window):
+    window.show_tab(TabName.STATUS)
+    nodes = (
+        NodeHealth("main_control", HealthLevel.OK, verbatim("measuring"), {}),
+        NodeHealth("vna_processing", HealthLevel.ERROR, NO_SPACE, {"free disk [MB]": "0.0"}),
+    )
+    show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+    QTest.qWait(1)
+    click(window.status.health.row("vna_processing").message)
+    assert window.notice.title.text() == "Storage: FAULT"
+    assert window.notice.reason.toPlainText() == "the disk is full"
+    assert window.notice.details.toPlainText().splitlines() == [
+        NO_SPACE.details,
+        "node: vna_processing",
+        "free disk [MB]: 0.0",
+    ]

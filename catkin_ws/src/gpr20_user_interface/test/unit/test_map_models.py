@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from view_kit import SURVEY, TRAVEL, cell, description, make_grid
 
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_user_interface.errors import SurveyNotReadableError
@@ -15,15 +16,15 @@ from gpr20_user_interface.mid.map_coverage import (
 from gpr20_user_interface.mid.map_grid import Stop, grid_from_description
 from gpr20_user_interface.mid.map_model import MapModel
 
+VERDICT = verbatim("INCOMPLETE: some are missing")
 STATES = st.sampled_from(list(SampleState))
 
 
 def runs_of(coverage, survey_id=SURVEY):
     starts = tuple(start for start, _state in coverage.runs())
     states = tuple(int(state) for _start, state in coverage.runs())
-    failures = tuple(f"{index}: {reason}" for index, reason in coverage.reasons.items())
     planned = len(coverage.states)
-    return CoverageRuns(survey_id, planned, starts, states, failures, coverage.verdict().text)
+    return CoverageRuns(survey_id, planned, starts, states, coverage.reasons, VERDICT)
 
 
 @settings(deadline=None)
@@ -50,14 +51,14 @@ def test_coverage_comes_through_as_it_was(states):
     coverage = Coverage(len(states))
     for index, state in enumerate(states):
         if state is SampleState.FAILED:
-            coverage.note_failed(index, "the VNA: no answer")
+            coverage.note_failed(index, verbatim("the VNA: no answer"))
         elif state is SampleState.MEASURED:
             coverage.note_stored(index)
         elif state is SampleState.REMEASURED:
             coverage.note_remeasured(index)
     runs = runs_of(coverage)
     assert runs.trace_states().tolist() == states
-    assert runs.reasons() == coverage.reasons
+    assert runs.failures == coverage.reasons
 
 
 @settings(deadline=None)
@@ -89,7 +90,7 @@ def filled_map(stored=(), failed=()):
     grid = make_grid()
     coverage = Coverage(grid.planned, stored)
     for index in failed:
-        coverage.note_failed(index, f"reason {index}")
+        coverage.note_failed(index, verbatim(f"reason {index}"))
     model = MapModel()
     model.set_grid(grid)
     model.set_coverage(runs_of(coverage))
@@ -108,7 +109,7 @@ def test_a_stop_is_done_only_with_all_its_polarizations():
         StopState.MISSING: 18,
         StopState.FAILED: 0,
     }
-    assert "INCOMPLETE" in model.verdict
+    assert model.verdict == VERDICT
 
 
 def test_the_second_row_runs_back():
@@ -121,7 +122,7 @@ def test_the_second_row_runs_back():
 def test_one_failed_polarization_makes_the_stop_failed_and_says_why():
     model = filled_map(stored=[0], failed=[1])
     assert model.state_at(Stop(0, 0)) is StopState.FAILED
-    assert model.reasons_at(Stop(0, 0)) == ("reason 1",)
+    assert model.reasons_at(Stop(0, 0)) == (verbatim("reason 1"),)
 
 
 @pytest.mark.parametrize(
@@ -147,7 +148,7 @@ def test_coverage_of_another_survey_is_not_shown_on_this_plan():
     model.set_grid(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
     assert model.stop_states is None
     assert model.counts() is None
-    assert model.verdict == ""
+    assert model.verdict is None
 
 
 def test_coverage_may_come_before_the_plan():

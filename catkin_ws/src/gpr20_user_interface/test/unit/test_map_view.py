@@ -12,6 +12,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from view_kit import make_grid, trace_at
 
+from gpr20_common.message import verbatim
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
@@ -34,7 +35,9 @@ class Shown:
         self.model.set_grid(grid)
         self.radar.begin(grid)
         self.model.set_coverage(
-            CoverageRuns(grid.survey_id, 40, (0, 10, 11, 12), (1, 3, 1, 0), ("10: ADC: no answer",))
+            CoverageRuns(
+                grid.survey_id, 40, (0, 10, 11, 12), (1, 3, 1, 0), {10: verbatim("ADC: no answer")}
+            )
         )
         self.radar.add(trace_at(grid, 0))
         self.view = MapView(self.model, self.radar)

@@ -9,6 +9,8 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
 from window_helpers import application, show, snapshot, window
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
@@ -19,6 +21,8 @@ from gpr20_user_interface.mid.events import (
     Progress,
     TargetPosition,
 )
+from gpr20_user_interface.mid.field_messages import allowed_values, field_title
+from gpr20_user_interface.mid.notices import Refused, node_notice, refusal_notice, state_notice
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.robot_health import (
     CALIBRATION,
@@ -29,15 +33,14 @@ from gpr20_user_interface.mid.robot_health import (
 )
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.notice import NoticeKind
-from gpr20_user_interface.views.problem_text import allowed_text, field_title
 from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.top_bar import ElidedLabel
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages, shown_text
 
 __all__ = ["application", "window"]
 
 LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
+WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 LARGEST = SurveyPreview(
     stops=500000,
     traces=1000000,
@@ -64,9 +67,11 @@ def spoken(request, application, window):
 def busiest(**other):
     level = HealthLevel.STALE
     values = {CALIBRATION: "MODERATE_POWER"}
-    nodes = tuple(NodeHealth(name, level, LONG, values) for name in (*EXPECTED_NODES, "simulator"))
+    nodes = tuple(
+        NodeHealth(name, level, verbatim(LONG), values) for name in (*EXPECTED_NODES, "simulator")
+    )
     values = {
-        "state": ControlState(SurveyState.SURVEYING, LONG, "id", True),
+        "state": ControlState(SurveyState.SURVEYING, verbatim(LONG), "id", True),
         "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
         "current": CurrentPosition(650.0, 800.0, -90.0),
         "target": TargetPosition(650.0, 800.0, -90.0),
@@ -107,25 +112,35 @@ def assert_text_fits(widget):
 @pytest.mark.parametrize("code", list(SurveyState))
 def test_nothing_of_a_tab_is_cut_off(spoken, tab, code):
     spoken.show_tab(tab)
-    show(spoken, busiest(state=ControlState(code, LONG, "id", True)))
+    show(spoken, busiest(state=ControlState(code, verbatim(LONG), "id", True)))
     assert_fits(spoken)
 
 
 @pytest.mark.parametrize("kind", list(AlarmKind))
 def test_no_alarm_is_cut_off(spoken, kind):
-    show(spoken, busiest(alarm=Alarm(kind, 86399.0, LONG)))
+    show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG))))
     # What is shown for the first time has its size with the next refresh.
     QTest.qWait(1)
-    show(spoken, busiest(alarm=Alarm(kind, 86399.0, LONG)))
+    show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG))))
     assert spoken.top_bar.alarm.isVisible()
     assert spoken.top_bar.alarm.fontMetrics().lineSpacing() * 2 <= spoken.top_bar.alarm.height()
     assert_fits(spoken)
 
 
-@pytest.mark.parametrize("kind", list(NoticeKind))
-def test_no_dialog_is_cut_off(spoken, kind):
-    spoken.notice.show_notice(kind, LONG)
+NOTICES = {
+    **{refused.value: refusal_notice(refused, WITH_DETAILS) for refused in Refused},
+    "state": state_notice(ControlState(SurveyState.PAUSED, WITH_DETAILS, "id", True)),
+    "node": node_notice(
+        NodeHealth("height_sensor", HealthLevel.ERROR, WITH_DETAILS, {"a": LONG, "b": LONG})
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(NOTICES))
+def test_no_dialog_is_cut_off(spoken, name):
+    spoken.notice.show_notice(NOTICES[name])
     assert_fits(spoken)
+    assert spoken.notice.details.height() >= TOUCH_PX
     reason = spoken.notice.reason
     assert reason.height() >= 4 * reason.fontMetrics().height()
 
@@ -141,7 +156,7 @@ def test_no_problem_is_cut_off(spoken):
 
 
 def test_what_is_longer_than_its_place_is_scrolled_with_a_gloved_finger(spoken):
-    spoken.notice.show_notice(NoticeKind.START, LONG * 10)
+    spoken.notice.show_notice(refusal_notice(Refused.START, verbatim(LONG * 10)))
     QTest.qWait(1)
     bar = spoken.notice.reason.verticalScrollBar()
     assert bar.isVisible()
@@ -154,7 +169,10 @@ def test_no_number_pad_is_cut_off(spoken):
     travel = busiest().travel
     for name in spoken.control.form.texts():
         spoken.number_pad.ask(
-            *(lambda _text: None, field_title(name), allowed_text(name, travel), "0, 90"),
+            lambda _text: None,
+            shown_text(field_title(name)),
+            shown_text(allowed_values(name, travel)),
+            "0, 90",
             judge=lambda _text: "",
             strict=False,
         )

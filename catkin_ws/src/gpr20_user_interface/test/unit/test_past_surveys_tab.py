@@ -9,18 +9,24 @@ pytest.importorskip("PyQt5")
 from view_kit import SURVEY, description
 from window_helpers import Storage, application, close, new_window, show, snapshot
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
 
 FOLDER = "20261121T051000_7c9e6679"
-RUNS = snapshot(SurveyState.SURVEYING, state=ControlState(SurveyState.SURVEYING, "", SURVEY, True))
-ENDED = snapshot(SurveyState.FINISHED, state=ControlState(SurveyState.FINISHED, "", SURVEY, True))
+RUNS = snapshot(
+    SurveyState.SURVEYING, state=ControlState(SurveyState.SURVEYING, verbatim(""), SURVEY, True)
+)
+ENDED = snapshot(
+    SurveyState.FINISHED, state=ControlState(SurveyState.FINISHED, verbatim(""), SURVEY, True)
+)
 
 
 @pytest.fixture
@@ -34,7 +40,7 @@ def window(application, storage):
     window = new_window(languages, storage=storage)
     window.show()
     window.show_tab(TabName.SURVEYS)
-    survey = PastSurvey(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 7, 40, "", False, True, "")
+    survey = PastSurvey(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 7, 40, None, False, True, None)
     window.on_event(SurveysListed("", (survey,), False))
     window.past.table.selectRow(0)
     storage.asked.clear()
@@ -44,11 +50,11 @@ def window(application, storage):
 
 def test_a_survey_that_begins_is_told_and_cannot_be_resumed_any_more(window):
     past = window.past
-    assert "It has not ended properly." in past.details.text() and past.resume.isEnabled()
+    assert "The survey did not end properly." in past.details.text() and past.resume.isEnabled()
     show(window, RUNS)
-    assert "It is on its way." in past.details.text() and not past.resume.isEnabled()
+    assert "Survey in progress." in past.details.text() and not past.resume.isEnabled()
     show(window, ENDED)
-    assert "It has not ended properly." in past.details.text() and past.resume.isEnabled()
+    assert "The survey did not end properly." in past.details.text() and past.resume.isEnabled()
 
 
 def test_the_list_is_read_anew_when_a_survey_begins_is_opened_and_ends(window, storage):

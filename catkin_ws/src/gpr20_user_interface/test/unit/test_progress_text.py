@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.displays import progress_line, remaining_text, time_text
+from gpr20_user_interface.mid.displays import progress_line, remaining, time_text
 from gpr20_user_interface.mid.events import Progress
 
 DAY_S = 86400
@@ -33,12 +33,14 @@ def test_the_parts_of_a_time_make_the_time_again(time_s):
     assert ((days * 24 + hours) * 60 + minutes) * 60 + seconds == time_s
 
 
-@pytest.mark.parametrize(("visited", "basis"), [(0, "plan"), (1, "measured"), (12, "measured")])
+@pytest.mark.parametrize(
+    ("visited", "basis"), [(0, "by the plan"), (1, "measured"), (12, "measured")]
+)
 def test_remaining_time_says_what_it_is_based_on(visited, basis):
     progress = Progress("id", 0.0, 18, visited, 1128.0)
-    assert remaining_text(progress) == f"0d:0h:18m:48s remaining ({basis})"
+    assert str(remaining(progress)) == f"0d:0h:18m:48s remaining ({basis})"
 
 
 def test_line_tells_percent_and_traces():
-    line = progress_line(Progress("id", 66.6667, 18, 12, 60.0))
+    line = str(progress_line(Progress("id", 66.6667, 18, 12, 60.0)))
     assert "66.7 %" in line and "12/18 traces" in line and "0d:0h:1m:0s remaining" in line

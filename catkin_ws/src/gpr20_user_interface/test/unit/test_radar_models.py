@@ -180,7 +180,7 @@ def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again(changes
 
 def test_a_trace_of_another_survey_is_refused():
     model = filled([0])
-    with pytest.raises(SurveyNotReadableError, match="another is shown"):
+    with pytest.raises(SurveyNotReadableError, match="another survey is shown"):
         model.add(trace_at(make_grid(), 3, survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
 
 

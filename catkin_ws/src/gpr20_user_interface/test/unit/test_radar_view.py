@@ -109,7 +109,7 @@ def test_it_says_what_is_missing_in_the_picture(view, model):
     add(view, model, 0, height_m=float("nan"))
     assert "no height was measured" in view.note.text()
     click(view.controls.background)
-    assert "background is kept until there are 8 traces" in view.note.text()
+    assert "background is not removed from fewer than 8 traces" in view.note.text()
     model.give_up(5, "torn")
     view.refresh()
     assert "cannot be shown: 1" in view.note.text()

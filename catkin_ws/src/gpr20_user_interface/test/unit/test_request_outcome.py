@@ -1,5 +1,6 @@
 import pytest
 
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
@@ -11,7 +12,9 @@ def outcome():
 
 
 def told(outcome, *codes):
-    return [outcome.failed_request(ControlState(code, "why", "id", False)) for code in codes]
+    return [
+        outcome.failed_request(ControlState(code, verbatim("why"), "id", False)) for code in codes
+    ]
 
 
 @pytest.mark.parametrize("request_", [Request.START, Request.RESUME])
@@ -31,7 +34,7 @@ def test_survey_that_came_to_measure_may_fail_later_for_other_reasons(outcome):
 
 def test_checks_that_are_stopped_have_not_failed(outcome):
     outcome.asked(Request.START)
-    outcome.failed_request(ControlState(SurveyState.CHECKING, "", "id", False))
+    outcome.failed_request(ControlState(SurveyState.CHECKING, verbatim(""), "id", False))
     outcome.asked(Request.STOP)
     assert told(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
 
@@ -39,5 +42,5 @@ def test_checks_that_are_stopped_have_not_failed(outcome):
 def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
     assert told(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
     outcome.asked(Request.START)
-    outcome.answered(Answer(Request.START, False, "no"))
+    outcome.answered(Answer(Request.START, False, verbatim("no")))
     assert told(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]

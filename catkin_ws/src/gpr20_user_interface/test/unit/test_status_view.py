@@ -6,6 +6,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QTextEdit
 from window_helpers import application, show, snapshot, window
 
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
     CurrentPosition,
@@ -58,19 +59,23 @@ def test_positions_are_shown_or_said_to_be_unknown(window):
 
 def test_health_of_every_node_is_shown_in_its_own_words(window):
     nodes = (
-        NodeHealth("vna_acquisition", HealthLevel.ERROR, "no answer", {"calibration": "HIGH"}),
-        NodeHealth("vna_processing", HealthLevel.OK, "storing", {"free disk [MB]": "12345.6"}),
-        NodeHealth("y_axis/axis_driver", HealthLevel.WARN, "not homed", {}),
-        NodeHealth("main_control", HealthLevel.STALE, "was fine", {}),
+        NodeHealth(
+            "vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {"calibration": "HIGH"}
+        ),
+        NodeHealth(
+            "vna_processing", HealthLevel.OK, verbatim("storing"), {"free disk [MB]": "12345.6"}
+        ),
+        NodeHealth("y_axis/axis_driver", HealthLevel.WARN, verbatim("not homed"), {}),
+        NodeHealth("main_control", HealthLevel.STALE, verbatim("was fine"), {}),
     )
     show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     health = window.status.health
     assert health.texts("vna_acquisition") == "FAULT: no answer"
-    assert health.texts("vna_processing") == "OK: storing"
-    assert health.texts("y_axis/axis_driver") == "LOOK: not homed"
-    assert health.texts("main_control") == "GONE: not heard"
-    # The line of a node that is gone tells it all; the room is for those with reasons.
-    assert health.details == "vna_acquisition: no answer\ny_axis: not homed"
+    assert health.texts("vna_processing") == "GOOD: storing"
+    assert health.texts("y_axis/axis_driver") == "WARNING: not homed"
+    assert health.texts("main_control") == "OFFLINE: no report"
+    # The line of a node that is gone has no more text; the room is for those with reasons.
+    assert health.details == "VNA driver: no answer\nY axis: not homed"
     assert (health.disk, health.calibration) == ("12.3 GB", "high accuracy")
 
 
@@ -83,12 +88,21 @@ def test_line_of_a_node_that_is_cut_is_read_to_its_end_below(window):
     identity = "Anritsu,MS2026C/2,SIMULATED,1.23" + "X" * 60
     words = f"connected to {identity}"
     nodes = (
-        NodeHealth("vna_acquisition", HealthLevel.OK, words, {}),
-        NodeHealth("height_sensor", HealthLevel.OK, "height 0.200 m", {}),
+        NodeHealth("vna_acquisition", HealthLevel.OK, verbatim(words), {}),
+        NodeHealth("height_sensor", HealthLevel.OK, verbatim("height 0.200 m"), {}),
     )
     show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
-    assert window.status.health.details == f"vna_acquisition: {words}"
+    assert window.status.health.details == f"VNA driver: {words}"
+
+
+def test_faults_are_read_before_warnings(window):
+    nodes = (
+        NodeHealth("main_control", HealthLevel.WARN, verbatim("paused"), {}),
+        NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {}),
+    )
+    show(window, snapshot(SurveyState.PAUSED, health=HealthReport(nodes)))
+    assert window.status.health.details == "Height sensor: stuck\nMain control: paused"
 
 
 def test_scroll_bar_goes_when_a_long_text_gives_way_to_a_short_one(window):
@@ -96,7 +110,7 @@ def test_scroll_bar_goes_when_a_long_text_gives_way_to_a_short_one(window):
     bar = window.status.health.findChild(QTextEdit).verticalScrollBar()
     for count, needed in ((40, True), (1, False)):
         words = "the height sensor reads nothing; check it. " * count
-        nodes = (NodeHealth("height_sensor", HealthLevel.ERROR, words, {}),)
+        nodes = (NodeHealth("height_sensor", HealthLevel.ERROR, verbatim(words), {}),)
         show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
         QTest.qWait(1)
         assert bar.isVisible() == needed

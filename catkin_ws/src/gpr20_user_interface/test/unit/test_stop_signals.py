@@ -10,6 +10,8 @@ import pytest
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.mid.events import StopRequested
 
+pytestmark = pytest.mark.real_time
+
 
 @pytest.mark.parametrize(
     ("number", "name"), [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM")]

@@ -1,9 +1,16 @@
 import pytest
 
+from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
-from gpr20_user_interface.mid.survey_arguments import Bar, parse_arguments
+from gpr20_user_interface.mid.survey_arguments import Bar, terminal_language
+from gpr20_user_interface.mid.survey_arguments import parse_arguments as parse
 from gpr20_user_interface.mid.survey_follower import Mode, OnPause
+
+
+def parse_arguments(arguments):
+    return parse(arguments, Catalogue())
 
 
 def test_defaults_are_a_survey_that_can_be_run():
@@ -80,3 +87,37 @@ def test_help_tells_every_exit_status(capsys):
     assert caught.value.code == 0
     text = capsys.readouterr().out
     assert all(f"\n  {status:>3}  " in text for status in (0, 1, 2, 3, 4, 130))
+
+
+def test_help_and_faults_are_in_the_language_of_the_catalogue(capsys):
+    spanish = read_catalogue(Language.SPANISH)
+    with pytest.raises(SystemExit):
+        parse(["--help"], spanish)
+    text = capsys.readouterr().out
+    assert "la campaña terminó: todas las trazas previstas están guardadas" in text
+    assert "(por defecto 15)" in " ".join(text.split())
+    with pytest.raises(SystemExit):
+        parse(["--wait", "0"], spanish)
+    assert "'0' no es un número de segundos mayor que cero" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "environment", "language"),
+    [
+        ("", {}, Language.ENGLISH),
+        ("", {"LANG": "es_PE.UTF-8"}, Language.SPANISH),
+        ("--language en", {"LANG": "es_PE.UTF-8"}, Language.ENGLISH),
+        ("--attach --language=es --wait 3", {}, Language.SPANISH),
+        # Refused by the parser that comes next.
+        ("--language fr", {"LANG": "es_PE.UTF-8"}, Language.SPANISH),
+        ("--language", {}, Language.ENGLISH),
+    ],
+)
+def test_language_is_that_of_the_command_line_or_the_terminal(line, environment, language):
+    assert terminal_language(line.split(), environment) is language
+
+
+def test_unknown_language_is_refused(capsys):
+    with pytest.raises(SystemExit):
+        parse_arguments(["--language", "fr"])
+    assert "fr" in capsys.readouterr().err

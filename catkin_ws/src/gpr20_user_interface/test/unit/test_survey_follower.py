@@ -1,5 +1,6 @@
 import pytest
 
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, StopRequested
 from gpr20_user_interface.mid.survey_follower import (
@@ -11,11 +12,11 @@ from gpr20_user_interface.mid.survey_follower import (
 )
 
 LIMITS = Limits(wait_s=10.0, silence_s=5.0, begin_s=10.0, stop_s=60.0, stop_retry_s=2.0)
-STARTED = Answer(Request.START, True, "started", "ours")
+STARTED = Answer(Request.START, True, verbatim("started"), "ours")
 
 
 def state(code, survey_id="ours", message="as it is"):
-    return ControlState(SurveyState[code], message, survey_id, False)
+    return ControlState(SurveyState[code], verbatim(message), survey_id, False)
 
 
 def progress(survey_id="ours"):
@@ -67,13 +68,13 @@ def test_starts_when_main_control_is_heard_and_only_once(robot):
 def test_finished_survey_is_a_success(surveying):
     surveying.say(state("FINISHED", message="18 traces in /data"))
     assert surveying.status is ExitStatus.FINISHED
-    assert surveying.follower.outcome.message == "18 traces in /data"
+    assert str(surveying.follower.outcome.message) == "18 traces in /data"
 
 
 @pytest.mark.parametrize("code", ["FAILED", "STOPPED"])
 def test_other_ends_without_a_wish_are_failures(surveying, code):
     surveying.say(state(code, message="why"))
-    assert (surveying.status, surveying.follower.outcome.message) == (ExitStatus.FAILED, "why")
+    assert (surveying.status, str(surveying.follower.outcome.message)) == (ExitStatus.FAILED, "why")
 
 
 def test_end_of_a_former_survey_is_not_taken_for_ours(robot):
@@ -90,15 +91,15 @@ def test_survey_that_ended_before_the_answer_came_is_not_missed(robot):
 
 
 def test_refused_start_is_told_with_the_reason(robot):
-    robot.say(state("IDLE", ""), Answer(Request.START, False, "axes are not there"))
+    robot.say(state("IDLE", ""), Answer(Request.START, False, verbatim("axes are not there")))
     assert robot.status is ExitStatus.REFUSED
-    assert robot.follower.outcome.message == "axes are not there"
+    assert str(robot.follower.outcome.message) == "axes are not there"
 
 
 def test_absent_main_control_is_waited_for_within_the_limit(robot):
     assert robot.wait(10).status is None
     assert robot.wait(0.5).status is ExitStatus.REFUSED
-    assert "roslaunch gpr20 survey.launch" in robot.follower.outcome.message
+    assert "roslaunch gpr20 survey.launch" in str(robot.follower.outcome.message)
 
 
 def test_long_start_is_waited_for(robot):
@@ -109,7 +110,7 @@ def test_long_start_is_waited_for(robot):
 def test_survey_nothing_is_said_about_is_not_followed_for_ever(robot):
     robot.say(state("IDLE", ""), STARTED).wait(11, progress(""))
     assert robot.status is ExitStatus.FAILED
-    assert "said nothing about it" in robot.follower.outcome.message
+    assert "has not reported on it" in str(robot.follower.outcome.message)
 
 
 @pytest.mark.parametrize("wish", [[], [StopRequested("Ctrl-C")]])
@@ -117,7 +118,7 @@ def test_lost_main_control_is_noticed_even_while_stopping(surveying, wish):
     surveying.wait(50, progress()).say(*wish)
     assert surveying.wait(5).status is None
     assert surveying.wait(0.5).status is ExitStatus.FAILED
-    assert "the robot may still move" in surveying.follower.outcome.message
+    assert "The robot may still move" in str(surveying.follower.outcome.message)
 
 
 def test_silence_while_this_process_was_suspended_is_not_main_controls(surveying):
@@ -133,13 +134,13 @@ def test_silence_while_this_process_was_suspended_is_not_main_controls(surveying
 def test_main_control_that_forgot_the_survey_ends_the_watch(surveying, other):
     surveying.say(other)
     assert surveying.status is ExitStatus.FAILED
-    assert "ours" in surveying.follower.outcome.message
+    assert "ours" in str(surveying.follower.outcome.message)
 
 
 def test_pause_is_left_or_waited_for(clock):
     begin = (state("IDLE", ""), STARTED, state("SURVEYING"), state("PAUSED", message="no VNA"))
     leaving = Robot(clock).say(*begin)
-    assert (leaving.status, leaving.follower.outcome.message) == (ExitStatus.PAUSED, "no VNA")
+    assert (leaving.status, str(leaving.follower.outcome.message)) == (ExitStatus.PAUSED, "no VNA")
     waiting = Robot(clock, on_pause=OnPause.WAIT).say(*begin)
     assert waiting.wait(3600, state("PAUSED")).status is None
     waiting.say(state("SURVEYING"), state("FINISHED"))
@@ -149,11 +150,11 @@ def test_pause_is_left_or_waited_for(clock):
 def test_stop_is_asked_for_and_believed_only_when_main_control_says_it(surveying):
     surveying.say(StopRequested("Ctrl-C"))
     assert surveying.requests == [Request.START, Request.STOP]
-    surveying.say(Answer(Request.STOP, True, "stopping"), state("STOPPING"))
+    surveying.say(Answer(Request.STOP, True, verbatim("stopping")), state("STOPPING"))
     assert surveying.wait(30, state("STOPPING")).status is None
     assert surveying.requests == [Request.START, Request.STOP]
     surveying.say(state("STOPPED", message="by request"))
-    assert (surveying.status, surveying.follower.outcome.message) == (
+    assert (surveying.status, str(surveying.follower.outcome.message)) == (
         ExitStatus.STOPPED,
         "by request",
     )
@@ -165,13 +166,13 @@ def test_stop_that_comes_too_late_leaves_a_finished_survey(surveying):
 
 
 def test_refused_stop_is_tried_again_until_the_limit(surveying):
-    refused = Answer(Request.STOP, False, "busy")
+    refused = Answer(Request.STOP, False, verbatim("busy"))
     surveying.say(StopRequested("Ctrl-C"), refused).wait(2, progress())
     assert surveying.requests.count(Request.STOP) == 2
     surveying.say(refused).wait(58.5, progress())
     assert surveying.status is ExitStatus.FAILED
-    assert "busy" in surveying.follower.outcome.message
-    assert "the robot may still run" in surveying.follower.outcome.message
+    assert "busy" in str(surveying.follower.outcome.message)
+    assert "The robot may still move" in str(surveying.follower.outcome.message)
 
 
 def test_stop_in_the_pause_does_not_leave_the_survey_paused(surveying):
@@ -181,14 +182,18 @@ def test_stop_in_the_pause_does_not_leave_the_survey_paused(surveying):
 
 def test_stop_before_the_answer_to_start_is_repeated_after_it(robot):
     robot.say(state("IDLE", ""), StopRequested("Ctrl-C"))
-    robot.say(Answer(Request.STOP, False, "no survey runs"), STARTED)
+    robot.say(Answer(Request.STOP, False, verbatim("no survey runs")), STARTED)
     assert robot.requests == [Request.START, Request.STOP, Request.STOP]
     robot.say(state("STOPPED"))
     assert robot.status is ExitStatus.STOPPED
 
 
 def test_stop_before_a_refused_start_needs_no_confirmation(robot):
-    robot.say(state("IDLE", ""), StopRequested("Ctrl-C"), Answer(Request.START, False, "stopped"))
+    robot.say(
+        state("IDLE", ""),
+        StopRequested("Ctrl-C"),
+        Answer(Request.START, False, verbatim("stopped")),
+    )
     assert robot.status is ExitStatus.STOPPED
 
 
@@ -206,7 +211,7 @@ def test_stop_before_anything_began_asks_for_nothing(robot):
 def test_attaching_needs_a_survey_that_runs(clock, code):
     robot = Robot(clock, Mode.ATTACH).say(state(code.name))
     assert (robot.status, robot.requests) == (ExitStatus.REFUSED, [])
-    assert code.name in robot.follower.outcome.message
+    assert code.name in str(robot.follower.outcome.message)
 
 
 def test_attached_survey_is_followed_without_asking_for_anything(clock):
@@ -219,12 +224,12 @@ def test_attached_survey_is_followed_without_asking_for_anything(clock):
 def test_resumed_survey_is_not_left_for_the_pause_it_came_from(clock):
     robot = Robot(clock, Mode.RESUME).say(state("PAUSED"))
     assert robot.requests == [Request.RESUME]
-    robot.say(Answer(Request.RESUME, True, "going on"))
+    robot.say(Answer(Request.RESUME, True, verbatim("going on")))
     assert robot.status is None
     robot.say(state("SURVEYING"))
     assert robot.follower.survey_id == "ours"
     robot.say(state("PAUSED", message="again"))
-    assert (robot.status, robot.follower.outcome.message) == (ExitStatus.PAUSED, "again")
+    assert (robot.status, str(robot.follower.outcome.message)) == (ExitStatus.PAUSED, "again")
 
 
 def test_nothing_changes_the_outcome(surveying):

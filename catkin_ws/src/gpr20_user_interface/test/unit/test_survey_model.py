@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import (
     Answer,
@@ -22,7 +23,7 @@ from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, Su
 
 
 def state(code, survey_id="id", simulated=False):
-    return ControlState(SurveyState(code), "as it is", survey_id, simulated)
+    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, simulated)
 
 
 PROGRESS = Progress("id", 50.0, 18, 9, 30.0)
@@ -64,7 +65,7 @@ def test_stop_that_was_asked_for_is_not_taken_for_done(model):
     model.handle(state(SurveyState.SURVEYING))
     model.request_sent(Request.STOP)
     assert allowed(model.snapshot()) == ["stop"]
-    model.handle(Answer(Request.STOP, True, "stopping"))
+    model.handle(Answer(Request.STOP, True, verbatim("stopping")))
     snapshot = model.snapshot()
     assert snapshot.running and snapshot.fields_locked
     assert snapshot.can_stop and not snapshot.can_start
@@ -74,14 +75,14 @@ def test_start_that_is_being_asked_for_locks_start_and_unlocks_stop(model):
     model.handle(state(SurveyState.CONFIGURED))
     model.request_sent(Request.START)
     assert allowed(model.snapshot()) == ["stop"]
-    model.handle(Answer(Request.START, False, "no"))
+    model.handle(Answer(Request.START, False, verbatim("no")))
     assert allowed(model.snapshot()) == ["start"]
 
 
 def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
     model.handle(state(SurveyState.CONFIGURED, ""))
     model.request_sent(Request.START)
-    model.handle(Answer(Request.START, True, "started", "new"))
+    model.handle(Answer(Request.START, True, verbatim("started"), "new"))
     assert allowed(model.snapshot()) == ["stop"]
     model.handle(state(SurveyState.FAILED, "new"))
     assert allowed(model.snapshot()) == ["start"]
@@ -89,7 +90,7 @@ def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock
 
 def test_start_is_not_locked_for_ever_by_a_survey_that_never_showed(model, clock):
     model.request_sent(Request.START)
-    model.handle(Answer(Request.START, True, "started", "new"))
+    model.handle(Answer(Request.START, True, verbatim("started"), "new"))
     clock.advance(CONTROL_SILENCE_S + 0.1)
     model.handle(state(SurveyState.IDLE, ""))
     assert allowed(model.snapshot()) == ["start"]
@@ -173,7 +174,7 @@ def test_limits_of_the_axes_are_known_until_they_are_not(model):
     limits = AxisLimits(object())
     model.handle(limits)
     assert model.snapshot().travel is limits.travel
-    model.handle(AxisLimits(None, "no axes"))
+    model.handle(AxisLimits(None, verbatim("no axes")))
     assert model.snapshot().travel is None
 
 
@@ -182,7 +183,7 @@ def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     limits = AxisLimits(object())
     model.handle(limits)
     assert model.snapshot().alarm is None
-    model.handle(AxisLimits(None, "refused", master_alive=False))
+    model.handle(AxisLimits(None, verbatim("refused"), master_alive=False))
     assert model.snapshot().travel is limits.travel
     assert model.snapshot().alarm.kind is AlarmKind.MASTER_GONE
     model.handle(limits)
@@ -191,9 +192,9 @@ def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
 
 def test_trouble_of_the_analyzer_is_an_alarm_until_it_is_over(model):
     model.handle(state(SurveyState.SURVEYING))
-    model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, "no answer", {}))
-    assert model.snapshot().alarm == Alarm(AlarmKind.ANALYZER_GONE, detail="no answer")
-    model.handle(NodeHealth("vna_acquisition", HealthLevel.OK, "connected", {}))
+    model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
+    assert model.snapshot().alarm == Alarm(AlarmKind.ANALYZER_FAULT, reason=verbatim("no answer"))
+    model.handle(NodeHealth("vna_acquisition", HealthLevel.OK, verbatim("connected"), {}))
     assert model.snapshot().alarm is None
 
 

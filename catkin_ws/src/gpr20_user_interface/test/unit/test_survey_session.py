@@ -2,6 +2,7 @@ import queue
 
 import pytest
 
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
     Accepted,
@@ -48,8 +49,8 @@ class Recorder:
     def send(self, request):
         self.sent.append(request)
 
-    def note(self, text):
-        self.shown.append(text)
+    def note(self, message):
+        self.shown.append(str(message))
 
     def show(self, progress, state):
         self.shown.append((state.code.name, progress.visited_points))
@@ -59,7 +60,7 @@ class Recorder:
 
 
 def state(code, survey_id="ours"):
-    return ControlState(SurveyState[code], "as it is", survey_id, True)
+    return ControlState(SurveyState[code], verbatim("as it is"), survey_id, True)
 
 
 def run(clock, *events):
@@ -76,7 +77,7 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
         Progress("former", 100.0, 8, 8, 0.0),
         Accepted(18, 65.0),
         state("CHECKING"),
-        Answer(Request.START, True, "", "ours"),
+        Answer(Request.START, True, verbatim(""), "ours"),
         state("SURVEYING"),
         None,
         Progress("ours", 50.0, 18, 9, 30.0),
@@ -85,8 +86,8 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
     assert outcome.status is ExitStatus.FINISHED
     assert recorder.sent == [Request.START]
     assert recorder.shown == [
-        SIMULATED,
-        "parameters accepted: 18 traces, about 0d:0h:1m:5s",
+        str(SIMULATED),
+        "Parameters accepted: 18 traces, about 0d:0h:1m:5s.",
         "CHECKING: as it is",
         "SURVEYING: as it is",
         ("SURVEYING", 9),
@@ -98,7 +99,7 @@ def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
     outcome, recorder, _ = run(
         clock,
         state("IDLE", ""),
-        Answer(Request.START, True, "", "ours"),
+        Answer(Request.START, True, verbatim(""), "ours"),
         state("SURVEYING"),
         Progress("ours", 94.0, 18, 17, 1.0),
         state("FINISHED"),
@@ -115,7 +116,7 @@ def test_a_state_is_told_once_per_change_and_moves_the_bar(clock):
     _, recorder, _ = run(
         clock,
         state("IDLE", ""),
-        Answer(Request.START, True, "", "ours"),
+        Answer(Request.START, True, verbatim(""), "ours"),
         state("SURVEYING"),
         state("SURVEYING"),
         Progress("ours", 50.0, 18, 9, 30.0),
@@ -135,15 +136,15 @@ def test_stop_and_its_refusal_are_told(clock):
     _, recorder, _ = run(
         clock,
         state("IDLE", ""),
-        Answer(Request.START, True, "", "ours"),
+        Answer(Request.START, True, verbatim(""), "ours"),
         state("SURVEYING"),
         StopRequested("Ctrl-C"),
-        Answer(Request.STOP, False, "busy"),
+        Answer(Request.STOP, False, verbatim("busy")),
         state("STOPPED"),
     )
     assert recorder.sent == [Request.START, Request.STOP]
-    assert "Ctrl-C: asking main_control to stop the survey" in recorder.shown
-    assert "stop not accepted: busy" in recorder.shown
+    assert "Ctrl-C: stopping the survey." in recorder.shown
+    assert "Stop not accepted: busy" in recorder.shown
 
 
 def test_session_ends_by_itself_when_nobody_speaks(clock):
@@ -167,20 +168,24 @@ def test_display_is_closed_when_the_session_is_broken_off(clock):
 
 @pytest.mark.parametrize("status", list(ExitStatus))
 def test_last_words_tell_outcome_survey_and_simulation(status):
-    lines = outcome_lines(Outcome(status, "for this reason"), "an-id", simulated=True)
+    outcome = Outcome(status, verbatim("for this reason"))
+    lines = [str(line) for line in outcome_lines(outcome, "an-id", simulated=True)]
     assert lines[1] == "for this reason"
-    assert "survey id: an-id" in lines
-    assert lines[-1] == SIMULATED
+    assert "Survey id: an-id" in lines
+    assert lines[-1] == str(SIMULATED)
     assert any("--resume" in line for line in lines) == (status is ExitStatus.PAUSED)
 
 
 @pytest.mark.parametrize("status", list(ExitStatus))
 def test_last_words_tell_how_a_survey_that_ended_early_is_resumed(status):
-    lines = outcome_lines(Outcome(status, "why"), "an-id", simulated=False, stored=True)
+    outcome = Outcome(status, verbatim("why"))
+    messages = outcome_lines(outcome, "an-id", simulated=False, stored=True)
+    lines = [str(message) for message in messages]
     resumable = status in (ExitStatus.STOPPED, ExitStatus.FAILED)
     assert any("run_survey --resume an-id" in line for line in lines) == resumable
 
 
 def test_last_words_claim_no_simulation_and_no_survey_that_was_not():
-    lines = outcome_lines(Outcome(ExitStatus.REFUSED, "why"), "", simulated=False)
-    assert lines == ["no survey was run", "why"]
+    outcome = Outcome(ExitStatus.REFUSED, verbatim("why"))
+    lines = outcome_lines(outcome, "", simulated=False)
+    assert [str(line) for line in lines] == ["No survey was run.", "why"]

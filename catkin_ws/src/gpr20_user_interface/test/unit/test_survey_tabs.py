@@ -8,13 +8,15 @@ from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
 from view_kit import SURVEY, make_grid, trace_at
 from window_helpers import application, click, close, new_window
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
 
@@ -30,14 +32,14 @@ class Shown:
         live = self.window.traces.live
         grid = make_grid()
         live.begin(grid)
-        failures = ("10: the VNA did not answer within 90 s; check its cable and its address",)
-        verdict = "INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 not visited"
+        failures = {10: verbatim("the VNA did not answer within 90 s; check cable and address")}
+        verdict = verbatim("INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 missing")
         coverage = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
         live.map.set_coverage(coverage)
         live.take_trace(trace_at(grid, 0, height_m=float("nan")))
         past = PastSurvey(
             *("20261121T051000_7c9e6679", "7c9e6679", "2026-11-21T05:10:00", "stopped"),
-            *(7, 40, verdict, False, True, ""),
+            *(7, 40, verdict, False, True, None),
         )
         self.window.on_event(SurveysListed("", (past,), True))
         self.window.past.table.selectRow(0)
@@ -105,8 +107,8 @@ def test_the_language_changes_at_once(application):
     show(shown, TabName.RADAR)
     views = shown.window
     assert "Gris: no medido" in views.radar.note.text()
-    assert views.map.next_problem.text() == "Siguiente sin hacer"
-    assert "INCOMPLETA" in views.past.table.item(0, 1).text()
+    assert views.map.next_problem.text() == "Siguiente\nincompleto"
+    assert views.past.table.item(0, 1).text() == "INCOMPLETA (simulada)"
     click(views.radar.controls.background)
     assert views.radar.controls.background.text() == "Fondo\nincluido"
     shown.close()
@@ -114,5 +116,6 @@ def test_the_language_changes_at_once(application):
 
 def test_a_text_without_translation_is_shown_in_english_and_never_empty(application):
     languages = Languages(application, Language.SPANISH)
-    assert QApplication.translate("NoSuchView", "STOP") == "STOP"
+    assert QApplication.translate("AnyView", "NO SUCH TEXT") == "NO SUCH TEXT"
+    assert QApplication.translate("AnyView", "STOP") == "DETENER"
     languages.close()

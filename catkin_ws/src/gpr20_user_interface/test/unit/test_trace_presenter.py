@@ -4,6 +4,8 @@ import pytest
 from view_kit import SURVEY, description, make_grid, trace_at
 from window_helpers import Storage, application, click, close, new_window, show, snapshot, wishes
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState, CurrentPosition, TargetPosition
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
@@ -18,7 +20,7 @@ from gpr20_user_interface.mid.trace_events import (
 )
 from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
 
@@ -42,12 +44,12 @@ def window(application, storage):
 
 
 def stored(count, survey=SURVEY, planned=40):
-    return CoverageRuns(survey, planned, (0, count), (1, 0), (), f"{count} are stored")
+    return CoverageRuns(survey, planned, (0, count), (1, 0), {}, verbatim(f"{count} are stored"))
 
 
-def page(first_index, *indices, unreadable=(), grid=GRID):
+def page(first_index, *indices, unreadable=None, grid=GRID):
     traces = tuple(trace_at(grid, index) for index in indices)
-    return TracesRead(grid.survey_id, first_index, traces, unreadable)
+    return TracesRead(grid.survey_id, first_index, traces, unreadable or {})
 
 
 def refresh(window, times=1):
@@ -94,11 +96,11 @@ def test_a_file_that_cannot_be_read_is_told_once(window, storage):
     window.on_event(SurveyDescribed(description()))
     window.on_event(stored(3))
     refresh(window, 2)
-    window.on_event(page(0, 0, 2, unreadable=("1: no strict JSON",)))
+    window.on_event(page(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
     refresh(window, 4)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert window.problems == ["1: no strict JSON"]
-    assert window.traces.shown.radar.given_up == {1: "no strict JSON"}
+    assert list(map(str, window.problems)) == ["trace 1: no strict JSON"]
+    assert window.traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
 
 
 def test_an_answer_without_the_trace_does_not_ask_for_ever(window, storage):
@@ -108,14 +110,14 @@ def test_an_answer_without_the_trace_does_not_ask_for_ever(window, storage):
     window.on_event(page(0, 1))
     refresh(window, 4)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert "no file" in window.traces.shown.radar.given_up[0]
+    assert "no file" in str(window.traces.shown.radar.given_up[0])
 
 
 def test_a_storage_that_does_not_answer_is_asked_again(window, storage):
     window.on_event(SurveyDescribed(description()))
     window.on_event(stored(2))
     refresh(window, 2)
-    window.on_event(ReadingFailed("service read_traces did not answer"))
+    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
     refresh(window, RETRY_REFRESHES + 2)
     assert storage.asked == [("traces", SURVEY, 0)] * 2
 
@@ -163,10 +165,10 @@ def listed(*surveys, before="", more=False):
     return SurveysListed(before, surveys, more)
 
 
-def past(outcome="stopped", complete=False, survey_id=OTHER, problem="", folder=FOLDER):
+def past(outcome="stopped", complete=False, survey_id=OTHER, problem=None, folder=FOLDER):
     started = "" if problem else "2026-11-21T05:10:00.000000+00:00"
     count = 0 if problem else 7
-    verdict = "INCOMPLETE: 7 of 40"
+    verdict = verbatim("INCOMPLETE: 7 of 40")
     return PastSurvey(
         folder, survey_id, started, outcome, count, 40, verdict, complete, True, problem
     )
@@ -179,7 +181,9 @@ def cell(window, row, column):
 def test_the_list_says_what_became_of_each_survey(window, storage):
     window.show_tab(TabName.SURVEYS)
     assert storage.asked == [("list", "")]
-    damaged = past(problem="survey.json cannot be read", folder="20261120T051000_0f8fad5b")
+    damaged = past(
+        problem=verbatim("survey.json cannot be read"), folder="20261120T051000_0f8fad5b"
+    )
     window.on_event(listed(past(), damaged, past("finished", True)))
     assert cell(window, 0, 0) == "2026-11-21 05:10"
     assert "INCOMPLETE" in cell(window, 0, 1)
@@ -192,7 +196,7 @@ def test_the_list_says_what_became_of_each_survey(window, storage):
 def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
     view = window.past
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past(), past("finished", True), past(problem="torn")))
+    window.on_event(listed(past(), past("finished", True), past(problem=verbatim("torn"))))
     allowed = []
     for row in range(3):
         view.table.selectRow(row)
@@ -207,7 +211,7 @@ def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window
 
 
 def snapshot_of(code, survey_id, **known):
-    return snapshot(code, state=ControlState(code, "", survey_id, True), **known)
+    return snapshot(code, state=ControlState(code, verbatim(""), survey_id, True), **known)
 
 
 def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, storage):
@@ -243,7 +247,7 @@ def test_pages_of_the_list_are_joined(window, storage):
 
 
 def test_why_the_list_cannot_be_read_is_shown(window):
-    window.on_event(ReadingFailed("service list_surveys did not answer; check its node"))
+    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
     assert "did not answer" in window.past.details.text()
 
 

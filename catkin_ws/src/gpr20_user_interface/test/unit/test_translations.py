@@ -1,65 +1,52 @@
-import string
-from pathlib import Path
-
 import pytest
-from source_texts import source_texts
 
-from gpr20_user_interface.errors import LanguageError
-from gpr20_user_interface.low.translation_file import FOLDER, read_translations
-from gpr20_user_interface.views.translation import Language, language_from_code
+pytest.importorskip("PyQt5")
 
-SPANISH = FOLDER / "es.ts"
+from window_helpers import application, show, snapshot, window
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.views.translation import Languages, shown_text
 
-def fields(text):
-    return sorted(name for _, name, _, _ in string.Formatter().parse(text) if name)
-
-
-def test_every_text_of_the_window_has_a_spanish_one():
-    missing = source_texts() - set(read_translations(SPANISH))
-    assert missing == set(), f"add these messages to {SPANISH}"
+__all__ = ["application", "window"]
 
 
-def test_no_translation_is_left_over():
-    assert set(read_translations(SPANISH)) - source_texts() == set()
+@pytest.fixture
+def spanish(application):
+    languages = Languages(application, Language.SPANISH)
+    yield languages
+    languages.close()
 
 
-def test_a_translation_has_the_same_places_to_fill_in():
-    for (context, text), translation in read_translations(SPANISH).items():
-        assert fields(text) == fields(translation), (context, text)
+def test_message_is_shown_in_the_language_of_the_application_with_those_inside_it(spanish):
+    message = Message("VNA fault: {reason}", reason=Message("no answer in time", details="errno"))
+    assert shown_text(message) == "Fallo del VNA: no hubo respuesta a tiempo"
+    spanish.use(Language.ENGLISH)
+    assert shown_text(message) == "VNA fault: no answer in time"
 
 
-def test_translations_that_are_not_finished_are_not_used(tmp_path):
-    path = tmp_path / "xx.ts"
-    path.write_text(
-        "<TS><context><name>A</name>"
-        "<message><source>one</source><translation type='unfinished'>1</translation></message>"
-        "<message><source>two</source><translation>2</translation></message>"
-        "<message><source>three</source><translation></translation></message>"
-        "</context></TS>"
-    )
-    assert read_translations(path) == {("A", "two"): "2"}
+@pytest.mark.parametrize("text", ["", "the moon is full", "{0} and {name}", "x" * 100_000])
+def test_text_that_came_without_a_template_stays_as_it_is(spanish, text):
+    assert shown_text(verbatim(text)) == text
 
 
-@pytest.mark.parametrize("text", ["", "<TS>", "no xml"])
-def test_file_that_is_no_xml_is_refused(tmp_path, text):
-    path = tmp_path / "xx.ts"
-    path.write_text(text)
-    with pytest.raises(LanguageError, match="cannot be read"):
-        read_translations(path)
+def test_template_without_translation_is_shown_in_english(spanish):
+    template = "the moon is {phase}"
+    assert shown_text(Message(template, phase="full")) == "the moon is full"
 
 
-def test_missing_file_is_refused():
-    with pytest.raises(LanguageError, match="cannot be read"):
-        read_translations(Path("/does/not/exist.ts"))
-
-
-@pytest.mark.parametrize("language", list(Language))
-def test_language_is_known_by_its_code(language):
-    assert language_from_code(language.value) is language
-
-
-@pytest.mark.parametrize("code", ["", "fr", "ES", 5])
-def test_other_languages_are_refused(code):
-    with pytest.raises(LanguageError, match="must be one of en"):
-        language_from_code(code)
+def test_status_of_the_robot_changes_its_language_at_once(window, application, spanish):
+    spanish.use(Language.ENGLISH)
+    reason = Message("the disk is full")
+    status = Message("Stop not accepted: {reason}", reason=reason)
+    state = ControlState(SurveyState.STOPPED, status, "id", True)
+    show(window, snapshot(SurveyState.STOPPED, state=state))
+    assert window.status.message.title == "STOPPED"
+    spanish.use(Language.SPANISH)
+    application.processEvents()
+    assert window.status.message.title == "DETENIDO"
+    expected = "No se aceptó la parada: el disco está lleno"
+    assert window.status.message.message == expected
+    assert window.top_bar.message.whole == expected

@@ -6,6 +6,8 @@ from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
 from window_helpers import application, click, close, enter, new_window
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
@@ -19,7 +21,7 @@ from gpr20_user_interface.mid.events import (
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimated
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
 
@@ -56,7 +58,7 @@ class EstimatorThatRecords:
 
 
 class Link(QObject):
-    told = pyqtSignal(object)
+    event_came = pyqtSignal(object)
 
 
 class WatchedModel(SurveyModel):
@@ -88,7 +90,7 @@ def parts(application, clock, estimator):
 
 
 def state(code):
-    return ControlState(code, "as it is", "id", False)
+    return ControlState(code, verbatim("as it is"), "id", False)
 
 
 def test_limits_of_the_axes_are_asked_for_at_once(parts):
@@ -138,7 +140,7 @@ def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     window.refresh()
     click(window.control.start)
     assert not window.control.start.isEnabled()
-    window.on_event(Answer(Request.START, False, "the disk is full"))
+    window.on_event(Answer(Request.START, False, verbatim("the disk is full")))
     assert window.notice.reason.toPlainText() == "the disk is full"
     assert window.notice.isVisible()
     assert window.control.start.isEnabled()
@@ -146,17 +148,17 @@ def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
 
 def test_granted_request_opens_no_dialog(parts):
     window, _, _ = parts
-    window.on_event(Answer(Request.START, True, "", "id"))
+    window.on_event(Answer(Request.START, True, verbatim(""), "id"))
     assert not window.notice.isVisible()
 
 
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
     window, _, model = parts
     link = Link()
-    link.told.connect(window.on_event, Qt.ConnectionType.QueuedConnection)
+    link.event_came.connect(window.on_event, Qt.ConnectionType.QueuedConnection)
     events = [state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
     for event in events:
-        thread = threading.Thread(target=link.told.emit, args=(event,))
+        thread = threading.Thread(target=link.event_came.emit, args=(event,))
         thread.start()
         thread.join()
     assert model.threads == []
@@ -178,15 +180,19 @@ def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
     window.on_event(state(SurveyState.CONFIGURED))
     window.refresh()
     click(window.control.start)
-    window.on_event(Answer(Request.START, True, "started", "id"))
+    window.on_event(Answer(Request.START, True, verbatim("started"), "id"))
     window.on_event(state(SurveyState.CHECKING))
     assert not window.notice.isVisible()
-    window.on_event(ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False))
+    window.on_event(
+        ControlState(SurveyState.FAILED, verbatim("the disk is full; make space"), "id", False)
+    )
     assert window.notice.isVisible()
     assert window.notice.title.text() == "The survey was not started."
     assert "the disk is full" in window.notice.reason.toPlainText()
     click(window.notice.close_button)
-    window.on_event(ControlState(SurveyState.FAILED, "the disk is full; make space", "id", False))
+    window.on_event(
+        ControlState(SurveyState.FAILED, verbatim("the disk is full; make space"), "id", False)
+    )
     assert not window.notice.isVisible()
 
 

@@ -12,6 +12,8 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.events import ControlState
@@ -19,7 +21,7 @@ from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
-from gpr20_user_interface.views.translation import Language, Languages
+from gpr20_user_interface.views.translation import Languages
 
 ROBOT = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 
@@ -111,7 +113,7 @@ def snapshot(code=None, alive=True, **other):
     values = {
         "control_alive": alive,
         "control_silent_s": 0.1 if alive else 7.9,
-        "state": None if code is None else ControlState(code, "as it is", "id", True),
+        "state": None if code is None else ControlState(code, verbatim("as it is"), "id", True),
         "progress": None,
         "current": None,
         "target": None,

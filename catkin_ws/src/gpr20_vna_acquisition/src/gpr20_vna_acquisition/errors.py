@@ -6,14 +6,14 @@ from gpr20_common.errors import Gpr20Error
 
 
 class VnaError(Gpr20Error):
-    """The network analyzer refused or failed to do what it was told."""
+    """The network analyzer refused or failed to carry out a request."""
 
 
 class VnaConnectionError(VnaError, OSError):
     """The link to the instrument could not be made, or broke.
 
-    Whatever the library below raises becomes this one. The transport that raised it is
-    dead; only a new one can go on.
+    Every error of the library below becomes this one. The transport that raised it is
+    dead; the next exchange needs a new one.
     """
 
 
@@ -22,28 +22,28 @@ class VnaIdentityError(VnaError):
 
 
 class VnaNotReadyError(VnaError, RuntimeError):
-    """The driver was asked for something that needs a connection or a configuration first."""
+    """The request needs a connection or a configuration first."""
 
 
 class VnaSettingError(VnaError):
-    """The instrument did not take a setting, or no longer has it."""
+    """The instrument did not accept a setting, or no longer has it."""
 
 
 class VnaCalibrationError(VnaError):
-    """The instrument's calibration is none with which a survey may be made."""
+    """The instrument's calibration is not accepted for a survey."""
 
 
 class VnaSweepError(VnaError, OSError):
-    """A sweep did not end in time, or none of several attempts gave a good one."""
+    """A sweep did not end in time, or every attempt failed."""
 
 
 class VnaTimeoutError(VnaError, TimeoutError):
-    """A request took longer than it may, with all its repetitions."""
+    """A request, with all its retries, exceeded its time limit."""
 
 
 class VnaClosedError(VnaError, RuntimeError):
-    """The driver is being shut down."""
+    """The driver is shutting down."""
 
 
 class VnaDataError(VnaError, ValueError):
-    """An answer of the instrument is not what it must be."""
+    """An answer of the instrument is invalid."""

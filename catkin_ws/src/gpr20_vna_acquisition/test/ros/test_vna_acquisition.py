@@ -14,6 +14,8 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from gpr20_common.high.graph_message import message_from
+from gpr20_common.message import received_message
 from gpr20_msgs.srv import (
     Connection,
     FreqSweepSetup,
@@ -97,7 +99,7 @@ class VnaAcquisitionTest(unittest.TestCase):
             took_s = (answer.sweep_ended - answer.sweep_started).to_sec()
             self.assertGreaterEqual(took_s, POINTS * 350e-6)
             self.assertEqual(answer.sweep_started.nsecs % 1000, 0)
-            # The probe answers with one large number: both are remarkable, neither is refused.
+            # The probe answers with one large number: both get a remark, neither is refused.
             self.assertIn("S21 is strong", answer.quality[0])
             self.assertIn(f"{POINTS} of {POINTS} points in a row", answer.quality[1])
             numbers.append(answer.s21_real[0])
@@ -135,10 +137,10 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def test_nothing_works_before_its_time(self):
         self.assertTrue(self.call("connection", False, "").success)
-        self.assert_refused(self.call("get_data"), "call the service connection first")
-        self.assert_refused(self.call("get_freq"), "call the service connection first")
+        self.assert_refused(self.call("get_data"), "connect it first")
+        self.assert_refused(self.call("get_freq"), "connect it first")
         self.connect()
-        self.assert_refused(self.call("get_data"), "call the service freq_sweep_setup first")
+        self.assert_refused(self.call("get_data"), "configure it first")
 
     def test_a_silent_address_is_answered_in_time(self):
         # The port lookup serves 127.x.x.x, so the silence comes from a network without hosts:
@@ -147,16 +149,19 @@ class VnaAcquisitionTest(unittest.TestCase):
         answer = self.call("connection", True, "192.0.2.1")
         self.assertLess(time.monotonic() - begun_s, 10.0)
         self.assert_refused(answer, "no connection to the VNA at 192.0.2.1")
+        message = message_from(answer)
+        self.assertIn("no connection to the VNA at {address} ({reason})", message.template)
+        self.assertEqual(message.values["address"], "192.0.2.1")
 
     def test_another_instrument_is_refused(self):
         self.fault("wrong_identity")
-        self.assert_refused(self.call("connection", True, "127.0.0.1"), "expected is Anritsu")
+        self.assert_refused(self.call("connection", True, "127.0.0.1"), "expected Anritsu")
 
     def test_a_refused_setting_is_told_and_nothing_is_measured(self):
         self.set_up_sweep()
         self.fault("refuse_settings")
         answer = self.call("freq_sweep_setup", START_HZ, STOP_HZ, POINTS + 1)
-        self.assert_refused(answer, f"number of points shall be {POINTS + 1} and is")
+        self.assert_refused(answer, f"instead of {POINTS + 1}")
         self.assert_refused(self.call("get_data"), "freq_sweep_setup")
 
     def test_a_single_failure_is_repeated_and_never_becomes_data(self):
@@ -175,7 +180,11 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def test_a_lasting_failure_is_told_and_the_next_sweep_is_good(self):
         self.set_up_sweep()
-        for fault, words in (("truncate", "is cut"), ("nan", "not finite"), ("drop", "closed")):
+        for fault, words in (
+            ("truncate", "incomplete"),
+            ("nan", "not finite"),
+            ("drop", "closed"),
+        ):
             self.fault(fault)
             self.assert_refused(self.call("get_data"), words)
             self.fault("none")
@@ -193,8 +202,10 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.set_up_sweep()
         self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
         self.fault("drop")
-        told, values = self.wait_for_report(lambda status, _: status.level > DiagnosticStatus.OK)
-        self.assertIn("127.0.0.1", told.message)
+        fault, values = self.wait_for_report(lambda status, _: status.level > DiagnosticStatus.OK)
+        self.assertIn("127.0.0.1", fault.message)
+        message = received_message("", values["message_json"])
+        self.assertEqual(message.values["address"], "127.0.0.1")
         self.assertEqual(values["linked"], "False")
         self.fault("none")
         self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
@@ -209,7 +220,7 @@ class VnaAcquisitionTest(unittest.TestCase):
                 values = {pair.key: pair.value for pair in status.values}
                 if "vna_acquisition" in status.name and accepted(status, values):
                     return status, values
-        return self.fail("the diagnostics did not tell what they should")
+        return self.fail("the diagnostics did not report this")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""An instrument without a network, and a clock that nobody waits for."""
+"""An instrument without a network, and a clock without waiting."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import threading
 from typing import Callable, Dict, List
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaConnectionError
 
 IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
@@ -35,7 +36,7 @@ class FakeClock(Clock):
 
 
 class FakeVna:
-    """The instrument: keeps settings, sweeps in fake time, and can be made to misbehave.
+    """The instrument: stores settings, sweeps in fake time, and can be made to misbehave.
 
     The real part of every point is the number of the sweep, the imaginary part that of the point.
     """
@@ -165,7 +166,7 @@ class FakeLink:
 
     def _exchange(self, message: str) -> None:
         if not self._open:
-            raise VnaConnectionError("the link is dead")
+            raise VnaConnectionError(Message("the link is dead"))
         self._vna.sent.append(message)
         self._vna.clock.pass_s(EXCHANGE_S)
         try:

@@ -1,6 +1,6 @@
-"""A VXI-11 server that can be told to misbehave, byte by byte.
+"""A VXI-11 server that misbehaves on request, byte by byte.
 
-The portmapper and the core channel listen on the same port: the program number tells them apart.
+The portmapper and the core channel listen on the same port: the program number distinguishes them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An instrument that nobody uses is looked after: a pulled cable is told, and that it is back."""
+"""An idle instrument is monitored: a pulled cable is reported, and its return."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import threading
 import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
 
+from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNotReadyError, VnaSweepError
 
 CHECK_S = 5.0
+NO_ANSWER = Message("no answer")
 
 
 @pytest.fixture
@@ -21,7 +23,7 @@ def bench() -> Bench:
 
 
 def cable_is_pulled(message: str) -> None:
-    raise VnaConnectionError("no answer")
+    raise VnaConnectionError(NO_ANSWER)
 
 
 def check_after(bench: Bench, idle_s: float) -> None:
@@ -47,14 +49,14 @@ def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
 def test_a_pulled_cable_is_told_until_it_is_back_and_the_sweep_is_set_up_again(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
-    assert bench.driver.state.link_error == "no answer"
+    assert bench.driver.state.link_error == NO_ANSWER
     assert not bench.driver.state.linked and bench.vna.open_links == 0
     check_after(bench, CHECK_S)
-    assert bench.driver.state.link_error == "no answer"
+    assert bench.driver.state.link_error == NO_ANSWER
     bench.vna.before = lambda message: None
     bench.vna.settings[":SENS:SWE:POIN"] = "201"  # it was switched off and on
     check_after(bench, CHECK_S)
-    assert bench.driver.state.link_error == "" and bench.driver.state.linked
+    assert bench.driver.state.link_error is None and bench.driver.state.linked
     assert bench.vna.settings[":SENS:SWE:POIN"] == str(SWEEP.points)
     assert (bench.driver.get_trace().frequency_hz == SWEEP.frequencies_hz()).all()
 
@@ -64,10 +66,10 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
     with pytest.raises(VnaConnectionError):
         bench.driver.connect_to_vna(ADDRESS)
     check_after(bench, CHECK_S)
-    assert bench.driver.state.trouble == "no answer" and bench.vna.open_links == 0
+    assert bench.driver.state.trouble == NO_ANSWER and bench.vna.open_links == 0
     bench.vna.before = lambda message: None
     check_after(bench, CHECK_S)
-    assert bench.driver.state.trouble == "" and bench.driver.state.linked
+    assert bench.driver.state.trouble is None and bench.driver.state.linked
     assert bench.driver.state.address == ADDRESS
     assert bench.driver.state.calibration is CalibrationStatus.HIGH
     # Only the survey knows what to sweep.
@@ -78,10 +80,10 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
 def test_what_was_wrong_is_told_until_connecting_anew_has_ended(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
-    told = []
-    bench.vna.before = lambda message: told.append(bench.driver.state.trouble)
+    reported = []
+    bench.vna.before = lambda message: reported.append(bench.driver.state.trouble)
     bench.driver.connect_to_vna(ADDRESS)
-    assert set(told) == {"no answer"} and bench.driver.state.trouble == ""
+    assert set(reported) == {NO_ANSWER} and bench.driver.state.trouble is None
 
 
 def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
@@ -89,16 +91,16 @@ def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
     check_after(bench, CHECK_S)
     bench.vna.before = lambda message: None
     bench.driver.get_trace()
-    assert bench.driver.state.link_error == ""
+    assert bench.driver.state.link_error is None
 
 
 def test_the_check_leaves_the_error_of_the_last_request(bench):
     bench.vna.spoil = lambda answer: b"#9"
     with pytest.raises(VnaSweepError):
         bench.driver.get_trace()
-    told = bench.driver.state.last_error
+    reported = bench.driver.state.last_error
     check_after(bench, CHECK_S)
-    assert told and bench.driver.state.last_error == told
+    assert reported and bench.driver.state.last_error == reported
 
 
 @pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])
@@ -110,7 +112,7 @@ def test_an_address_where_connecting_failed_is_left_alone_after_the_end(bench, e
     bench.vna.before = lambda message: None
     links = bench.vna.links
     check_after(bench, CHECK_S)
-    assert bench.vna.links == links and bench.driver.state.trouble == ""
+    assert bench.vna.links == links and bench.driver.state.trouble is None
 
 
 @pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])
@@ -118,7 +120,7 @@ def test_nothing_is_connected_again_after_the_end(bench, end):
     getattr(bench.driver, end)()
     check_after(bench, CHECK_S)
     assert bench.vna.sent == [] and bench.vna.open_links == 0
-    assert bench.driver.state.link_error == "" and not bench.driver.state.linked
+    assert bench.driver.state.link_error is None and not bench.driver.state.linked
 
 
 def test_the_check_does_not_wait_for_a_request_that_runs(bench):

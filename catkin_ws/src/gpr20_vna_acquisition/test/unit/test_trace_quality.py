@@ -1,7 +1,8 @@
-"""What is remarkable about a trace is said with it; what is no measurement is refused."""
+"""A trace carries remarks on its quality; data that no measurement gives are refused."""
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from gpr20_common.message import Message, received_message, verbatim
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS, Sweep
 from gpr20_vna_acquisition.errors import (
@@ -26,7 +28,8 @@ from gpr20_vna_acquisition.mid.trace_quality import (
     flat_remarks,
     level_remarks,
     refuse_impossible,
-    repetition_remarks,
+    retry_remarks,
+    stored_remarks,
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -60,11 +63,11 @@ def test_a_usual_trace_has_no_remarks(level_db):
 
 
 @pytest.mark.parametrize(
-    "level_db, words", [(-95.0, "S21 is weak: -95"), (6.0, "S21 is strong: up to 6")]
+    "level_db, words", [(-95.0, "S21 is weak: median -95"), (6.0, "S21 is strong: up to 6")]
 )
 def test_a_level_beyond_its_limits_is_told_with_both_numbers(level_db, words):
     (remark,) = level_remarks(trace(level_db), LIMITS)
-    assert remark.startswith(words) and "expected are" in remark
+    assert str(remark).startswith(words) and "expected at" in str(remark)
 
 
 def test_a_single_strong_point_is_told_and_a_single_weak_one_is_usual():
@@ -72,7 +75,7 @@ def test_a_single_strong_point_is_told_and_a_single_weak_one_is_usual():
     sweep.s21_real[50] = sweep.s21_imag[50] = 0.0
     assert level_remarks(sweep, LIMITS) == ()
     sweep.s21_real[50] = 2.0
-    assert "S21 is strong" in level_remarks(sweep, LIMITS)[0]
+    assert "S21 is strong" in str(level_remarks(sweep, LIMITS)[0])
 
 
 @pytest.mark.parametrize("first, count", [(0, 8), (40, 20), (POINTS - 8, 8), (0, POINTS)])
@@ -81,7 +84,7 @@ def test_points_that_do_not_change_are_told_wherever_they_are(first, count):
     sweep.s21_real[first : first + count] = 0.001
     sweep.s21_imag[first : first + count] = -0.002
     (remark,) = flat_remarks(sweep, LIMITS)
-    assert remark.startswith(f"{count} of {POINTS} points in a row")
+    assert str(remark).startswith(f"{count} of {POINTS} points in a row")
 
 
 def test_a_few_equal_points_are_usual():
@@ -109,7 +112,7 @@ def test_the_usual_duration_is_that_of_the_sweeps_so_far():
     for _ in range(5):
         assert quality.remarks(trace(-40.0, duration_s=0.2), CalibrationStatus.HIGH, ()) == ()
     (remark,) = quality.remarks(trace(-40.0, duration_s=0.8), CalibrationStatus.HIGH, ())
-    assert "took 0.800 s, usual are 0.200 s" in remark
+    assert "took 0.800 s, typically 0.200 s" in str(remark)
 
 
 @pytest.mark.parametrize(
@@ -123,26 +126,27 @@ def test_the_usual_duration_is_that_of_the_sweeps_so_far():
 )
 def test_a_calibration_that_is_not_of_high_accuracy_is_told(status, word):
     (remark,) = judged(trace(-40.0), status)
-    assert word in remark
+    assert word in str(remark)
 
 
 def test_repetitions_are_told_with_their_number_and_each_reason_once():
-    assert repetition_remarks([]) == ()
-    failures = [VnaDataError(text) for text in ("cut", "not finite", "cut")]
-    assert repetition_remarks(failures) == (
+    assert retry_remarks([]) == ()
+    failures = [VnaDataError(verbatim(text)) for text in ("cut", "not finite", "cut")]
+    assert stored_remarks(retry_remarks(failures)) == (
         "the sweep was repeated 3 times: cut",
-        "the sweep also failed with: not finite",
+        "the sweep also failed: not finite",
     )
 
 
 def test_a_hundred_reasons_leave_room_for_the_other_remarks():
-    remarks = repetition_remarks([VnaDataError(str(number)) for number in range(100)])
-    assert len(remarks) == MOST_REASONS and "repeated 100 times" in remarks[0]
+    failures = [VnaDataError(verbatim(str(number))) for number in range(100)]
+    remarks = retry_remarks(failures)
+    assert len(remarks) == MOST_REASONS and "repeated 100 times" in str(remarks[0])
 
 
 @given(st.text(max_size=400))
 def test_every_remark_can_be_stored(text):
-    for remark in judged(trace(-40.0), failures=[VnaDataError(text)]):
+    for remark in stored_remarks(judged(trace(-40.0), failures=[VnaDataError(verbatim(text))])):
         assert len(remark) <= MAX_REMARK_CHARACTERS and remark.isprintable()
 
 
@@ -155,8 +159,13 @@ def test_any_finite_data_can_be_judged(data, calibration, duration_s):
     quality = TraceQuality(LIMITS)
     for _ in range(6):
         sweep = sweep_of(data[0], data[1], duration_s)
-        for remark in quality.remarks(sweep, calibration, [VnaDataError("x")]):
+        remarks = quality.remarks(sweep, calibration, [VnaDataError(Message("x"))])
+        for remark in stored_remarks(remarks):
             assert len(remark) <= MAX_REMARK_CHARACTERS
+        for message in remarks:
+            # They go to the diagnostics as JSON, which has no infinite numbers.
+            assert received_message("", message.to_json()) == message
+            json.loads(message.to_json(), parse_constant=pytest.fail)
 
 
 def test_a_trace_of_zeros_is_refused():
@@ -177,7 +186,7 @@ def test_a_part_that_is_zero_is_a_measurement(part):
     refuse_impossible(sweep)
 
 
-# What the driver makes of it.
+# The same, through the driver.
 
 
 def test_a_trace_of_zeros_is_repeated_and_never_given_to_the_survey():
@@ -193,7 +202,7 @@ def test_a_repeated_sweep_says_so_and_the_next_one_no_longer():
     cut = [lambda answer: answer[:-9]]
     bench.vna.spoil = lambda answer: cut.pop()(answer) if cut else answer
     (remark,) = bench.driver.get_trace().quality
-    assert remark.startswith("the sweep was repeated once: the data block is cut")
+    assert remark.startswith("the sweep was repeated once: the VNA's data are incomplete")
     assert bench.driver.get_trace().quality == () == bench.driver.state.last_quality
 
 
@@ -212,7 +221,7 @@ def test_a_sweep_without_an_accepted_calibration_is_refused_and_not_repeated(sta
     with pytest.raises(VnaCalibrationError, match=f"calibration status is {int(status)} "):
         bench.driver.get_trace()
     assert bench.vna.sent.count(":INIT:IMM") == 1
-    assert "calibrate it" in bench.driver.trouble
+    assert "calibrate it" in str(bench.driver.trouble)
     # A new link would set up the sweep while somebody calibrates.
     assert bench.driver.state.linked
     bench.vna.calibration = "1"
@@ -231,7 +240,7 @@ def test_which_calibrations_are_accepted_is_a_parameter():
 
 def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
     bench = Bench().configured()
-    broken = [VnaConnectionError("broken on purpose")]
+    broken = [VnaConnectionError(Message("broken on purpose"))]
 
     def before(message):
         if message.endswith("ACC?") and broken:
@@ -259,7 +268,7 @@ def test_a_newly_configured_sweep_has_a_usual_duration_of_its_own():
     assert bench.driver.get_trace().quality == ()
 
 
-# However often and for whatever reason a sweep was repeated, its remarks say so.
+# The remarks of a repeated sweep give the number of its failures and every reason.
 
 
 def cut(answer):
@@ -275,7 +284,7 @@ def babble(_answer):
 
 
 def break_link(_answer):
-    raise VnaConnectionError("broken on purpose")
+    raise VnaConnectionError(Message("broken on purpose"))
 
 
 FAULTS = (cut, not_finite, babble, break_link)

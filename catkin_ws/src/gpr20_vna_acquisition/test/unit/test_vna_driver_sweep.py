@@ -1,4 +1,4 @@
-"""One fresh sweep per request, or an error that says why there is none."""
+"""One fresh sweep per request, or an error with the reason."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 from driver_bench import ADDRESS, STARTED_US, SWEEP, Bench
 from fake_vna import FakeVna
 
+from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaDataError,
@@ -33,7 +34,7 @@ def failing(times: int, when: str):
     def before(message: str) -> None:
         if message.startswith(when) and left[0] > 0:
             left[0] -= 1
-            raise VnaConnectionError("broken on purpose")
+            raise VnaConnectionError(Message("broken on purpose"))
 
     return before
 
@@ -123,7 +124,7 @@ def test_a_spoilt_answer_is_never_data_and_the_sweep_is_repeated(bench, spoil):
 def test_after_so_many_spoilt_answers_the_sweep_fails_with_the_reason():
     bench = Bench(attempts=3).configured()
     bench.vna.spoil = lambda answer: answer[:-9]
-    with pytest.raises(VnaSweepError, match="failed 3 times: .* is cut"):
+    with pytest.raises(VnaSweepError, match="failed 3 times: .* are incomplete"):
         bench.driver.get_trace()
     assert bench.vna.sent.count(":INIT:IMM") == 3
     bench.vna.spoil = lambda answer: answer
@@ -132,10 +133,10 @@ def test_after_so_many_spoilt_answers_the_sweep_fails_with_the_reason():
 
 def test_the_same_data_twice_are_refused():
     bench = Bench(attempts=2).configured()
-    kept = bench.vna.block(bench.vna.points_data())
-    bench.vna.spoil = lambda answer: kept
+    old = bench.vna.block(bench.vna.points_data())
+    bench.vna.spoil = lambda answer: old
     bench.driver.get_trace()
-    with pytest.raises(VnaError, match="very same data"):
+    with pytest.raises(VnaError, match="exactly the same data"):
         bench.driver.get_trace()
 
 
@@ -162,7 +163,7 @@ def test_an_instrument_that_forgot_its_settings_is_set_up_again(bench):
     def power_cycle(message: str) -> None:
         if message == ":STAT:OPER?" and bench.vna.links == 1:
             bench.vna.settings = FakeVna(bench.clock).settings
-            raise VnaConnectionError("power lost")
+            raise VnaConnectionError(Message("power lost"))
 
     bench.vna.before = power_cycle
     assert len(bench.driver.get_trace().s21_real) == 11
@@ -239,7 +240,9 @@ def test_an_instrument_slow_at_every_step_is_given_up_within_the_requests_limit(
     bench.vna.spoil = lambda answer: answer[:-9]
     bench.vna.before = lambda message: bench.clock.pass_s(0.4)
     begun_s = bench.clock.time_s
-    with pytest.raises(VnaTimeoutError, match="longer than 20.* failed before with: .* is cut"):
+    with pytest.raises(
+        VnaTimeoutError, match="exceeded 20 s; the last attempt failed: .* incomplete"
+    ):
         bench.driver.get_trace()
     assert bench.clock.time_s - begun_s < 21.0
     assert bench.vna.open_links == 0

@@ -28,6 +28,8 @@ from hostile_server import (
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import connect
 
+pytestmark = pytest.mark.real_time
+
 READ_PIECE_BYTES = 1024
 
 

@@ -1,4 +1,4 @@
-"""Whatever the other side does, the link answers, or fails in time with our error."""
+"""Whatever the other side does, the link answers, or fails in time with VnaConnectionError."""
 
 from __future__ import annotations
 
@@ -30,6 +30,8 @@ from hypothesis import strategies as st
 
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import connect
+
+pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
@@ -150,7 +152,7 @@ def test_a_hanging_answer_ends_in_time_and_is_never_given_to_the_next_question(s
 
     server.answer = hang
     begun = time.monotonic()
-    with pytest.raises(VnaConnectionError, match="asking 'X\\?' at 127.0.0.1 failed"):
+    with pytest.raises(VnaConnectionError, match=r"failed: no answer in time; .*asking 'X\?'"):
         link.ask("X?")
     assert time.monotonic() - begun < LONGEST_S
     server.answer = lambda question: read_reply(b"<" + question + b">")

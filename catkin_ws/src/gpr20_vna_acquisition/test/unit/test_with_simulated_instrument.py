@@ -23,6 +23,8 @@ from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
+pytestmark = pytest.mark.real_time
+
 HOST = "127.0.0.1"
 LIMITS = LinkLimits(connect_s=1.0, answer_s=1.0)
 SECONDS_PER_POINT = 100e-6
@@ -30,7 +32,7 @@ SWEEP = SweepSettings(600e6, 6e9, 301)
 
 
 class Robot:
-    """Antennas that move until they are told to stop."""
+    """Antennas that move until they are stopped."""
 
     def __init__(self) -> None:
         self.stopped_at_mm = None

@@ -18,6 +18,7 @@ import unittest
 import uuid
 from pathlib import Path
 
+import genpy.dynamic
 import rosbag
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -40,6 +41,20 @@ PACKAGE = "gpr20_vna_processing"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
 TIME_LIMIT_S = 60.0
 TRACES = 6
+
+
+# gpr20_msgs/ControlStatus as it was before it had a field for templates.
+OLD_STATUS = """std_msgs/Header header
+int32 code
+string message
+string survey_id
+bool simulated
+================================================================================
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+"""
 
 
 class StoreSurveyTest(unittest.TestCase):
@@ -123,6 +138,11 @@ class StoreSurveyTest(unittest.TestCase):
         closed = self.close()
         self.assertTrue(closed.success, closed.message)
         self.assertEqual((closed.stored_traces, closed.path), (TRACES, opened.path))
+        self.check_message(
+            closed,
+            "survey {survey} is closed with {stored} traces",
+            {"survey": self.survey_id, "stored": TRACES},
+        )
 
         expected = [numbers(make_trace(self.survey_id, index)) for index in range(TRACES)]
         self.assertEqual(sorted(glob.glob(opened.path + "/traces/*")), paths)
@@ -152,6 +172,11 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertEqual(trace_message.encode(trace_message.decode(data)), data)
         topics = survey_topics.SurveyTopics(Trace._full_text)
         self.assertEqual(topics.metadata("grüße", 1).data, serialized(String("grüße")))
+
+    def check_message(self, answer, template: str, values: dict) -> None:
+        record = json.loads(answer.message_json)
+        self.assertEqual((record["template"], record["values"]), (template, values))
+        self.assertIn(template.format(**values), answer.message)
 
     def check_times(self, files: list, messages: list) -> None:
         for values, message in zip(files, messages):
@@ -248,7 +273,8 @@ class StoreSurveyTest(unittest.TestCase):
             self.assertIn(reason, answer.message)
         self.assertEqual(glob.glob(self.data + "/*"), before)
         answer = self.store(0)
-        self.assertEqual((answer.success, "no survey is open" in answer.message), (False, True))
+        self.assertFalse(answer.success)
+        self.check_message(answer, "no survey is open; start or resume one", {})
 
         opened = self.open()
         self.assertTrue(opened.success, opened.message)
@@ -334,6 +360,51 @@ class StoreSurveyTest(unittest.TestCase):
         second.send_signal(signal.SIGINT)
         second.wait(TIME_LIMIT_S)
 
+    def test_6_a_survey_begun_with_other_message_definitions_is_resumed(self) -> None:
+        data = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, data)
+        first = self.start_node("/robot4", data)
+        old = rospy.Publisher("/robot4/control_status", old_status_class(), queue_size=1)
+        self.connected(old)
+        opened = self.open()
+        self.assertTrue(opened.success, opened.message)
+        old.publish(message="old")
+        self.assertTrue(self.store(0).success)
+        name = "/robot4/control_status"
+        self.wait_until(lambda: self.on_disk(opened.path, name), "the status is not recorded")
+        first.kill()
+        first.wait(TIME_LIMIT_S)
+        old.unregister()
+
+        second = self.start_node("/robot4", data)
+        new = self.connected(rospy.Publisher(name, ControlStatus, queue_size=1))
+        answer = self.services["reopen_survey"](survey=self.survey_id)
+        self.assertTrue(answer.success, answer.message)
+        new.publish(ControlStatus(message="new", message_json="{}"))
+        renamed = f"{name}_{ControlStatus._md5sum[:8]}"
+        self.wait_until(lambda: self.on_disk(opened.path, renamed), "the status is not recorded")
+        self.assertTrue(self.store(1).success)
+        close = self.service("/robot4/close_survey", CloseSurvey)
+        self.assertTrue(close(self.survey_id, "stopped", "by the test").success)
+        second.send_signal(signal.SIGINT)
+        second.wait(TIME_LIMIT_S)
+        new.unregister()
+        for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
+            self.assertEqual([one.index for one in found["/robot4/trace"]], [0, 1])
+            self.assertEqual([one.message for one in found[name]], ["old"])
+            self.assertEqual([one.message_json for one in found[renamed]], ["{}"])
+        self.check_play(f"{opened.path}/survey.bag", name, old_status_class(), "old")
+        self.check_play(f"{opened.path}/survey.bag", renamed, ControlStatus, "new")
+
+    def check_play(self, bag: str, topic: str, kind, text: str) -> None:
+        found: list = []
+        subscriber = rospy.Subscriber(topic, kind, found.append)
+        command = ["rosbag", "play", "--quiet", "--wait-for-subscribers", "--rate=100", bag]
+        subprocess.run([*command, "--topics", topic], check=True, timeout=TIME_LIMIT_S)
+        self.wait_until(lambda: found, f"rosbag does not play {topic}")
+        subscriber.unregister()
+        self.assertEqual([one.message for one in found], [text])
+
     def start_node(self, namespace: str, data: str) -> subprocess.Popen:
         node = subprocess.Popen(
             [sys.executable, str(NODE), f"__ns:={namespace}", f"_data:={data}"],
@@ -376,6 +447,12 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertEqual((survey["outcome"], survey["stored_traces"]), ("interrupted", 1))
         self.assertEqual(len(self.read_bag(opened.path)["/robot2/trace"]), 1)
         self.assertEqual(len(self.read_mcap(opened.path)["/robot2/trace"]), 1)
+
+
+def old_status_class() -> type:
+    return genpy.dynamic.generate_dynamic("gpr20_msgs/ControlStatus", OLD_STATUS)[
+        "gpr20_msgs/ControlStatus"
+    ]
 
 
 if __name__ == "__main__":

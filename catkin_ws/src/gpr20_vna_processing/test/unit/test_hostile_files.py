@@ -118,7 +118,7 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
 def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, data, folder, part):
     (folder / part).unlink()
     os.mkfifo(str(folder / part))
-    assert "no ordinary file" in str(in_time(lambda: kit.processing.reopen_survey(SURVEY)))
+    assert "not a regular file" in str(in_time(lambda: kit.processing.reopen_survey(SURVEY)))
     assert in_time(lambda: SurveyArchive(data).list("", 10)) is None
 
 

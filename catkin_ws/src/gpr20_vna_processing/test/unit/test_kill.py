@@ -15,6 +15,8 @@ from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json  #
 
 from gpr20_survey.recording.recordings import open_recordings  # noqa: E402
 
+pytestmark = pytest.mark.real_time
+
 HERE = Path(__file__).resolve().parent
 REINDEX = "import rosbag; rosbag.rosbagmain(['rosbag', 'reindex', '--quiet', {!r}])"
 

@@ -57,7 +57,7 @@ def test_a_survey_goes_on_with_the_copy_of_its_description(kit, folder, damage, 
     reopened = kit.processing.reopen_survey(folder.name if by_folder else SURVEY)
     assert reopened.stored_indices == [0, 1, 2]
     assert json.loads(reopened.metadata_json) == METADATA
-    assert any("wrote survey.json again" in one for one in reopened.repairs)
+    assert any("wrote survey.json again" in str(one) for one in reopened.repairs)
     kept = folder / "damaged" / "survey.json"
     assert (kept.read_bytes() if kept.exists() else None) == left
     kit.processing.store(TRACES[3])
@@ -96,7 +96,7 @@ def test_a_description_that_was_changed_is_corrected_and_kept(kit, folder):
     path.write_bytes(changed)
     reopened = kit.processing.reopen_survey(SURVEY)
     assert json.loads(reopened.metadata_json) == METADATA
-    assert any("corrected survey.json" in one for one in reopened.repairs)
+    assert any("corrected survey.json" in str(one) for one in reopened.repairs)
     assert (folder / "damaged" / "survey.json").read_bytes() == changed
 
 

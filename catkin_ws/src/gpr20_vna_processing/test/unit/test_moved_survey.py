@@ -54,7 +54,7 @@ def test_no_trace_is_acknowledged_into_a_recording_that_is_gone(kit, folder, nam
         os.replace(str(folder / "copy"), str(folder / name))
     else:
         (folder / name).unlink()
-    store_refused(kit, f"{name}: it was moved, removed or replaced.*resume the survey$")
+    store_refused(kit, f"{name} could not be written: it was moved, removed.*resume the survey$")
     assert [trace.index for trace in kit.stored] == [0, 1, 2]
     go_on_to_the_end(kit, folder)
 
@@ -62,7 +62,7 @@ def test_no_trace_is_acknowledged_into_a_recording_that_is_gone(kit, folder, nam
 @pytest.mark.parametrize("by_copy", [False, True])
 def test_a_survey_that_was_moved_away_goes_on_when_it_is_back(kit, folder, tmp_path, by_copy):
     folder.rename(tmp_path / "away")
-    store_refused(kit, "it is gone; if the survey's folder was moved or renamed, put it back")
+    store_refused(kit, "no such file or folder; if the survey's folder was moved.*put it back")
     with pytest.raises(SurveyRefusedError, match="there is no survey"):
         kit.processing.reopen_survey(folder.name)
     if by_copy:  # as from another disk
@@ -81,7 +81,7 @@ def test_a_copy_that_was_put_back_unnoticed_takes_no_trace_in_json_alone(kit, fo
 
 def test_the_traces_folder_is_made_again_when_the_survey_is_resumed(kit, folder):
     shutil.rmtree(str(folder / "traces"))
-    store_refused(kit, "it is gone")
+    store_refused(kit, "no such file or folder")
     go_on_to_the_end(kit, folder)
 
 

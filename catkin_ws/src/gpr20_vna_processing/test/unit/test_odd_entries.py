@@ -43,7 +43,7 @@ def go_on_and_close(kit):
     assert reopened.stored_indices == [0, 1, 2]
     kit.processing.store(TRACES[3])
     kit.processing.close_survey(SURVEY, "finished", "")
-    return reopened.repairs
+    return [str(repair) for repair in reopened.repairs]
 
 
 def put_folder(path):
@@ -157,7 +157,7 @@ def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(ki
     kit.processing.reopen_survey(SURVEY)
     strange = folder / "traces" / "notes.txt"
     put_link(strange)
-    with pytest.raises(StorageFailedError, match=r"notes.txt\): this is a symbolic link.*move it"):
+    with pytest.raises(StorageFailedError, match=r"notes.txt: this is a symbolic link.*move it"):
         kit.processing.close_survey(SURVEY, "stopped", "")
     strange.unlink()
     kit.processing.close_survey(SURVEY, "stopped", "")
@@ -166,10 +166,10 @@ def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(ki
 @pytest.mark.parametrize(
     ("part", "reason"),
     [
-        ("survey.bag", r"survey.bag\): this is no ordinary file; move it away$"),
-        ("survey.mcap", r"survey.mcap\): this is no ordinary file; move it away$"),
-        ("traces", r"traces\): a file of this name exists.*move it out"),
-        ("damaged", r"damaged\): a file of this name exists.*move it out"),
+        ("survey.bag", r"survey.bag: this is not a regular file; move it away$"),
+        ("survey.mcap", r"survey.mcap: this is not a regular file; move it away$"),
+        ("traces", r"traces: a file of this name exists.*move it out"),
+        ("damaged", r"damaged: a file of this name exists.*move it out"),
     ],
 )
 def test_what_is_in_the_way_is_named(kit, folder, part, reason):

@@ -21,6 +21,7 @@ from reopening_kit import (
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
+from gpr20_common.message import in_a_row
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recordings import open_recordings
@@ -110,7 +111,7 @@ def test_a_finished_survey_with_an_unreadable_trace_may_go_on(kit, folder):
     path.write_bytes(path.read_bytes()[:-10])
     reopened = kit.processing.reopen_survey(SURVEY)
     assert reopened.stored_indices == list(range(7))
-    assert "wrote" in " ".join(reopened.repairs)
+    assert "wrote" in str(in_a_row(reopened.repairs))
     finish(kit, folder, reopened)
 
 
@@ -186,7 +187,7 @@ def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):
         patch.setattr(McapFile, "finish", refuse)
         with pytest.raises(StorageFailedError, match="make space"):
             kit.processing.close_survey(SURVEY, "stopped", "")
-    with pytest.raises(SurveyRefusedError, match="call close_survey again"):
+    with pytest.raises(SurveyRefusedError, match="being closed; stop it again"):
         kit.processing.reopen_survey(SURVEY)
     kit.processing.close_survey(SURVEY, "stopped", "")
     finish(kit, folder, kit.processing.reopen_survey(SURVEY))

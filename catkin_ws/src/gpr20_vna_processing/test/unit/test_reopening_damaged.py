@@ -17,6 +17,7 @@ from reopening_kit import (
 from storage_kit import Kit
 from trace_examples import SURVEY, read_json
 
+from gpr20_common.message import in_a_row
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
@@ -29,7 +30,7 @@ def test_torn_temporary_files_are_removed_and_never_data(kit, folder):
     for path in torn:
         path.write_text("{")
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert "removed 2 files" in " ".join(reopened.repairs)
+    assert "removed 2 files" in str(in_a_row(reopened.repairs))
     assert not any(path.exists() for path in torn)
     assert reopened.stored_indices == [0, 1, 2, 3]
 
@@ -61,7 +62,7 @@ def test_a_trace_that_is_in_the_recordings_alone_gets_its_json(kit, folder):
 def test_a_recording_that_is_gone_is_made_again(kit, folder):
     (folder / "survey.bag").unlink()
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert "added 4 traces to survey.bag" in reopened.repairs
+    assert "added 4 traces to survey.bag" in map(str, reopened.repairs)
     finish(kit, folder, reopened)
 
 
@@ -73,7 +74,7 @@ def test_an_unreadable_trace_of_which_there_is_no_copy_counts_as_not_stored(kit,
     reopened = kit.processing.reopen_survey(SURVEY)
     assert reopened.stored_indices == [0, 2, 3]
     assert (folder / "damaged" / path.name).exists()
-    assert any("damaged" in repair for repair in reopened.repairs)
+    assert any("damaged" in str(repair) for repair in reopened.repairs)
     finish(kit, folder, reopened)
 
 
@@ -88,7 +89,7 @@ def test_a_recording_damaged_in_its_middle_is_rebuilt_and_the_old_one_kept(kit, 
     content[place] ^= 0x20
     (folder / name).write_bytes(content)
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert f"rebuilt {name}" in " ".join(reopened.repairs)
+    assert f"rebuilt {name}" in str(in_a_row(reopened.repairs))
     assert (folder / "damaged" / name).read_bytes() == content
     assert reopened.stored_indices == [0, 1, 2, 3]
     finish(kit, folder, reopened)
@@ -102,7 +103,7 @@ def test_a_bag_whose_types_are_damaged_is_rebuilt_with_the_right_ones(kit, folde
     content[content.rindex(text) + len(text) - (text[-1:] != b"=")] ^= 0x01
     (folder / "survey.bag").write_bytes(content)
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert "rebuilt survey.bag" in " ".join(reopened.repairs)
+    assert "rebuilt survey.bag" in str(in_a_row(reopened.repairs))
     finish(kit, folder, reopened)
 
 

@@ -31,7 +31,7 @@ def test_a_report_is_kept_and_survives_everything(kit, folder):
 @pytest.mark.parametrize(
     ("survey_id", "text", "reason"),
     [
-        (SURVEY, "[]", "report_json is a list"),
+        (SURVEY, "[]", "report_json is of type list"),
         (SURVEY, "{", "report_json is not strict JSON"),
         (SURVEY, '{"a": NaN}', "NaN"),
         (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', "at most 8388608"),

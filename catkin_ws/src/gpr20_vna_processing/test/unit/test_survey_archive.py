@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
+from gpr20_common.message import Message, received_message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_vna_processing.mid.survey_archive import (
     MAX_POINTS_PER_PAGE,
@@ -88,6 +89,44 @@ def test_a_report_that_may_be_older_than_the_last_traces_gives_no_verdict(kit, a
     assert (running.verdict, cut_off.verdict, cut_off.outcome) == ("", "", "interrupted")
 
 
+VERDICT = Message("INCOMPLETE: {stored} of {planned}", stored=5, planned=18)
+
+
+def verdict_of(kit, archive, report):
+    fill(kit)
+    kit.processing.report(SURVEY, json.dumps(report))
+    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    (ended,), _more = archive.list("", 10)
+    assert ended.verdict == report["verdict"]
+    return ended.verdict_json
+
+
+def test_the_list_holds_template_and_values_of_the_verdict(kit, archive):
+    report = {"verdict": str(VERDICT), "verdict_message": json.loads(VERDICT.to_json())}
+    assert received_message("", verdict_of(kit, archive, report)) == VERDICT
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        None,
+        "INCOMPLETE: 5 of 18",
+        [],
+        {},
+        {"template": "INCOMPLETE: 5 of 18"},
+        {"template": "INCOMPLETE: {stored} of 18", "values": {}},
+        {"template": "INCOMPLETE: {stored.__class__} of 18", "values": {"stored": 5}},
+        {"template": "INCOMPLETE: 5 of {planned:999999999}", "values": {"planned": 18}},
+        {"template": "complete: all 18 planned traces are stored", "values": {}},
+        {"template": "INCOMPLETE: 5 of 18", "values": [1]},
+        {"template": "{text}", "values": {"text": {"template": str(VERDICT), "values": {}}}},
+        {"template": str(VERDICT), "values": {"unused": "x" * 5000}},
+    ],
+)
+def test_a_verdict_that_is_old_or_was_changed_is_text_alone(kit, archive, record):
+    assert verdict_of(kit, archive, {"verdict": str(VERDICT), "verdict_message": record}) == ""
+
+
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
     folder = fill(kit, range(18))
     kit.processing.close_survey(SURVEY, "finished", "")
@@ -112,7 +151,7 @@ def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archi
     (tmp_path / "notes").mkdir()
     (one,), _more = archive.list("", 10)
     assert one.folder == "20260921T141320_0f8fad5b"
-    assert "survey.json" in one.problem
+    assert "survey.json" in str(one.problem)
 
 
 def test_a_data_folder_that_was_not_made_yet_holds_no_surveys(tmp_path):
@@ -127,7 +166,7 @@ def test_a_torn_file_is_told_and_the_others_are_read(kit, archive):
     assert [trace.index for trace in page.traces] == [0, 1, 3, 4]
     ((index, reason),) = page.unreadable
     assert index == 2
-    assert "JSON" in reason
+    assert "JSON" in str(reason)
 
 
 def test_a_page_of_many_frequencies_is_shorter(kit, archive):
@@ -153,7 +192,7 @@ def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, n
     (folder / name).symlink_to(outside)
     with pytest.raises(SurveyRefusedError, match="symbolic link"):
         archive.traces(SURVEY, 0, 1)
-    assert "symbolic link" in archive.list("", 1)[0][0].problem
+    assert "symbolic link" in archive.list("", 1)[0][0].problem.sentence()
 
 
 def test_a_linked_trace_is_no_trace(kit, archive, tmp_path):

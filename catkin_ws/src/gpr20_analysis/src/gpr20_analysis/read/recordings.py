@@ -194,7 +194,7 @@ def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
     stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
-        raise UnreadableFileError("; ".join(stored.faults))
+        raise UnreadableFileError("; ".join(map(str, stored.faults)))
 
 
 @contextlib.contextmanager

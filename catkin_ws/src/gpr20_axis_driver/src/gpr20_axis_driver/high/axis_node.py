@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Callable, Tuple
+from typing import Callable, Optional, Tuple
 
 import rospy
-from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goals import GoalServer
@@ -15,10 +14,13 @@ from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.high import diagnostics
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
+from gpr20_common.message import Message
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
+from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 MOVING_RATE_HZ = 50
@@ -38,7 +40,7 @@ class AxisNode:
         self._pulses = pulses
         self._unit = hardware.parameters.unit
         self._stops = 0
-        self._last_error = ""
+        self._last_error: Optional[Message] = None
         self._ticks = 0
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
         self._server = GoalServer("axis", AxisAction, self._execute)
@@ -47,11 +49,11 @@ class AxisNode:
         rospy.on_shutdown(self._shut_down)
         self._server.start()
         self._services = [
-            advertise("homing", Trigger, self._home),
-            advertise("stop", Trigger, self._stop),
+            advertise("homing", Command, self._home),
+            advertise("stop", Command, self._stop),
         ]
         if hardware.parameters.sensor_pin is None:
-            self._services.append(advertise("set_zero", Trigger, self._set_zero))
+            self._services.append(advertise("set_zero", Command, self._set_zero))
 
     def _execute(self, goal: AxisGoal) -> None:
         stopped = self._stop_since_now()
@@ -68,27 +70,34 @@ class AxisNode:
             rospy.logwarn("move refused or failed: %s", error)
             self._finish(self._server.set_aborted, False, error.message)
         else:
-            self._last_error = ""
-            self._finish(self._server.set_succeeded, True, "")
+            self._last_error = None
+            self._finish(self._server.set_succeeded, True)
         if client_gone():
-            rospy.logwarn("the client of the last move has gone; the axis stands still")
+            rospy.logwarn("the client of the last move disconnected; the axis is at rest")
 
-    def _finish(self, set_state: Callable[..., None], success: bool, message: str) -> None:
-        # The resting coordinate goes out before the result, so that nobody who has the
+    def _finish(
+        self, set_state: Callable[..., None], success: bool, message: Optional[Message] = None
+    ) -> None:
+        # The resting coordinate is published before the result, so that no client that has the
         # result still sees the axis moving.
         self._publish()
-        set_state(AxisResult(success, message, self._driver.current_coord), text=message)
+        result = AxisResult(
+            success=success,
+            coordinate=self._driver.current_coord,
+            **(message_fields(message) if message else {}),
+        )
+        set_state(result, text=result.message)
 
-    def _home(self, request: TriggerRequest) -> TriggerResponse:
+    def _home(self, request: CommandRequest) -> CommandResponse:
         stopped = self._stop_since_now()
         caller = connection_header(request).get("callerid", "")
         client_gone = self._server.watch_node(caller)
         return self._find_zero(lambda: self._driver.homing(lambda: stopped() or client_gone()))
 
-    def _set_zero(self, _request: TriggerRequest) -> TriggerResponse:
+    def _set_zero(self, _request: CommandRequest) -> CommandResponse:
         return self._find_zero(self._driver.set_zero)
 
-    def _find_zero(self, action: Callable[[], None]) -> TriggerResponse:
+    def _find_zero(self, action: Callable[[], None]) -> CommandResponse:
         try:
             action()
         except AxisException as error:
@@ -96,17 +105,22 @@ class AxisNode:
             raise
         finally:
             self._publish()
-        self._last_error = ""
-        return TriggerResponse(True, f"homed at {self._driver.current_coord:g} {self._unit}")
+        self._last_error = None
+        homed = Message(
+            "homed at {coordinate:g} {unit}",
+            coordinate=self._driver.current_coord,
+            unit=self._unit,
+        )
+        return CommandResponse(success=True, **message_fields(homed))
 
-    def _stop(self, _request: TriggerRequest) -> TriggerResponse:
+    def _stop(self, _request: CommandRequest) -> CommandResponse:
         self._stops += 1
-        return TriggerResponse(True, "stopping")
+        return CommandResponse(success=True, **message_fields(Message("stopping")))
 
     def _stop_since_now(self) -> Callable[[], bool]:
-        """Return a function that says whether a stop was requested since this call."""
+        """Return a function that returns whether a stop was requested since this call."""
         # A count instead of a flag: nothing has to be cleared, so no request is lost
-        # between two motions, and none is left over for the next one.
+        # between two motions, and none remains for the next one.
         stops = self._stops
         return lambda: self._stops != stops
 
@@ -129,7 +143,7 @@ class AxisNode:
             f"coordinate [{self._unit}]": self._driver.current_coord,
             "homed": self._driver.homing_done,
             "moving": self._driver.moving,
-            "last error": self._last_error,
+            "last error": self._last_error or "",
             "pulses": self._pulses.scheduling,
             "last motion [s]": f"{self._driver.last_motion.duration_s:.6f}",
             "lateness median [us]": round(lateness.median_s * 1e6),
@@ -137,25 +151,28 @@ class AxisNode:
             "lateness max [us]": round(lateness.max_s * 1e6),
             "edges that slowed it down": lateness.slowed,
         }
-        level, sentence = self._state()
-        return level, sentence, values
+        level, message = self._state()
+        return level, message, values
 
-    def _state(self) -> Tuple[int, str]:
+    def _state(self) -> Tuple[int, Message]:
         error = self._driver.failure or self._last_error
         if error:
             return diagnostics.ERROR, error
         if not self._driver.homing_done:
-            return diagnostics.WARN, "not homed"
+            return diagnostics.WARN, Message("not homed")
         if self._pulses.unpunctual:
-            return diagnostics.WARN, f"homed; {self._pulses.scheduling}"
+            homed = Message("homed; {scheduling}", scheduling=self._pulses.scheduling)
+            return diagnostics.WARN, homed
         lateness = self._driver.last_motion.lateness
         if lateness.slowed:
-            return (
-                diagnostics.WARN,
-                f"homed; the last motion was slowed down by {lateness.slowed} late edges, the "
-                f"latest pulse by {lateness.max_s * 1e3:.1f} ms: this computer does too much else",
+            slowed = Message(
+                "homed; {edges} late edges slowed the last motion, the latest pulse was "
+                "{late_ms:.1f} ms late; reduce this computer's load",
+                edges=lateness.slowed,
+                late_ms=lateness.max_s * 1e3,
             )
-        return diagnostics.OK, "homed"
+            return diagnostics.WARN, slowed
+        return diagnostics.OK, Message("homed")
 
     def _shut_down(self) -> None:
         self._stops += 1
@@ -163,14 +180,14 @@ class AxisNode:
 
 
 def build_axis_node(hardware: AxisHardware) -> AxisNode:
-    """Build an axis from the bottom up.
+    """Build the node of an axis and everything below it.
 
     Raises:
-        Gpr20Error: The process of the pulses cannot be started, or the pins cannot be used.
+        Gpr20Error: The pulse process cannot be started, or the pins cannot be used.
     """
     pulses = PulseClient(hardware)
     if pulses.unpunctual:
-        rospy.logwarn(pulses.scheduling)
+        rospy.logwarn(str(pulses.scheduling))
     return AxisNode(AxisDriver(hardware.parameters, pulses), pulses, hardware)
 
 

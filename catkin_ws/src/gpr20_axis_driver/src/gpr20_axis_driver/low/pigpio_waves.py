@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO, Any, Iterator, List, Optional, Sequence
 
 from gpr20_axis_driver.axis_exceptions import PinLibraryError, PulseProcessError
+from gpr20_common.message import Message
 
 # GPIO numbers, which pigpio uses, of the pins of the 40-pin header (Raspberry Pi 4).
 GPIO_OF_BOARD = {
@@ -38,14 +39,17 @@ def pigpio_daemon() -> Any:
         import pigpio
     except ImportError as error:
         raise PinLibraryError(
-            f"backend pigpio cannot be used: {error}; on the robot run scripts/setup.sh --robot "
-            "and start the daemon pigpiod, or set backend to rpi_gpio"
+            Message(
+                "backend pigpio cannot be used because its library is missing; on the robot run "
+                "scripts/setup.sh --robot and start the daemon pigpiod, or set backend to rpi_gpio",
+                details=error,
+            )
         ) from error
     return pigpio
 
 
 def lock_wave_transmitter(path: Path) -> IO[bytes]:
-    """Take the one transmitter for this process; it is free again when the file is closed.
+    """Reserve the one transmitter for this process, until the file is closed.
 
     Raises:
         PinLibraryError: Another axis has it.
@@ -56,8 +60,10 @@ def lock_wave_transmitter(path: Path) -> IO[bytes]:
     except BlockingIOError:
         file.close()
         raise PinLibraryError(
-            "another axis uses pigpio already, whose daemon transmits one wave at a time: "
-            "give backend pigpio to one axis and rpi_gpio to the others"
+            Message(
+                "another axis already uses pigpio, which can serve only one axis; set backend to "
+                "pigpio for one axis and rpi_gpio for the others"
+            )
         ) from None
     return file
 
@@ -84,14 +90,16 @@ class StepWaves:
         self._pi = pigpio.pi(show_errors=False)
         if not self._pi.connected:
             raise PinLibraryError(
-                "the daemon pigpiod does not answer: start it (systemctl start pigpiod), or set "
-                "backend to rpi_gpio"
+                Message(
+                    "the daemon pigpiod does not answer; start it (systemctl start pigpiod) or set "
+                    "backend to rpi_gpio"
+                )
             )
         with self._errors():
             self._set_up()
 
     def set_direction(self, forward: bool) -> None:
-        """Choose where the next steps lead; forward means increasing coordinates."""
+        """Choose the direction of the next steps; forward means increasing coordinates."""
         with self._errors():
             self._pi.write(self._dir, int(forward))
 
@@ -103,7 +111,7 @@ class StepWaves:
             return self._pi.read(self._sensor) == 0
 
     def send(self, pauses_us: Sequence[int]) -> int:
-        """Transmit steps after what is being transmitted; return the wave's number.
+        """Transmit steps after the wave that is being transmitted; return the wave's number.
 
         Args:
             pauses_us: Half of each step's period [us].
@@ -131,14 +139,14 @@ class StepWaves:
         return None if wave == self._pigpio.NO_TX_WAVE else wave
 
     def halt(self) -> None:
-        """End the transmission in the middle of a wave; its steps are not known then."""
+        """End the transmission in the middle of a wave; the count of its steps is lost."""
         with self._errors():
             self._pi.wave_tx_stop()
             self._pi.wave_clear()
             self._pi.write(self._step, 0)
 
     def close(self) -> None:
-        """Leave both pins low and hang up."""
+        """Leave both pins low and disconnect."""
         self.halt()
         with self._errors():
             self._pi.write(self._dir, 0)
@@ -158,8 +166,11 @@ class StepWaves:
     def _errors(self) -> Iterator[None]:
         try:
             yield
-        # A dead daemon shows as a socket error, or as an answer that is too short to unpack.
+        # A dead daemon appears as a socket error, or as an answer that is too short to unpack.
         except (self._pigpio.error, OSError, struct.error, AttributeError) as error:
             raise PulseProcessError(
-                f"pigpio failed: {error}; see whether the daemon pigpiod runs, and home the axis"
+                Message(
+                    "pigpio failed; check that the daemon pigpiod runs, then home the axis",
+                    details=error,
+                )
             ) from error

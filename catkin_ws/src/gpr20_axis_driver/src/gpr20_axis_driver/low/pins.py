@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, List, Optional, Protocol
 
 from gpr20_axis_driver.axis_exceptions import PinLibraryError
+from gpr20_common.message import Message
 
 
 class Pins(Protocol):
@@ -52,7 +53,7 @@ class StepperInterface:
         pins.setup(step_pin, pins.OUT, initial=pins.LOW)
 
     def set_direction(self, forward: bool) -> None:
-        """Choose where the next steps lead; forward means increasing coordinates."""
+        """Choose the direction of the next steps; forward means increasing coordinates."""
         self._pins.output(self.dir_pin, self._pins.HIGH if forward else self._pins.LOW)
 
     def step(self, hold: Callable[[], object]) -> None:
@@ -103,11 +104,14 @@ def raspberry_pi_pins() -> Pins:
         PinLibraryError: RPi.GPIO is missing, or this is not a Raspberry Pi.
     """
     try:
-        # Only here, because the library exists and works on the robot alone.
+        # Only here, because the library exists and works only on the robot.
         from RPi import GPIO
     except (ImportError, RuntimeError) as error:
         raise PinLibraryError(
-            f"the pins cannot be used: {error}; on the robot run scripts/setup.sh --robot, "
-            "elsewhere launch with robot:=simulated"
+            Message(
+                "this computer has no usable pins; on the robot run scripts/setup.sh --robot, "
+                "elsewhere launch with robot:=simulated",
+                details=error,
+            )
         ) from error
     return GPIO

@@ -1,9 +1,9 @@
-"""A process of its own for what must be punctual.
+"""A separate process for the pulses, which must be punctual.
 
-The parent hands it the axis's hardware (pickled, opened here) and then one motion at a time.
+The parent sends it the axis's hardware (pickled, opened here) and then one motion at a time.
 It ends, with the pins low, when the parent closes the connection or dies; a parent that hangs
 ends the motion.
-It is started as a fresh interpreter: a copy of a process that runs ROS's threads would not work.
+It is started as a new interpreter: a fork of a process that runs ROS's threads would not work.
 """
 
 from __future__ import annotations
@@ -22,12 +22,13 @@ from gpr20_axis_driver.low.scheduling import ORDINARY, Scheduling, realtime_sche
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_axis_driver.motion import AxisHardware, Motion, MotionReport
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
 POLL_S = 0.005
-# The parent gives a sign of life with every poll; one that gives none for so long cannot stop
-# the motion any more.
+# The parent counts a beat with every poll; one that counts none for this long can no longer
+# stop the motion.
 SILENT_PARENT_S = 2.0
 
 
@@ -35,14 +36,14 @@ class PulseProcess:
     """The process as its parent sees it."""
 
     def __init__(
-        self, hardware: AxisHardware, counter: StepCounter, ended: Callable[[str], None]
+        self, hardware: AxisHardware, counter: StepCounter, ended: Callable[[Message], None]
     ) -> None:
         """Start it and wait until it is ready.
 
         Args:
-            hardware: Opened over there.
+            hardware: Opened in the process.
             counter: Where the steps are counted; shared.
-            ended: Called from another thread, with the reason, if it ends unasked.
+            ended: Called from another thread, with the reason, if it ends unexpectedly.
 
         Raises:
             PulseProcessError: It cannot be started, or the hardware cannot be opened.
@@ -73,15 +74,15 @@ class PulseProcess:
 
     @property
     def scheduling(self) -> Scheduling:
-        """How the system lets it run."""
+        """How the system schedules it."""
         return self._scheduling
 
     def run(self, motion: Motion, poll: Callable[[], None]) -> MotionReport:
-        """Have a motion carried out and return its report.
+        """Let the process carry out a motion and return its report.
 
         Args:
             motion: The motion; it is pickled.
-            poll: Called every few milliseconds meanwhile; what it raises ends the process.
+            poll: Called every few milliseconds meanwhile; an exception in it ends the process.
 
         Raises:
             PulseProcessError: The process ended or failed.
@@ -109,12 +110,12 @@ class PulseProcess:
         return answer
 
     def kill(self) -> None:
-        """End it at once; `ended` is called as for an unasked end."""
+        """End it at once; `ended` is called as for an unexpected end."""
         self._process.kill()
         self._gone.wait(END_LIMIT_S)
 
     def close(self) -> None:
-        """Let it end: it stops what it does, leaves the pins low and is gone on return."""
+        """End it: it stops its motion, leaves the pins low and is gone on return."""
         self._closing = True
         self._connection.close()
         if not self._gone.wait(END_LIMIT_S):
@@ -129,15 +130,18 @@ class PulseProcess:
             [sys.executable, "-m", __name__, *arguments],
             pass_fds=inherited,
             stdin=subprocess.DEVNULL,
-            # A session of its own: a signal to the node's group must not end it in mid-pulse.
+            # A separate session: a signal to the node's group must not end it in mid-pulse.
             start_new_session=True,
         )
 
     def _wait_ready(self) -> Scheduling:
         if not self._connection.poll(START_LIMIT_S):
             raise PulseProcessError(
-                f"the process that makes the pulses was not ready within {START_LIMIT_S:g} s; "
-                "look at what else this computer does, and start the node again"
+                Message(
+                    "the pulse process of this axis was not ready within {limit_s:g} s; reduce "
+                    "this computer's load and restart the axis driver",
+                    limit_s=START_LIMIT_S,
+                )
             )
         try:
             answer = self._connection.recv()
@@ -156,13 +160,16 @@ class PulseProcess:
         finally:
             self._gone.set()
 
-    def _death(self) -> str:
+    def _death(self) -> Message:
         status: Optional[int] = self._process.poll()
         if status is not None and status < 0:
-            how = f"was ended by {signal.Signals(-status).name}"
+            how = f"ended by {signal.Signals(-status).name}"
         else:
-            how = f"ended with status {status}"
-        return f"the process that makes the pulses {how}; see the log, and home the axis"
+            how = f"exit status {status}"
+        return Message(
+            "the pulse process of this axis ended unexpectedly; see the log and home the axis",
+            details=how,
+        )
 
 
 def serve(connection: Connection, counter: StepCounter, parent: int) -> None:
@@ -180,7 +187,7 @@ def serve(connection: Connection, counter: StepCounter, parent: int) -> None:
 
 
 class _Parent:
-    """Says, during one motion, whether to end it."""
+    """Decides, during one motion, whether to end it."""
 
     def __init__(self, counter: StepCounter, number: int) -> None:
         self._counter = counter
@@ -191,7 +198,7 @@ class _Parent:
         self._beats, self._noted_s = self._counter.beats, time.monotonic()
 
     def wants_stop(self) -> bool:
-        """Return whether the parent asked for the end, is dead, or hangs."""
+        """Return whether the parent requested the end, is dead, or hangs."""
         # A dead parent cannot set the flag; its child is then adopted by another process.
         if self._counter.stop_requested or os.getppid() != self._number:
             return True
@@ -202,23 +209,26 @@ class _Parent:
 
 def main() -> NoReturn:
     """Run as the child; the arguments are two descriptors and the parent's number."""
-    # From here on a termination runs through every `finally`, so the pins end low.
+    # From here on a termination runs every `finally`, so the pins end low.
     signal.signal(signal.SIGTERM, lambda _signal, _frame: sys.exit(128 + signal.SIGTERM))
     connection = Connection(int(sys.argv[1]))
     counter = StepCounter(int(sys.argv[2]))
     try:
         serve(connection, counter, int(sys.argv[3]))
     except (EOFError, BrokenPipeError, ConnectionResetError):
-        # The parent has closed the connection or is dead; nobody is left to tell.
+        # The parent has closed the connection or is dead; nobody is left to report to.
         sys.exit(0)
     except Gpr20Error as error:
         connection.send(PulseProcessError(error.message))
         sys.exit(1)
     except Exception as error:
-        failure = f"the pulses failed ({type(error).__name__}: {error})"
+        failure = Message(
+            "the pulse process of this axis failed; see the log and home the axis",
+            details=f"{type(error).__name__}: {error}",
+        )
         connection.send(PulseProcessError(failure))
         raise
-    raise AssertionError("serve() ends by an exception only")
+    raise AssertionError("serve() ends only by an exception")
 
 
 if __name__ == "__main__":

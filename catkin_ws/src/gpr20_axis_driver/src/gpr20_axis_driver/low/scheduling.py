@@ -1,4 +1,4 @@
-"""Asking the system for punctual wake-ups."""
+"""Real-time scheduling of a process."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import gc
 import os
 from dataclasses import dataclass
 from typing import List
+
+from gpr20_common.message import Message
 
 # Below the kernel's own real-time threads (50 and 99), above everything else.
 PRIORITY = 45
@@ -21,23 +23,25 @@ class Scheduling:
 
     Attributes:
         realtime: Whether all of it was granted.
-        sentence: What was, and why not all, for people.
+        message: What was granted, and what to do if not all was.
     """
 
     realtime: bool
-    sentence: str
+    message: Message
 
 
-# Everything is left as it is for a robot whose time is not the real one.
-ORDINARY = Scheduling(False, "ordinary scheduling: the simulated robot does not run in real time")
+# For a simulated robot that moves faster than the real one.
+ORDINARY = Scheduling(
+    False, Message("ordinary scheduling: the simulated robot does not run in real time")
+)
 
 
 def realtime_scheduling() -> Scheduling:
-    """Ask for SCHED_FIFO, locked memory and exact timers for this process.
+    """Request SCHED_FIFO, locked memory and exact timers for this process.
 
-    What is refused is named in the answer; the process works without it, less punctually.
+    The result names what was refused; the process works without it, less punctually.
     """
-    # A collection in the middle of a move would be a late pulse; there are no cycles to collect.
+    # A garbage collection during a move would delay a pulse; there are no cycles to collect.
     gc.collect()
     gc.freeze()
     gc.disable()
@@ -49,12 +53,14 @@ def realtime_scheduling() -> Scheduling:
     library = ctypes.CDLL(None, use_errno=True)
     if library.mlockall(MCL_CURRENT | MCL_FUTURE) != 0:
         refused.append(f"locked memory ({os.strerror(ctypes.get_errno())})")
-    # Only has an effect without SCHED_FIFO: ordinary timers may fire 50 us late by design.
+    # Has an effect only without SCHED_FIFO: ordinary timers may fire 50 us late by design.
     library.prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0)
     if refused:
-        return Scheduling(
-            False,
-            f"pulses without real-time scheduling, refused: {', '.join(refused)}; allow rtprio and "
+        without = Message(
+            "pulses are made without real-time scheduling and can be late; allow rtprio and "
             "memlock in /etc/security/limits.d",
+            details=f"refused: {', '.join(refused)}",
         )
-    return Scheduling(True, f"real-time scheduling: SCHED_FIFO {PRIORITY}, memory locked")
+        return Scheduling(False, without)
+    granted = Message("real-time scheduling", details=f"SCHED_FIFO {PRIORITY}, memory locked")
+    return Scheduling(True, granted)

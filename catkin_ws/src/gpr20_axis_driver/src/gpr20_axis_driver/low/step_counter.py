@@ -1,7 +1,7 @@
 """The step count of an axis, in a file that two processes share and that outlives both.
 
-The file is mapped into memory, so a count is there for the other process at once, and stays in
-the system's cache when a process is killed. It is locked by whoever drives the axis.
+The file is mapped into memory, so the other process sees a count at once, and the count stays
+in the system's cache when a process is killed. The process that drives the axis locks the file.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from enum import IntEnum
 from pathlib import Path
 
 from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 
 LAYOUT = 0x47505241_00000001
 WORD_BYTES = 8
 # All words lie in one sector, which a disk writes whole or not at all.
 FILE_BYTES = 512
-# What is stored at rest is the count mixed with this: it cannot be true of another count.
+# At rest, the count is stored a second time, XOR this key: it cannot match another count.
 REST_KEY = 0x5AFE_5E7_0F_57E95
 NANO = 1.0e9
 LOCK_POLL_S = 0.02
@@ -42,7 +44,7 @@ class StepCounter:
         """Map the open file; made by `open_step_counter`, or from an inherited descriptor."""
         self._descriptor = descriptor
         self._memory = mmap.mmap(descriptor, FILE_BYTES)
-        # Stores of an aligned 64-bit item are single instructions: no reader sees half of one.
+        # An aligned 64-bit item is stored by one instruction: no reader sees half of one.
         self._words = memoryview(self._memory).cast("q")
 
     @property
@@ -57,7 +59,7 @@ class StepCounter:
 
     @property
     def trusted(self) -> bool:
-        """Whether the count was exact when the motor last stood, and nothing moved since."""
+        """Whether the count was exact when the motor last stopped, and nothing moved since."""
         return self._words[_Word.RESTING] == self.steps ^ REST_KEY
 
     @property
@@ -71,15 +73,15 @@ class StepCounter:
 
     @property
     def beats(self) -> int:
-        """How often whoever asked for the motion under way has given a sign of life."""
+        """How many beats the parent process has counted."""
         return self._words[_Word.BEATS]
 
     def beat(self) -> None:
-        """Give a sign of life."""
+        """Count a beat, which shows that the parent process still runs."""
         self._words[_Word.BEATS] += 1
 
     def begin(self) -> None:
-        """Trust the count no more, as a motion begins; durable before the first pulse."""
+        """Mark the count as not trusted, as a motion begins; durable before the first pulse."""
         self._words[_Word.RESTING] = 0
         self._memory.flush()
 
@@ -88,19 +90,19 @@ class StepCounter:
         self._words[_Word.STEPS] += change
 
     def rest(self) -> None:
-        """Note that the motor rests and that the count is exact; durable on return."""
+        """Mark the count as exact, as the motor is at rest; durable on return."""
         self._words[_Word.RESTING] = self.steps ^ REST_KEY
         self._memory.flush()
 
     def place(self, steps: int) -> None:
-        """Set the count of a motor that rests [motor steps]."""
-        # Not trusted in between: no power cut makes a count of two halves.
+        """Set the count of a motor that is at rest [motor steps]."""
+        # Not trusted in between: a power cut cannot leave a wrong count that is trusted.
         self.begin()
         self._words[_Word.STEPS] = steps
         self.rest()
 
     def check(self, step_size: float) -> None:
-        """Forget the count if it was made with steps of another size [mm or deg]."""
+        """Mark the count as not trusted if its steps had another size [mm or deg]."""
         size_nano = round(step_size * NANO)
         if self._words[_Word.STEP_SIZE_NANO] != size_nano:
             self.begin()
@@ -119,15 +121,15 @@ class StepCounter:
 
 
 def open_step_counter(path: Path, step_size: float, lock_limit_s: float) -> StepCounter:
-    """Open and lock the file, making it if it is not there yet; a new one is not trusted.
+    """Open and lock the file, creating it if necessary; a new count is not trusted.
 
     Args:
         path: The file.
         step_size: What one step is [mm or deg].
-        lock_limit_s: How long to wait while another process holds the axis [s].
+        lock_limit_s: How long to wait while another process has locked the file [s].
 
     Raises:
-        StepCounterError: The file is held by another process, is something else, or
+        StepCounterError: The file is locked by another process, is not a step count, or
             cannot be used.
     """
     try:
@@ -135,8 +137,12 @@ def open_step_counter(path: Path, step_size: float, lock_limit_s: float) -> Step
         descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError as error:
         raise StepCounterError(
-            f"the step count cannot be kept in {path}: {error.strerror}; give a memory_file in a "
-            "folder that can be written"
+            Message(
+                "the step count cannot be stored in {path}: {reason}; set memory_file to a file "
+                "in a writable folder",
+                path=path,
+                reason=os_reason(error),
+            )
         ) from error
     try:
         _lock(path, descriptor, lock_limit_s)
@@ -154,8 +160,12 @@ def open_step_counter(path: Path, step_size: float, lock_limit_s: float) -> Step
 
 def _not_ours(path: Path) -> StepCounterError:
     return StepCounterError(
-        f"{path} is not a step count of this version: move it away, then turn the antennas to "
-        "their mark and call the service set_zero"
+        Message(
+            "{path} is not a step count of this version; move it away, then turn the antennas to "
+            "their mark and set the zero of this axis",
+            path=path,
+            details="service set_zero",
+        )
     )
 
 
@@ -168,8 +178,10 @@ def _lock(path: Path, descriptor: int, limit_s: float) -> None:
         except BlockingIOError:
             if time.monotonic() > deadline_s:
                 raise StepCounterError(
-                    f"another process drives this axis (it holds {path}): end the other "
-                    "axis_driver of this axis first"
+                    Message(
+                        "another process drives this axis; end the other driver of this axis first",
+                        details=f"it has locked {path}",
+                    )
                 ) from None
         time.sleep(LOCK_POLL_S)
 
@@ -183,7 +195,7 @@ def _make(path: Path) -> None:
         complete.flush()
         os.fsync(complete.fileno())
         try:
-            # A link is made whole or not at all, so nobody opens a half-written file.
+            # A link appears complete or not at all, so nobody opens a half-written file.
             os.link(complete.name, path)
         except FileExistsError:
             return

@@ -1,10 +1,10 @@
-"""One axis: moves, and the coordinate that they lead to."""
+"""One axis: its moves and its coordinate."""
 
 from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import Iterator
+from typing import Iterator, Optional
 
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
@@ -18,8 +18,13 @@ from gpr20_axis_driver.axis_exceptions import (
 from gpr20_axis_driver.mid.homing import Homing
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, never
+from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+
+SET_ZERO = Message(
+    "turn the antennas to their mark and set the zero of this axis", details="service set_zero"
+)
 
 
 class AxisDriver:
@@ -43,7 +48,7 @@ class AxisDriver:
 
     @property
     def homing_done(self) -> bool:
-        """Whether the coordinate is referred to the axis's zero."""
+        """Whether the coordinate refers to the axis's zero."""
         return self._homing_done and not self._pulses.failure
 
     @property
@@ -52,21 +57,21 @@ class AxisDriver:
         return self._motion.locked()
 
     @property
-    def failure(self) -> str:
-        """Why no motion is possible now; empty if one is."""
+    def failure(self) -> Optional[Message]:
+        """Why no motion is possible now; None if one is."""
         return self._pulses.failure
 
     @property
     def last_motion(self) -> MotionReport:
-        """What came of the last motion that had steps to make."""
+        """The report of the last motion that had steps to make."""
         return self._last_motion
 
     def move_to_coordinate(self, target: float, stop_requested: StopRequested = never) -> None:
-        """Move to a coordinate and return when the axis rests there.
+        """Move to a coordinate and return when the axis is at rest there.
 
         Args:
             target: Coordinate [mm or deg]; the nearest motor step is taken.
-            stop_requested: Asked again and again; once true the axis slows down and stops.
+            stop_requested: Called repeatedly; once true, the axis slows down and stops.
 
         Raises:
             TravelError: The target is outside the axis; nothing moved.
@@ -75,65 +80,69 @@ class AxisDriver:
             MotionStopped: A stop was requested; the coordinate is exact.
             EndstopError: The endstop was pressed; the axis must be homed again.
             PositionLostError: Steps may have been lost; the axis must be homed again.
-            PulseProcessError: The pulses ended; the axis must be homed again.
+            PulseProcessError: The pulse process ended; the axis must be homed again.
             NodeHungError: This node hung; the coordinate is exact.
         """
         with self._exclusive_motion():
             if not self.homing_done:
-                raise NotHomedError("the axis is not homed; home it before moving it")
+                raise NotHomedError(Message("the axis is not homed; home it before moving it"))
             self._go_to(self._steps_to(target), stop_requested)
 
     def homing(self, stop_requested: StopRequested = never) -> None:
-        """Find the zero of the axis and stand there.
+        """Find the zero of the axis and stay there.
 
-        An axis without endstop turns to the zero that it remembers.
+        An axis without endstop turns to its stored zero.
 
         Raises:
             AxisBusyError: Another motion is under way.
             EndstopError: The endstop is stuck, or out of reach; the axis is not homed.
-            ZeroUnknownError: There is no endstop and nothing is remembered; nothing moved.
+            ZeroUnknownError: There is no endstop and no stored position; nothing moved.
             MotionStopped: A stop was requested; the axis is not homed.
-            PulseProcessError: The pulses ended, or cannot begin; the axis is not homed.
+            PulseProcessError: The pulse process ended or cannot start; the axis is not homed.
         """
         with self._exclusive_motion():
             self._homing_done = False
             self._pulses.revive()
             if self._parameters.sensor_pin is None:
-                self._turn_to_remembered_zero(stop_requested)
+                self._turn_to_stored_zero(stop_requested)
             else:
                 Homing(self._parameters, self._run).run(stop_requested)
                 self._pulses.place(self._parameters.distance_steps(self._parameters.min_coord))
             self._homing_done = True
 
     def set_zero(self) -> None:
-        """Take the present place of an axis without endstop as its zero.
+        """Make the present position of an axis without endstop its zero.
 
         Raises:
             AxisBusyError: A motion is under way.
-            EndstopError: The axis has an endstop, which says where its zero is.
-            PulseProcessError: The pulses cannot begin.
+            EndstopError: The axis has an endstop, which determines its zero.
+            PulseProcessError: The pulse process cannot start.
         """
         if self._parameters.sensor_pin is not None:
-            raise EndstopError("the endstop says where this axis has its zero; home the axis")
+            raise EndstopError(
+                Message("the endstop determines the zero of this axis; home the axis")
+            )
         with self._exclusive_motion():
             self._pulses.revive()
             self._pulses.place(0)
             self._homing_done = True
 
     def close(self, timeout_s: float) -> None:
-        """Release the pins; no motion can begin any more.
+        """Release the pins; no motion can begin afterwards.
 
         Args:
             timeout_s: How long to wait for the end of a motion under way [s].
         """
-        # Never released: whoever asks for a motion from now on finds the axis busy.
+        # Never released: every request for a motion from now on is refused as busy.
         self._motion.acquire(timeout=timeout_s)
         self._pulses.close()
 
     @contextmanager
     def _exclusive_motion(self) -> Iterator[None]:
         if not self._motion.acquire(blocking=False):
-            raise AxisBusyError("the axis is busy with another motion; stop it or wait for its end")
+            raise AxisBusyError(
+                Message("the axis is busy with another motion; stop it or wait for its end")
+            )
         try:
             yield
         finally:
@@ -143,17 +152,25 @@ class AxisDriver:
         low, high = self._parameters.min_coord, self._parameters.max_coord
         # Written so that NaN, which fails every comparison, is refused too.
         if not low <= target <= high:
-            unit = self._parameters.unit
             raise TravelError(
-                f"target {target:.12g} {unit} lies outside the axis, {low:g} to {high:g} {unit}"
+                Message(
+                    "the target {target} {unit} is outside the axis, {low:g} to {high:g} {unit}",
+                    target=f"{target:.12g}",
+                    low=low,
+                    high=high,
+                    unit=self._parameters.unit,
+                )
             )
         return self._parameters.distance_steps(target)
 
-    def _turn_to_remembered_zero(self, stop_requested: StopRequested) -> None:
+    def _turn_to_stored_zero(self, stop_requested: StopRequested) -> None:
         if not self._pulses.trusted:
             raise ZeroUnknownError(
-                "the zero of this axis is not known: it has no endstop, and nothing says where "
-                "it stopped last; turn the antennas to their mark and call the service set_zero"
+                Message(
+                    "the zero of this axis is unknown: it has no endstop, and its last position "
+                    "is not stored; {advice}",
+                    advice=SET_ZERO,
+                )
             )
         self._go_to(0, stop_requested)
 
@@ -169,14 +186,21 @@ class AxisDriver:
         if ending is Ending.PRESSED:
             self._homing_done = False
             raise EndstopError(
-                f"the endstop was pressed at {self.current_coord:.12g} {unit}, where "
-                "it should be open: steps were lost or the switch is stuck; home the axis"
+                Message(
+                    "the endstop was pressed at {coordinate:.12g} {unit}, where it should be open: "
+                    "steps were lost or the switch is stuck; home the axis",
+                    coordinate=self.current_coord,
+                    unit=unit,
+                )
             )
         if ending is Ending.STOPPED:
-            target = self._parameters.coordinate_of(target_steps)
             raise MotionStopped(
-                f"stopped at {self.current_coord:.12g} {unit}, "
-                f"before the target {target:.12g} {unit}"
+                Message(
+                    "stopped at {coordinate:.12g} {unit}, before the target {target:.12g} {unit}",
+                    coordinate=self.current_coord,
+                    target=self._parameters.coordinate_of(target_steps),
+                    unit=unit,
+                )
             )
 
     def _run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
@@ -186,13 +210,19 @@ class AxisDriver:
         if report.ending is Ending.GAP:
             self._homing_done = False
             raise PositionLostError(
-                f"a pulse was {report.gap_s * 1e3:.0f} ms late near {self.current_coord:.12g} "
-                f"{self._parameters.unit} at a speed at which the motor can lose steps: the "
-                f"position is not trusted; {self._way_back()}"
+                Message(
+                    "a pulse was {late_ms:.0f} ms late near {coordinate:.12g} {unit}, at a speed "
+                    "at which the motor can lose steps: the position is no longer reliable; "
+                    "{advice}",
+                    late_ms=report.gap_s * 1e3,
+                    coordinate=self.current_coord,
+                    unit=self._parameters.unit,
+                    advice=self._advice_after_lost_steps(),
+                )
             )
         return report
 
-    def _way_back(self) -> str:
+    def _advice_after_lost_steps(self) -> Message:
         if self._parameters.sensor_pin is not None:
-            return "home the axis, and lighten the load of this computer"
-        return "turn the antennas to their mark and call the service set_zero"
+            return Message("reduce this computer's load and home the axis")
+        return SET_ZERO

@@ -6,14 +6,15 @@ from typing import Callable
 
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, Until
+from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
 RunMotion = Callable[[Motion, StopRequested], MotionReport]
 
-# A carriage may stand a little beyond its travel when homing begins.
+# A carriage may be a little beyond its travel when homing begins.
 TRAVEL_MARGIN = 1.05
-# Two touches of a sound switch happen at the same place to within this part of a back-off.
+# Two touches of a working switch happen at the same place to within this part of a back-off.
 TOUCH_TOLERANCE = 0.25
 
 
@@ -33,7 +34,7 @@ class Homing:
         self._run = run
 
     def run(self, stop: StopRequested) -> None:
-        """Carry out the whole homing; the axis then rests at its zero.
+        """Carry out the whole homing; the axis is then at rest at its zero.
 
         Raises:
             EndstopError: The switch is stuck or cannot be reached.
@@ -46,9 +47,14 @@ class Homing:
         made = self._touch(2 * self._backoff_steps, stop)
         if abs(made - self._backoff_steps) > max(1, int(TOUCH_TOLERANCE * self._backoff_steps)):
             raise EndstopError(
-                f"the endstop switched {made * self._step_size:g} {self._unit} from where the "
-                f"carriage had backed off by {self._backoff_steps * self._step_size:g} "
-                f"{self._unit}: it does not switch at one place; check the switch and the belt"
+                Message(
+                    "the endstop switched again after {distance:g} {unit}, although the carriage "
+                    "had backed off by {backoff:g} {unit}: it does not always switch at the same "
+                    "place; check the switch and the belt",
+                    distance=made * self._step_size,
+                    backoff=self._backoff_steps * self._step_size,
+                    unit=self._unit,
+                )
             )
         self._back_off(stop)
 
@@ -56,27 +62,39 @@ class Homing:
         report = self._step(False, most_steps, Until.PRESSED, stop)
         if not report.endstop_pressed:
             raise EndstopError(
-                f"the endstop was not reached within {most_steps * self._step_size:g} "
-                f"{self._unit}: it is stuck open, unplugged, or the motor does not turn; check "
-                "the switch, its cable and the motor"
+                Message(
+                    "the endstop was not reached within {distance:g} {unit}: it is stuck open or "
+                    "unplugged, or the motor does not turn; check the switch, its cable and the "
+                    "motor",
+                    distance=most_steps * self._step_size,
+                    unit=self._unit,
+                )
             )
         return report.steps_made
 
     def _back_off(self, stop: StopRequested) -> None:
         if self._step(True, self._backoff_steps, Until.NOTHING, stop).endstop_pressed:
             raise EndstopError(
-                f"the endstop is still pressed {self._backoff_steps * self._step_size:g} "
-                f"{self._unit} away from it: it is stuck closed or the motor does not turn; "
-                "check the switch, its cable and the motor"
+                Message(
+                    "the endstop is still pressed after backing off by {backoff:g} {unit}: it is "
+                    "stuck closed, or the motor does not turn; check the switch, its cable and "
+                    "the motor",
+                    backoff=self._backoff_steps * self._step_size,
+                    unit=self._unit,
+                )
             )
 
     def _release(self, stop: StopRequested) -> None:
         most_steps = HOMING_BACKOFFS * self._backoff_steps
         if self._step(True, most_steps, Until.RELEASED, stop).endstop_pressed:
             raise EndstopError(
-                f"the endstop stayed pressed for {most_steps * self._step_size:g} {self._unit}: "
-                "it is stuck closed, short-circuited, or the motor does not turn; check the "
-                "switch, its cable and the motor"
+                Message(
+                    "the endstop was still pressed after {distance:g} {unit}: it is stuck closed "
+                    "or short-circuited, or the motor does not turn; check the switch, its cable "
+                    "and the motor",
+                    distance=most_steps * self._step_size,
+                    unit=self._unit,
+                )
             )
 
     def _step(
@@ -84,5 +102,5 @@ class Homing:
     ) -> MotionReport:
         report = self._run(Motion(forward, most_steps, self._slow, until), stop)
         if report.ending is Ending.STOPPED:
-            raise MotionStopped("homing was stopped; the axis is not homed")
+            raise MotionStopped(Message("homing was stopped; the axis is not homed"))
         return report

@@ -1,27 +1,29 @@
-"""The pulses of an axis, made by a process of their own."""
+"""The pulses of an axis, made by a separate process."""
 
 from __future__ import annotations
 
 import threading
 import time
+from typing import Optional
 
 from gpr20_axis_driver.axis_exceptions import AxisException, NodeHungError, PulseProcessError
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
 from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport, StopRequested
+from gpr20_common.message import Message
 
-# A former node's pulse process ramps down before it lets go of the axis.
+# The pulse process of a previous node ramps down before it releases the axis.
 LOCK_LIMIT_S = 5.0
-# A process that makes no step for so long, and for some steps' time, is hung.
+# A process that makes no step for this long, and for the time of some steps, hangs.
 STALL_LIMIT_S = 5.0
 STALL_STEPS = 10
 
 
 class PulseClient:
-    """Starts the process, watches it, and makes the pins safe if it dies."""
+    """Starts the process, monitors it, and sets the pins low if it dies."""
 
     def __init__(self, hardware: AxisHardware) -> None:
-        """Begin; motions are possible on return.
+        """Start the process; motions are possible on return.
 
         Raises:
             AxisException: The step count, the process or the hardware cannot be used.
@@ -33,7 +35,7 @@ class PulseClient:
         if new and hardware.first_steps is not None:
             self._counter.place(hardware.first_steps)
         self._lock = threading.Lock()
-        self._failure = ""
+        self._failure: Optional[Message] = None
         try:
             self._process = self._start()
         except BaseException:
@@ -42,24 +44,24 @@ class PulseClient:
 
     @property
     def steps(self) -> int:
-        """The count of the steps."""
+        """The step count."""
         return self._counter.steps
 
     @property
     def trusted(self) -> bool:
-        """Whether the count is known to be where the motor rests."""
+        """Whether the count is known to be the position of the motor."""
         return self._counter.trusted
 
     @property
-    def failure(self) -> str:
-        """Why no motion is possible now; empty if one is."""
+    def failure(self) -> Optional[Message]:
+        """Why no motion is possible now; None if one is."""
         with self._lock:
             return self._failure
 
     @property
-    def scheduling(self) -> str:
-        """How punctual the system lets the pulses be, as a sentence."""
-        return self._process.scheduling.sentence
+    def scheduling(self) -> Message:
+        """How punctual the system lets the pulses be."""
+        return self._process.scheduling.message
 
     @property
     def unpunctual(self) -> bool:
@@ -68,11 +70,11 @@ class PulseClient:
 
     @property
     def process_id(self) -> int:
-        """Number of the process that makes the pulses."""
+        """Number of the pulse process."""
         return self._process.pid
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor rests.
+        """Carry out a motion and return when the motor is at rest.
 
         Raises:
             PulseProcessError: The process died or hung; the pins are low.
@@ -85,18 +87,22 @@ class PulseClient:
             if stop_requested():
                 self._counter.stop_requested = True
 
-        if self.failure:
-            raise PulseProcessError(self.failure)
+        failure = self.failure
+        if failure is not None:
+            raise PulseProcessError(failure)
         report = self._process.run(motion, poll)
         if report.ending is Ending.STOPPED and not self._counter.stop_requested:
             raise NodeHungError(
-                f"the motion was ended because the axis's node could not have stopped it for "
-                f"{SILENT_PARENT_S:g} s: the node hung; look at what else this computer does"
+                Message(
+                    "the motion was ended because the axis driver did not respond for "
+                    "{limit_s:g} s; reduce this computer's load",
+                    limit_s=SILENT_PARENT_S,
+                )
             )
         return report
 
     def place(self, steps: int) -> None:
-        """Set where the motor rests [motor steps]."""
+        """Set the position of the motor, which is at rest [motor steps]."""
         self._counter.place(steps)
 
     def revive(self) -> None:
@@ -105,20 +111,20 @@ class PulseClient:
         Raises:
             PulseProcessError: It cannot be started.
         """
-        if self.failure:
+        if self.failure is not None:
             process = self._start()
             with self._lock:
                 self._process = process
-                self._failure = ""
+                self._failure = None
 
     def close(self) -> None:
-        """End the process; the pins are low on return. Nothing else may be called after."""
+        """End the process; the pins are low on return. Nothing else may be called afterwards."""
         self._process.close()
 
     def _start(self) -> PulseProcess:
         return PulseProcess(self._hardware, self._counter, self._on_death)
 
-    def _on_death(self, reason: str) -> None:
+    def _on_death(self, reason: Message) -> None:
         with self._lock:
             self._failure = reason
         try:
@@ -126,11 +132,15 @@ class PulseClient:
             self._hardware.open(self._counter).close()
         except AxisException as error:
             with self._lock:
-                self._failure = f"{reason}; and its pins could not be made low: {error}"
+                self._failure = Message(
+                    "{reason}; its pins could not be set low: {pins_reason}",
+                    reason=reason,
+                    pins_reason=error.message,
+                )
 
 
 class _Progress:
-    """Notices a process that lives but makes no steps."""
+    """Detects a process that runs but makes no steps."""
 
     def __init__(self, counter: StepCounter, hardware: AxisHardware) -> None:
         self._counter = counter
@@ -150,6 +160,9 @@ class _Progress:
         real_s, clock_s = time.monotonic() - self._real_s, self._clock.now_s() - self._clock_s
         if min(real_s, clock_s) > self._limit_s:
             raise PulseProcessError(
-                f"the process that makes the pulses made no step for {real_s:.0f} s and was ended; "
-                "look at what else this computer does, and home the axis"
+                Message(
+                    "the pulse process of this axis made no step for {time_s:.0f} s and was ended; "
+                    "reduce this computer's load and home the axis",
+                    time_s=real_s,
+                )
             )

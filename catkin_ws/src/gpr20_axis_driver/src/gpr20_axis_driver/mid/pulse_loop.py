@@ -1,4 +1,4 @@
-"""Making the pulses of a motion one by one, on pins, each edge at its moment."""
+"""Making the pulses of a motion one by one, on pins, each edge at its time."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from gpr20_survey.axes.ramp import Ramp
 
 
 class EdgeSchedule:
-    """Absolute moments of a motion's edges, corrected by when each was really made.
+    """Absolute times of a motion's edges, corrected by when each was really made.
 
-    A delay up to the limit is absorbed: the next edges stay where they were, so a pause
-    can be shorter than its due length by up to that limit, never by more. Beyond the limit the rest
-    is shifted as a whole, and continues at the speed that the gap means: no burst follows.
+    A delay up to the limit is absorbed: the next edges keep their times, so a pause can be
+    shorter than its due length by up to that limit, never by more. Beyond the limit all later
+    edges are shifted, and the motion continues at the speed that the gap means: no burst follows.
     """
 
     def __init__(self, ramp: Ramp, limits: LateLimits, start_s: float) -> None:
@@ -42,11 +42,11 @@ class EdgeSchedule:
         self._excess_s = 0.0
 
     def rise(self, now_s: float, steps_left: int) -> None:
-        """Take note of a rising edge; `due_s` becomes the moment of its falling edge.
+        """Record a rising edge; `due_s` becomes the time of its falling edge.
 
         Args:
             now_s: When it is made [s of the clock].
-            steps_left: How many steps are left, with this one.
+            steps_left: How many steps are left, including this one.
         """
         late_s = now_s - self.due_s
         self.lateness_s.append(late_s)
@@ -58,14 +58,14 @@ class EdgeSchedule:
         self.due_s += self.pause_s
 
     def fall(self, now_s: float) -> None:
-        """Take note of a falling edge; `due_s` becomes the moment of the next rising edge."""
+        """Record a falling edge; `due_s` becomes the time of the next rising edge."""
         late_s = now_s - self.due_s
         if late_s > self._limits.late_s:
             self._shift(late_s)
         self.due_s += self.pause_s
 
     def too_late(self, now_s: float) -> bool:
-        """Return whether the motor can have lost its steps while it waited for this edge."""
+        """Return whether the motor can have lost steps while it waited for this edge."""
         # At the slowest speed the motor may stop and start on any step.
         if self.pause_s >= self._ramp.max_pause_s:
             return False
@@ -85,7 +85,7 @@ class EdgeSchedule:
 
 
 class PulseLoop:
-    """Steps a motor against absolute moments; implements `MotionRunner`."""
+    """Steps a motor at absolute times; implements `MotionRunner`."""
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class PulseLoop:
         self._counter = counter
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor rests.
+        """Carry out a motion and return when the motor is at rest.
 
         A stop ramps down. The steps are counted at the edge on which the motor moves, so
         nothing that ends the motion loses one.

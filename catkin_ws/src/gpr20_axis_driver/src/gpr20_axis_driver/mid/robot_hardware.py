@@ -36,7 +36,7 @@ class RobotHardware:
 
     @property
     def step_file(self) -> Path:
-        """Return the memory file, or one that is forgotten when the computer is switched off."""
+        """Return the memory file, or one that is lost when the computer is switched off."""
         if self.parameters.memory_file:
             return Path(self.parameters.memory_file)
         pins = f"{self.parameters.dir_pin}-{self.parameters.step_pin}"

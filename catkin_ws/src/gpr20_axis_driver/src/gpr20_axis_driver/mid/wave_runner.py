@@ -1,4 +1,4 @@
-"""Carrying out motions as waves of a few steps each, a bounded time ahead."""
+"""Motions as waves of a few steps each, sent a bounded time ahead."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 # Two waves of this length, or of one step, are under way: a stop takes effect after them.
 WAVE_S = 0.025
 POLL_S = 0.002
-# A wave that ended so much before its time was never transmitted.
+# A wave that ended this long before its time was never transmitted.
 EARLY_S = 0.010
 
 
@@ -54,7 +54,7 @@ class WaveRunner:
         self._counter = counter
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor rests."""
+        """Carry out a motion and return when the motor is at rest."""
         self._counter.begin()
         self._waves.set_direction(motion.forward)
         start_s = self._clock.now_s()
@@ -75,7 +75,7 @@ class WaveRunner:
         )
 
     def close(self) -> None:
-        """Leave the pins low and let another axis have the transmitter."""
+        """Leave the pins low and release the transmitter for another axis."""
         try:
             self._waves.close()
         finally:
@@ -147,7 +147,7 @@ class _WaveQueue:
         return self._sent < self._last and len(self._under_way) < depth
 
     def brake(self) -> None:
-        """Let only the ramp down follow what has been sent."""
+        """Send only the ramp down after the waves that have been sent."""
         if self._last == self._planned:
             braking = self._ramp.braking_steps(self._pause_s) if self._sent else 0
             self._last = min(self._last, self._sent + braking)
@@ -172,13 +172,13 @@ class _WaveQueue:
         now_s = self._clock.now_s()
         if current is None:
             if self._end_s - now_s > EARLY_S:
-                # The daemon dropped a wave that it had been given: its steps are missing.
+                # The daemon dropped a wave: its steps are missing.
                 self.gap_s = self._end_s - now_s
             while self._under_way:
                 self._finish_first()
         elif len(self._under_way) == 2 and current == self._under_way[1].number:
             self._finish_first()
-            # The daemon's clock is not ours: the drift must not add up over a long move.
+            # The daemon has its own clock: the drift must not add up over a long move.
             self._end_s = now_s + self._under_way[0].duration_s
 
     def _finish_first(self) -> None:

@@ -7,13 +7,16 @@ from typing import Any, Callable, Dict, Tuple
 import diagnostic_updater
 
 from gpr20_common.high.periodic import Periodic
+from gpr20_common.message import Message
 
 OK = 0
 WARN = 1
 ERROR = 2
 
 # Level, one sentence, and named values.
-Health = Tuple[int, str, Dict[str, Any]]
+Health = Tuple[int, Message, Dict[str, Any]]
+# Name of the value that holds the sentence's template and values.
+MESSAGE_JSON = "message_json"
 
 PERIOD_S = 1.0
 
@@ -29,8 +32,9 @@ class Diagnostics:
         self._periodic = Periodic(PERIOD_S, self._updater.force_update)
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
-        level, sentence, values = self._health()
-        status.summary(level, sentence)
+        level, message, values = self._health()
+        status.summary(level, str(message))
+        status.add(MESSAGE_JSON, message.to_json())
         for name, value in values.items():
             status.add(name, str(value))
         return status

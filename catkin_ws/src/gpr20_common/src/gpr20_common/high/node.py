@@ -72,7 +72,7 @@ def _refuse_second(name: str) -> None:
     except NodeSilentError:
         return  # there is none, or it has died and left its name behind
     sys.exit(
-        f"{name} cannot start: it runs already (process {process}); is the robot launched a "
-        "second time? End the first launch, or give this one a namespace of its own, such as "
+        f"{name} cannot start: it is already running (process {process}). If this is a second "
+        "launch of the robot, end the first one, or give this one its own namespace, such as "
         "ns:=robot2"
     )

@@ -7,6 +7,7 @@ from typing import Collection, Type, TypeVar
 import rospy
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 
 Record = TypeVar("Record")
@@ -31,6 +32,12 @@ def read_parameters(
     place = rospy.resolve_name(namespace).rstrip("/")
     values = rospy.get_param(place, {})
     if not isinstance(values, dict):
-        raise InvalidValueError(f"{place} must be a group of parameters, but is {values!r}")
+        raise InvalidValueError(
+            Message(
+                "{place} is {value}; it must be a group of parameters",
+                place=place,
+                value=repr(values),
+            )
+        )
     own = {name: value for name, value in values.items() if name not in others}
     return record_from(record_class, own, place)

@@ -14,7 +14,7 @@ STOP_LIMIT_S = 2.0
 class Periodic:
     """Calls a function at a fixed rate in a thread of its own.
 
-    It ends before the node's topics are closed. A `rospy.Timer` goes on a moment longer
+    It ends before the node's topics are closed. A `rospy.Timer` runs a moment longer
     and then publishes to a closed topic.
     """
 

@@ -9,6 +9,7 @@ from typing import Any, Set
 import rospy
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 
 # A node that is being started again offers its services within this time [s].
 START_LIMIT_S = 10.0
@@ -59,15 +60,23 @@ class ServiceClient:
         except queue.Empty:
             given_up.set()
             raise ServiceUnavailableError(
-                f"service {self._name} did not answer within {timeout_s:g} s; "
-                "check that its node runs and does not hang"
+                Message(
+                    "the service {service} did not answer within {limit_s:g} s; check that its "
+                    "node is running and not hung",
+                    service=self._name,
+                    limit_s=timeout_s,
+                )
             ) from None
         finally:
             with self._lock:
                 self._waiting.discard(given_up)
         if isinstance(answer, Exception):
             raise ServiceUnavailableError(
-                f"service {self._name} could not be called: {answer}; check that its node runs"
+                Message(
+                    "the service {service} could not be called; check that its node is running",
+                    service=self._name,
+                    details=answer,
+                )
             ) from answer
         return answer
 

@@ -11,7 +11,7 @@ def enable_line_buffering(stream: Optional[TextIO] = None) -> None:
     """Let a stream pass each line on when it ends.
 
     Python keeps back several kilobytes of what goes into a file, a pipe or the journal, and rospy
-    does not flush: the log of a node would lag by hours and end before the lines that tell why.
+    does not flush: the log of a node would lag by hours and end before the lines that say why.
 
     Args:
         stream: Standard output if None. One that is no buffered file needs nothing.

@@ -8,6 +8,7 @@ from typing import Any, Optional
 from xml.parsers.expat import ExpatError
 
 from gpr20_common.errors import NodeSilentError
+from gpr20_common.message import Message
 
 SUCCESS = 1
 # No connection, no HTTP, no XML, no XML-RPC, or not what ROS answers.
@@ -67,7 +68,9 @@ class NodeProbe:
             return int(self._ask(self._server_of_node.getPid(self._caller_id)))
         except NO_ANSWER as error:
             self._server_of_node = None
-            raise NodeSilentError(f"{self._node} does not answer: {error}") from error
+            raise NodeSilentError(
+                Message("{node} does not answer", node=self._node, details=error)
+            ) from error
 
     def _look_up(self) -> str:
         return str(self._ask(self._master.lookupNode(self._caller_id, self._node)))

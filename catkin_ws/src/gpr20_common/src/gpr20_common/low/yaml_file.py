@@ -8,6 +8,7 @@ from typing import Any, Union
 import yaml
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 
 # A scene, a recipe or a profile has some kilobytes; what is far larger is something else.
 MAX_BYTES = 1 << 20
@@ -36,14 +37,14 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
     with open(path, "rb") as stream:
         text = stream.read(max_bytes + 1)
     if len(text) > max_bytes:
-        raise YamlFileError(f"it is larger than {max_bytes} bytes")
+        raise YamlFileError(Message("it is larger than {limit} bytes", limit=max_bytes))
     try:
         _check_depth(text)
         return yaml.safe_load(text)
     except YamlFileError:
         raise
     except _REFUSED as error:
-        raise YamlFileError(f"it is not YAML: {error}") from error
+        raise YamlFileError(Message("it is not YAML", details=error)) from error
 
 
 def _check_depth(text: bytes) -> None:
@@ -53,6 +54,8 @@ def _check_depth(text: bytes) -> None:
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
             if depth > MAX_DEPTH:
-                raise YamlFileError(f"it is nested more than {MAX_DEPTH} levels deep")
+                raise YamlFileError(
+                    Message("it is nested more than {limit} levels deep", limit=MAX_DEPTH)
+                )
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1

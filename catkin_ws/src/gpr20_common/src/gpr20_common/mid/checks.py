@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Union
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 
 
-def number_between(name: str, value: float, lower: float, upper: float, unit: str = "") -> float:
+def number_between(
+    name: Union[str, Message], value: float, lower: float, upper: float, unit: str = ""
+) -> float:
     """Return the value if it lies within the bounds, both included.
 
     Args:
@@ -24,15 +28,19 @@ def number_between(name: str, value: float, lower: float, upper: float, unit: st
     number = _float_of(value)
     # Written so that NaN, which fails every comparison, is refused too.
     if not (math.isfinite(number) and lower <= value <= upper):
-        suffix = f" {unit}" if unit else ""
         raise InvalidValueError(
-            f"{name} is {number:.12g}{suffix}; it must lie between "
-            f"{lower:.12g} and {upper:.12g}{suffix}"
+            Message(
+                "{name} is {value}; it must lie between {lower} and {upper}",
+                name=name,
+                value=_with_unit(number, unit),
+                lower=f"{lower:.12g}",
+                upper=_with_unit(upper, unit),
+            )
         )
     return value
 
 
-def positive_number(name: str, value: float, unit: str = "") -> float:
+def positive_number(name: Union[str, Message], value: float, unit: str = "") -> float:
     """Return the value if it is finite and above zero.
 
     Raises:
@@ -40,9 +48,18 @@ def positive_number(name: str, value: float, unit: str = "") -> float:
     """
     number = _float_of(value)
     if not (math.isfinite(number) and number > 0.0):
-        suffix = f" {unit}" if unit else ""
-        raise InvalidValueError(f"{name} is {number:.12g}{suffix}; it must be more than zero")
+        raise InvalidValueError(
+            Message(
+                "{name} is {value}; it must be more than zero",
+                name=name,
+                value=_with_unit(number, unit),
+            )
+        )
     return value
+
+
+def _with_unit(number: float, unit: str) -> str:
+    return f"{number:.12g} {unit}".rstrip()
 
 
 def _float_of(value: float) -> float:
@@ -53,7 +70,7 @@ def _float_of(value: float) -> float:
         return math.inf if value > 0 else -math.inf
 
 
-def ipv4_address(name: str, address: str) -> str:
+def ipv4_address(name: Union[str, Message], address: str) -> str:
     """Return the address if it is four decimal numbers of 0 to 255.
 
     Raises:
@@ -64,6 +81,10 @@ def ipv4_address(name: str, address: str) -> str:
     plain = all(re.fullmatch("0|[1-9][0-9]{0,2}", part) for part in parts)
     if len(parts) != 4 or not plain or any(int(part) > 255 for part in parts):
         raise InvalidValueError(
-            f"{name} is '{address[:64]}'; it must be four numbers of 0 to 255, such as 192.168.1.10"
+            Message(
+                "{name} is '{address}'; it must be four numbers of 0 to 255, such as 192.168.1.10",
+                name=name,
+                address=address[:64],
+            )
         )
     return address

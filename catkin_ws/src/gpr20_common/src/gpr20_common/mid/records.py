@@ -9,6 +9,7 @@ import typing
 from typing import Any, Mapping, Optional, Type, TypeVar
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 
 Record = TypeVar("Record")
@@ -37,12 +38,20 @@ def record_from(
             out of bounds.
     """
     if not isinstance(values, Mapping):
-        raise InvalidValueError(f"{place} must be a group of values, but is {values!r}")
+        raise InvalidValueError(
+            Message(
+                "{place} is {value}; it must be a group of values", place=place, value=repr(values)
+            )
+        )
     fields = {one.name: one for one in dataclasses.fields(record_class)}  # type: ignore[arg-type]
     for name in values:
         if name not in fields:
             known = ", ".join(sorted(fields))
-            raise InvalidValueError(f"{place}/{name} is unknown; known are {known}")
+            raise InvalidValueError(
+                Message(
+                    "{place} is unknown; known are {known}", place=f"{place}/{name}", known=known
+                )
+            )
     hints = typing.get_type_hints(record_class)
     arguments = {}
     for name, field in fields.items():
@@ -51,7 +60,7 @@ def record_from(
         elif base is not None:
             arguments[name] = getattr(base, name)
         elif _is_required(field):
-            raise InvalidValueError(f"{place}/{name} is missing")
+            raise InvalidValueError(Message("{place} is missing", place=f"{place}/{name}"))
     return record_class(**arguments)
 
 
@@ -80,13 +89,22 @@ def _value(place: str, value: Any, hint: Any, field: dataclasses.Field) -> Any:
     if hint in (int, float):
         return _number(place, value, hint, field.metadata.get("bounds", UNBOUNDED))
     if not isinstance(value, hint):
-        raise InvalidValueError(f"{place} is {value!r}; it must be of type {hint.__name__}")
+        raise InvalidValueError(
+            Message(
+                "{place} is {value}; it must be of type {type}",
+                place=place,
+                value=repr(value),
+                type=hint.__name__,
+            )
+        )
     return value
 
 
 def _items(place: str, values: Any, hint: Any, field: dataclasses.Field) -> Any:
     if not isinstance(values, (list, tuple)):
-        raise InvalidValueError(f"{place} is {values!r}; it must be a list")
+        raise InvalidValueError(
+            Message("{place} is {value}; it must be a list", place=place, value=repr(values))
+        )
     if dataclasses.is_dataclass(hint):
         item_class = typing.cast(type, hint)
         return tuple(record_from(item_class, one, f"{place}[{i}]") for i, one in enumerate(values))
@@ -98,7 +116,14 @@ def _member(place: str, value: Any, enum_class: Type[enum.Enum]) -> enum.Enum:
         if member.value == value:
             return member
     allowed = ", ".join(str(member.value) for member in enum_class)
-    raise InvalidValueError(f"{place} is {value!r}; allowed are {allowed}")
+    raise InvalidValueError(
+        Message(
+            "{place} is {value}; it must be one of {allowed}",
+            place=place,
+            value=repr(value),
+            allowed=allowed,
+        )
+    )
 
 
 def _number(place: str, value: Any, kind: type, bounds: typing.Tuple[float, float]) -> Any:
@@ -106,12 +131,19 @@ def _number(place: str, value: Any, kind: type, bounds: typing.Tuple[float, floa
     accepted = (int,) if kind is int else (int, float)
     if isinstance(value, bool) or not isinstance(value, accepted):
         raise InvalidValueError(
-            f"{place} is {value!r}; it must be a number of type {kind.__name__}"
+            Message(
+                "{place} is {value}; it must be a number of type {type}",
+                place=place,
+                value=repr(value),
+                type=kind.__name__,
+            )
         )
     try:
         number = kind(value)
     except OverflowError:
-        raise InvalidValueError(f"{place} has too many digits for a number of type float") from None
+        raise InvalidValueError(
+            Message("{place} has too many digits for a number of type float", place=place)
+        ) from None
     if bounds is not UNBOUNDED:
         number_between(place, value, *bounds)
     return number

@@ -9,11 +9,13 @@ import rospy
 from sensor_msgs.msg import Range
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.ros_time import ros_time
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
@@ -27,13 +29,13 @@ class HeightNode:
     def __init__(self, driver: HeightDriver, hardware_id: str) -> None:
         self._driver = driver
         self._height: Optional[HeightMeasurement] = None
-        self._last_error = ""
+        self._last_error: Optional[Message] = None
         self._publisher = rospy.Publisher("measured_height", Range, queue_size=10)
         self._service = advertise("get_height", GetHeight, self._get_height)
         self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
-        # Ends the measurement under way, for whose end `Periodic` waits next.
+        # Ends the measurement under way; `Periodic` then waits for its end.
         rospy.on_shutdown(driver.shut_down)
-        # Measures beside the service: both only share the bus, for one reading at a time.
+        # Measures in parallel with the service: they share only the bus, one reading at a time.
         self._periodic = Periodic(1.0 / driver.parameters.publish_rate_hz, self._publish_height)
 
     def _get_height(self, _request: GetHeightRequest) -> GetHeightResponse:
@@ -43,7 +45,10 @@ class HeightNode:
             rospy.logwarn("get_height refused: %s", error)
             # NaN, because a zero could be taken for a height.
             return GetHeightResponse(
-                success=False, message=error.message, height_m=math.nan, spread_m=math.nan
+                success=False,
+                height_m=math.nan,
+                spread_m=math.nan,
+                **message_fields(error.message),
             )
         return GetHeightResponse(
             success=True,
@@ -55,7 +60,7 @@ class HeightNode:
 
     def _publish_height(self) -> None:
         try:
-            self._height, self._last_error = self._driver.take_measurement(), ""
+            self._height, self._last_error = self._driver.take_measurement(), None
         except HeightStoppedError:
             return
         except HeightError as error:
@@ -71,7 +76,7 @@ class HeightNode:
         message.field_of_view = parameters.field_of_view_rad
         message.min_range = parameters.min_distance_m + parameters.height_offset_m
         message.max_range = parameters.max_distance_m + parameters.height_offset_m
-        # NaN says that there is no valid height now; the diagnostics say why.
+        # NaN means that there is no valid height now; the diagnostics report the reason.
         message.range = measured.height_m if measured else math.nan
         self._publisher.publish(message)
 
@@ -80,23 +85,23 @@ class HeightNode:
         values = {
             "height [m]": f"{height.height_m:.4f}" if height else "none",
             "spread [m]": f"{height.spread_m:.4f}" if height else "none",
-            "last error": last_error,
+            "last error": last_error or "",
         }
         if last_error:
             return diagnostics.ERROR, last_error, values
         if height is None:
-            return diagnostics.WARN, "no height measured yet", values
-        return diagnostics.OK, f"height {height.height_m:.3f} m", values
+            return diagnostics.WARN, Message("no height measured yet"), values
+        return diagnostics.OK, Message("height {height_m:.3f} m", height_m=height.height_m), values
 
 
 def build_height_node(
     parameters: HeightParameters, spi: SpiBus, clock: Clock, hardware_id: str
 ) -> HeightNode:
-    """Build the node from the bottom up.
+    """Build the node and everything below it.
 
     Args:
         parameters: Parameters of the sensor.
-        spi: The bus on which the converter is.
+        spi: The bus of the converter.
         clock: Spaces the readings.
         hardware_id: What the diagnostics call the hardware.
 

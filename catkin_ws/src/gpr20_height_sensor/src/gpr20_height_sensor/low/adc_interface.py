@@ -5,7 +5,9 @@ from __future__ import annotations
 import threading
 from typing import List, Protocol
 
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.errors import SpiError
 
 CHANNELS = 8
@@ -26,7 +28,7 @@ class SpiBus(Protocol):
         """Exchange bytes while the chip stays selected; return as many as were sent."""
 
     def close(self) -> None:
-        """Give the bus back."""
+        """Release the bus."""
 
 
 class AdcInterface:
@@ -38,34 +40,47 @@ class AdcInterface:
         Raises:
             InvalidValueError: There is no such channel.
         """
-        number_between("channel of the converter", channel, 0, CHANNELS - 1)
+        number_between(Message("the channel of the converter"), channel, 0, CHANNELS - 1)
         self._spi = spi
         self._request = [START, (SINGLE_ENDED | channel) << 4, 0]
-        # Held for one exchange of three bytes only, so that no reader waits for another's samples.
+        # Held only for one exchange of three bytes, so that no reader waits for another's samples.
         self._lock = threading.Lock()
 
     def read_code(self) -> int:
         """Return one conversion made now, 0..1023.
 
         Raises:
-            SpiError: The bus failed, or what answered is not a converter.
+            SpiError: The bus failed, or no converter answered.
         """
         try:
             with self._lock:
-                # A copy, because spidev writes into the list it is given.
+                # A copy, because spidev changes the list.
                 reply = self._spi.xfer2(list(self._request))
         except OSError as error:
-            raise SpiError(f"the SPI bus failed: {error}; check the wiring") from error
+            raise SpiError(
+                Message(
+                    "the bus of the height sensor's converter failed; check its wiring",
+                    details=f"SPI: {error}",
+                )
+            ) from error
         if len(reply) != len(self._request) or any(not 0 <= byte <= 0xFF for byte in reply):
-            raise SpiError(f"the SPI bus gave {reply!r}; three bytes were expected")
+            raise SpiError(
+                Message(
+                    "the height sensor's converter gave an invalid answer; check its wiring",
+                    details=f"SPI: {reply!r} instead of three bytes",
+                )
+            )
         if reply[1] & NULL_BIT:
             raise SpiError(
-                f"no MCP3008 answers on the SPI bus (it gave {reply!r}); check wiring and supply"
+                Message(
+                    "the height sensor's converter does not answer; check its wiring and supply",
+                    details=f"SPI: no MCP3008 answers {reply!r}",
+                )
             )
         return (reply[1] & RESULT_HIGH_BITS) << 8 | reply[2]
 
     def close(self) -> None:
-        """Give the bus back."""
+        """Release the bus."""
         with self._lock:
             self._spi.close()
 
@@ -82,12 +97,15 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
         SpiError: The library spidev is missing, or the bus cannot be opened.
     """
     try:
-        # Only here, because the library exists and works on the robot alone.
+        # Only here, because the library exists and works only on the robot.
         import spidev
     except ImportError as error:
         raise SpiError(
-            f"the SPI bus cannot be used: {error}; on the robot run scripts/setup.sh --robot, "
-            "elsewhere launch with robot:=simulated"
+            Message(
+                "this computer has no usable SPI bus; on the robot run scripts/setup.sh --robot, "
+                "elsewhere launch with robot:=simulated",
+                details=error,
+            )
         ) from error
     device_file = f"/dev/spidev{bus}.{device}"
     spi = spidev.SpiDev()
@@ -98,7 +116,11 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
     except OSError as error:
         spi.close()
         raise SpiError(
-            f"{device_file} cannot be opened: {error}; enable SPI on the robot's computer and "
-            "let this user read and write the file"
+            Message(
+                "the SPI bus {device_file} cannot be opened: {reason}; enable SPI on the robot's "
+                "computer and allow this user to read and write the file",
+                device_file=device_file,
+                reason=os_reason(error),
+            )
         ) from error
     return spi

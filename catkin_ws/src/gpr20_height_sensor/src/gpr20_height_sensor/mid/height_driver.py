@@ -9,6 +9,7 @@ from typing import Callable, List
 import numpy as np
 
 from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.message import Message
 from gpr20_height_sensor.errors import (
     HeightStoppedError,
     SensorNoiseError,
@@ -20,18 +21,23 @@ from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
 # Makes the median absolute deviation of normally distributed readings their standard deviation.
 NORMAL_MAD_SCALE = 1.4826
-# What the sensor shows now was measured in the period before the last one at the earliest.
+# The sensor's present value was measured in the period before the last one at the earliest.
 PERIODS_UNTIL_FRESH = 2
+# What a reading at one end of the converter's scale means.
+RAILS = {
+    0: Message("the sensor is off or unplugged"),
+    LARGEST_CODE: Message("short circuit"),
+}
 
 
 @dataclass(frozen=True)
 class HeightMeasurement:
-    """A height and how well it is known.
+    """A height and its uncertainty.
 
     Attributes:
         height_m: Antenna above ground [m].
         spread_m: Scaled median absolute deviation of the readings [m].
-        samples: How many readings it rests on.
+        samples: Number of readings it is computed from.
         measured_us: When the last reading was taken [microseconds since 1970, UTC].
     """
 
@@ -42,7 +48,7 @@ class HeightMeasurement:
 
 
 class HeightDriver:
-    """Takes fresh readings and makes a robust height of them, or says why it cannot.
+    """Computes a robust height from fresh readings, or raises an error with the reason.
 
     Several measurements may run at the same time; none waits for another.
     """
@@ -60,7 +66,7 @@ class HeightDriver:
             adc: The converter.
             parameters: The sensor and the estimate.
             clock: Spaces the readings.
-            now_us: Gives the time [microseconds since 1970, UTC].
+            now_us: Returns the time [microseconds since 1970, UTC].
         """
         self._adc = adc
         self._parameters = parameters
@@ -109,7 +115,7 @@ class HeightDriver:
         return HeightMeasurement(height_m, spread_m, len(codes), measured_us)
 
     def shut_down(self) -> None:
-        """End the measurements that run, refuse others, and give the bus back."""
+        """End all measurements, refuse new ones, and release the bus."""
         self._stop.set()
         self._adc.close()
 
@@ -119,46 +125,67 @@ class HeightDriver:
         codes = []
         for _ in range(self._parameters.samples):
             if self._clock.wait_s(self._stop, max(0.0, next_s - self._clock.now_s())):
-                raise HeightStoppedError("the height sensor's node is being shut down")
+                raise HeightStoppedError(Message("the height sensor is shutting down"))
             codes.append(self.take_sample())
-            # From now, not from the plan: a reading that came late must not be followed by
-            # one of the same period of the sensor.
+            # From now, not from the schedule: after a late reading, the next one must not fall
+            # into the same period of the sensor.
             next_s = self._clock.now_s() + period_s
         return codes
 
     def _check_not_stuck(self, codes: np.ndarray) -> None:
-        for rail, cause in ((0, "the sensor is off or unplugged"), (LARGEST_CODE, "short circuit")):
+        for rail, cause in RAILS.items():
             at_rail = int(np.count_nonzero(codes == rail))
             if 2 * at_rail >= len(codes):
                 raise SensorStuckError(
-                    f"the height sensor is stuck: {at_rail} of {len(codes)} readings are {rail}, "
-                    f"the end of the converter's scale ({cause}); check its plug and supply"
+                    Message(
+                        "the height sensor is stuck: {stuck} of {readings} readings are {rail}, "
+                        "the end of the converter's scale ({cause}); check its plug and supply",
+                        stuck=at_rail,
+                        readings=len(codes),
+                        rail=rail,
+                        cause=cause,
+                    )
                 )
 
     def _check_in_range(self, distance_m: float) -> None:
         nearest_m, farthest_m = self._parameters.min_distance_m, self._parameters.max_distance_m
         if not nearest_m <= distance_m <= farthest_m:
             raise SensorRangeError(
-                f"the height sensor reads {distance_m:.3f} m; it measures from "
-                f"{nearest_m:g} to {farthest_m:g} m; check that it sees the ground and how high "
-                "the antennas hang"
+                Message(
+                    "the height sensor reads {distance} m; it measures from {nearest_m:g} to "
+                    "{farthest_m:g} m; check the height of the antennas and that the sensor sees "
+                    "the ground",
+                    # It can be infinite, which JSON does not know.
+                    distance=f"{distance_m:.3f}",
+                    nearest_m=nearest_m,
+                    farthest_m=farthest_m,
+                )
             )
 
     def _check_not_frozen(self) -> None:
-        # One measurement cannot tell a dead sensor from a still one; the noise of many can.
+        # One measurement cannot distinguish a dead sensor from a still one; the noise of many can.
         limit, count = self._parameters.frozen_readings, self._equal_readings
         if 0 < limit <= count:
             raise SensorStuckError(
-                f"the height sensor is stuck: its last {count} readings are the very same, "
-                "without any noise; hold a hand under it: if that ends this, it works, and "
-                "frozen_readings may be larger, or 0 for no such check; if not, replace it"
+                Message(
+                    "the height sensor is stuck: its last {readings} readings are identical; test: "
+                    "put a hand under the sensor; if the value changes, raise frozen_readings (0 "
+                    "switches this check off); if not, replace the sensor",
+                    readings=count,
+                )
             )
 
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:
         limit_m = self._parameters.max_spread_m
         if spread_m > limit_m:
             raise SensorNoiseError(
-                f"the height readings scatter by {spread_m:.4f} m (from {distances_m.min():.3f} to "
-                f"{distances_m.max():.3f} m); at most {limit_m:g} m is allowed; check the sensor's "
-                "supply and that the antennas stand still"
+                Message(
+                    "the height readings scatter by {spread} m (from {lowest} to {highest} m); at "
+                    "most {limit_m:g} m is allowed; check the sensor's supply and that the "
+                    "antennas do not move",
+                    spread=f"{spread_m:.4f}",
+                    lowest=f"{distances_m.min():.3f}",
+                    highest=f"{distances_m.max():.3f}",
+                    limit_m=limit_m,
+                )
             )

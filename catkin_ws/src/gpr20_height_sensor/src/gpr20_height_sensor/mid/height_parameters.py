@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_height_sensor.low.adc_interface import CHANNELS
 
@@ -25,8 +26,8 @@ class HeightParameters:
     A GP2Y0A21YK0F gives distance = scale * (voltage / 1 V) ** -exponent. Sharp's data sheet
     E4-A00201EN gives as typical values 0.4 V at 0.80 m and 1.9 V more at 0.10 m, so 2.3 V there.
     The defaults are the power law through these two points: exponent = ln(0.80 / 0.10) /
-    ln(2.3 / 0.4) = 1.188796, scale = 0.80 * 0.4 ** exponent. Single sensors differ (0.25 to
-    0.55 V at 0.80 m): measure two heights with the robot's own and set both parameters.
+    ln(2.3 / 0.4) = 1.188796, scale = 0.80 * 0.4 ** exponent. Individual sensors differ (0.25
+    to 0.55 V at 0.80 m): measure two heights with the robot's sensor and set both parameters.
 
     Attributes:
         spi_bus: Number of the SPI bus.
@@ -42,13 +43,13 @@ class HeightParameters:
         height_offset_m: Height of the antennas above the sensor [m], negative if they hang
             lower; added to the distance.
         samples: Readings per height.
-        update_period_s: Longest time the sensor takes for a new value [s]; the data sheet
-            says 38.3 ms with 9.6 ms more or less.
+        update_period_s: Longest time the sensor takes for a new value [s]; 38.3 ms plus or
+            minus 9.6 ms according to the data sheet.
         max_spread_m: Largest scaled median absolute deviation of the readings [m]; about two
             steps of the converter at 0.8 m, where one is 5 mm (it is 0.4 mm at 0.2 m).
-        frozen_readings: So many readings in a row with the very same code are a sensor that
-            is stuck; 0: never. Noise of one converter step alone makes 600 equal readings,
-            a minute of the published ones, impossible.
+        frozen_readings: This many readings in a row with the same code mean that the sensor
+            is stuck; 0 switches the check off. Noise of one converter step is enough to make
+            600 equal readings, a minute of the published ones, impossible.
         publish_rate_hz: Heights published per second [1/s].
         frame_id: Frame of the sensor in the published message.
         field_of_view_rad: Opening of the sensor's beam in the published message [rad]; for
@@ -86,8 +87,15 @@ class HeightParameters:
         number_between("max_distance_m", self.max_distance_m, 0.001, LONGEST_M, "m")
         if not self.min_distance_m < self.max_distance_m:
             raise InvalidValueError(
-                f"min_distance_m is {self.min_distance_m:g} m; it must be less than "
-                f"max_distance_m, which is {self.max_distance_m:g} m"
+                Message(
+                    "{name} is {value:.12g} {unit}; it must be below {upper_name}, which is "
+                    "{upper:.12g} {unit}",
+                    name="min_distance_m",
+                    value=self.min_distance_m,
+                    upper_name="max_distance_m",
+                    upper=self.max_distance_m,
+                    unit="m",
+                )
             )
         number_between("height_offset_m", self.height_offset_m, -2.0, 2.0, "m")
         # With fewer than three readings a single bad one decides.
@@ -97,8 +105,12 @@ class HeightParameters:
         number_between("frozen_readings", self.frozen_readings, 0, 1_000_000)
         if 0 < self.frozen_readings < FEWEST_FROZEN:
             raise InvalidValueError(
-                f"frozen_readings is {self.frozen_readings}; it must be 0 for no check, or at "
-                f"least {FEWEST_FROZEN}, because a few readings are equal by chance"
+                Message(
+                    "frozen_readings is {readings}; it must be 0 (no check) or at least {least}, "
+                    "because a few readings are equal by chance",
+                    readings=self.frozen_readings,
+                    least=FEWEST_FROZEN,
+                )
             )
         number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
         number_between("field_of_view_rad", self.field_of_view_rad, 0.0, math.pi, "rad")

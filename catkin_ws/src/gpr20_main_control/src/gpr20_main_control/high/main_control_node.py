@@ -7,25 +7,29 @@ from typing import Any
 
 import rosgraph
 import rospy
-from std_srvs.srv import Trigger, TriggerResponse
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high import diagnostics
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_main_control.high.node_names import plain_names
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_liveness import ANSWER_LIMIT_S, NodeLiveness
+from gpr20_main_control.mid.node_liveness import ANSWER_LIMIT_S, NodeLiveness, WatchedNode
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
+    Command,
+    CommandResponse,
     ResumeSurvey,
     ResumeSurveyResponse,
     SetSurveyParameters,
@@ -42,22 +46,14 @@ from gpr20_survey.plan.survey_state import SurveyState
 
 COORDINATE_RATE_HZ = 10.0
 PROGRESS_RATE_HZ = 2.0
-# The axes' own drivers read the same group of parameters; these belong to their nodes.
+# The axis drivers read the same group of parameters; these are for the drivers alone.
 OTHER_AXIS_PARAMETERS = ("scene", "time_scale")
 SHUTDOWN_LIMIT_S = 10.0
-# The nodes without which there is no survey, by their names relative to the robot's namespace.
-NODES = (
-    *(f"{axis_id.value}_axis/axis_driver" for axis_id in AxisId),
-    "height_sensor",
-    "vna_acquisition",
-    "vna_processing",
-)
-SIMULATOR = "simulator"
 
 
 @dataclass(frozen=True)
 class TimeLimits:
-    """How long the control waits for the answers of other nodes [s]."""
+    """How long the main control waits for the answers of other nodes [s]."""
 
     analyzer_limit_s: float = 90.0
     height_limit_s: float = 10.0
@@ -80,11 +76,11 @@ class MainControlNode:
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
-            advertise("pause_survey", Trigger, self._pause),
-            advertise("stop_survey", Trigger, self._stop),
+            advertise("pause_survey", Command, self._pause),
+            advertise("stop_survey", Command, self._stop),
             advertise("resume_survey", ResumeSurvey, self._resume),
         ]
-        # Now: who hears of a control asks it something.
+        # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         self._periodics = [
             Periodic(1.0 / COORDINATE_RATE_HZ, lambda: topics.publish_current(robot)),
@@ -104,23 +100,25 @@ class MainControlNode:
         plan = self._control.set_parameters(SurveyParameters(**values))
         return SetSurveyParametersResponse(
             success=True,
-            message="accepted",
             total_points=plan.total_points,
             estimated_time=rospy.Duration.from_sec(plan.duration_s),
+            **message_fields(Message("Parameters accepted")),
         )
 
     def _start(self, _request: Any) -> StartSurveyResponse:
         survey_id = self._control.start()
-        return StartSurveyResponse(True, "started", survey_id)
+        started = message_fields(Message("Survey started"))
+        return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 
-    def _stop(self, _request: Any) -> TriggerResponse:
-        return TriggerResponse(True, self._control.stop())
+    def _stop(self, _request: Any) -> CommandResponse:
+        return CommandResponse(success=True, **message_fields(self._control.stop()))
 
-    def _pause(self, _request: Any) -> TriggerResponse:
-        return TriggerResponse(True, self._control.pause())
+    def _pause(self, _request: Any) -> CommandResponse:
+        return CommandResponse(success=True, **message_fields(self._control.pause()))
 
     def _resume(self, request: Any) -> ResumeSurveyResponse:
-        return ResumeSurveyResponse(True, self._control.resume(request.survey))
+        resuming = self._control.resume(request.survey)
+        return ResumeSurveyResponse(success=True, **message_fields(resuming))
 
     def _health(self) -> diagnostics.Health:
         status = self._status.status
@@ -132,13 +130,13 @@ class MainControlNode:
         level = diagnostics.OK
         if status.state is SurveyState.FAILED:
             level = diagnostics.ERROR
-        elif status.state is SurveyState.PAUSED or status.missing:
+        elif status.state is SurveyState.PAUSED or status.missing is not None:
             level = diagnostics.WARN
-        return level, status.text, values
+        return level, status.full_message, values
 
 
 def build_main_control_node() -> MainControlNode:
-    """Read the parameters and build the control from the bottom up.
+    """Read the parameters and build the main control from the bottom up.
 
     Raises:
         Gpr20Error: A parameter is not allowed.
@@ -154,7 +152,7 @@ def build_main_control_node() -> MainControlNode:
     topics = SurveyTopics(config.simulated)
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
     robot = Robot(
-        axes={axis_id: RosAxis(f"{axis_id.value}_axis", clock) for axis_id in AxisId},
+        axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
         analyzer=RosAnalyzer(limits.analyzer_limit_s),
         height_sensor=RosHeightSensor(limits.height_limit_s),
         storage=RosStorage(limits.storage_limit_s),
@@ -166,11 +164,12 @@ def build_main_control_node() -> MainControlNode:
 
 def _nodes(simulated: bool, clock: Clock, status: SurveyStatus) -> NodeLiveness:
     master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
-    probes = {
-        name: NodeProbe(master_uri, own_name, rospy.resolve_name(name), ANSWER_LIMIT_S).process
-        for name in NODES + ((SIMULATOR,) if simulated else ())
-    }
-    return NodeLiveness(probes, clock, status.set_missing)
+    nodes = {}
+    for name, plain_name in plain_names(simulated).items():
+        full_name = rospy.resolve_name(name)
+        probe = NodeProbe(master_uri, own_name, full_name, ANSWER_LIMIT_S)
+        nodes[name] = WatchedNode(plain_name, probe.process)
+    return NodeLiveness(nodes, clock, status.set_missing)
 
 
 def _simulated() -> bool:
@@ -178,8 +177,12 @@ def _simulated() -> bool:
     if not isinstance(simulated, bool):
         place = rospy.resolve_name("simulated")
         raise InvalidValueError(
-            f"parameter {place} is {simulated!r}; it must be true or false, as the launch files "
-            "set it: recordings say by it whether they show real ground"
+            Message(
+                "parameter {place} is {value}; it must be true or false, as the launch files set "
+                "it, because recordings state whether they show real ground",
+                place=place,
+                value=repr(simulated),
+            )
         )
     return simulated
 

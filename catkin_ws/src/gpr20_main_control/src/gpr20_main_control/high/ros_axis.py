@@ -8,14 +8,18 @@ from typing import List, Optional, Set
 
 import actionlib
 import rospy
-from std_srvs.srv import Trigger
 
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.high.node_names import axis_driver
 from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
+from gpr20_msgs.srv import Command
+from gpr20_survey.axes.axis_id import AxisId
 
 SERVER_LIMIT_S = 2.0
 STOP_LIMIT_S = 1.0
@@ -26,53 +30,53 @@ DRIVER = "axis_driver"
 class RosAxis:
     """Action, topic and services of one axis; implements `gpr20_main_control.mid.robot.Axis`."""
 
-    def __init__(self, group: str, clock: Clock) -> None:
-        """Connect to the axis whose names begin with `group`, such as x_axis.
+    def __init__(self, axis_id: AxisId, clock: Clock) -> None:
+        """Connect to the axis in its namespace, such as x_axis.
 
         Args:
-            group: Namespace of the axis.
-            clock: Tells how old a reading is; the time of day may be set meanwhile.
+            axis_id: Which axis.
+            clock: Measures the age of a reading; the time of day may be set meanwhile.
         """
+        group = f"{axis_id.value}_axis"
         self._group = group
+        self._plain_name = axis_driver(axis_id)
         self._clock = clock
         self._driver = rospy.resolve_name(f"{group}/{DRIVER}")
-        self._strangers: Set[str] = set()
+        self._ignored: Set[str] = set()
         self._lock = threading.Lock()
         self._last: Optional[CurrentCoordinate] = None
-        self._heard_s = 0.0
+        self._received_s = 0.0
         self._outcomes: queue.Queue = queue.Queue()
-        # Not a SimpleActionClient: that one drops whatever it hears of a goal before
-        # send_goal() has returned, so the result of a very short move could be lost.
+        # Not a SimpleActionClient: it drops what it receives about a goal before send_goal()
+        # has returned, so the result of a very short move could be lost.
         self._client = actionlib.ActionClient(f"{group}/axis", AxisAction)
         self._goal: Optional[actionlib.ClientGoalHandle] = None
-        self._homing = ServiceClient(f"{group}/homing", Trigger)
-        self._stop = ServiceClient(f"{group}/stop", Trigger)
+        self._homing = ServiceClient(f"{group}/homing", Command)
+        self._stop = ServiceClient(f"{group}/stop", Command)
         self._stops: List[threading.Thread] = []
         self._subscriber = rospy.Subscriber(
-            f"{group}/current_coord", CurrentCoordinate, self._hear, queue_size=10
+            f"{group}/current_coord", CurrentCoordinate, self._note, queue_size=10
         )
 
     def reading(self) -> Optional[AxisReading]:
-        """Return what the axis last said of itself; None if it never did."""
+        """Return the last reading of the axis; None before the first."""
         with self._lock:
-            last, heard_s = self._last, self._heard_s
+            last, received_s = self._last, self._received_s
         if last is None:
             return None
         # Age by this machine's clock: the two machines' clocks may differ.
-        age_s = self._clock.now_s() - heard_s
+        age_s = self._clock.now_s() - received_s
         return AxisReading(last.coordinate, last.homed, last.moving, age_s)
 
     def begin_move(self, target: float) -> None:
-        """Send the axis to a target [mm or deg] and return at once.
+        """Begin a move to a target [mm or deg] and return at once.
 
         Raises:
-            DeviceError: The axis's node is not there.
+            DeviceError: The axis driver does not answer.
         """
         self._await_stops()
         if not self._client.wait_for_server(rospy.Duration(SERVER_LIMIT_S)):
-            raise DeviceError(
-                f"{self._group} does not answer; check that its axis_driver node runs"
-            )
+            raise DeviceError(self._no_answer(f"{self._driver} offers no action server"))
         outcomes: queue.Queue = queue.Queue()
 
         def note(goal: actionlib.ClientGoalHandle) -> None:
@@ -80,11 +84,11 @@ class RosAxis:
                 outcomes.put(_outcome(goal))
 
         self._outcomes = outcomes
-        # Kept, because a goal whose handle is gone is no longer followed.
+        # Stored, because a goal whose handle is deleted is no longer followed.
         self._goal = self._client.send_goal(AxisGoal(target_coordinate=target), note)
 
     def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        """Wait up to `wait_s` [s] for the end of the move; None while it goes on."""
+        """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
         try:
             return self._outcomes.get(timeout=wait_s)
         except queue.Empty:
@@ -100,21 +104,26 @@ class RosAxis:
         try:
             response = self._homing.call(time_limit_s)
         except ServiceUnavailableError as error:
-            raise DeviceError(str(error)) from error
+            raise DeviceError(self._no_answer(error)) from error
         if not response.success:
-            raise DeviceError(response.message)
+            raise DeviceError(message_from(response))
 
     def stop(self) -> None:
         """End any motion; returns at once."""
-        # A homing that waits for a node which is away must not begin when it is back.
+        # A homing that waits for a lost node must not begin when the node is back.
         self._homing.give_up()
         thread = threading.Thread(target=self._stop_now, daemon=True)
         with self._lock:
             thread.start()
             self._stops = [*filter(threading.Thread.is_alive, self._stops), thread]
 
+    def _no_answer(self, details: object) -> Message:
+        return Message(
+            "{device} did not answer; check that it runs", device=self._plain_name, details=details
+        )
+
     def _await_stops(self) -> None:
-        """Return when no stop is on its way: a late one would end what begins now."""
+        """Return when no stop is pending: a late one would end the motion that begins now."""
         with self._lock:
             stops = self._stops
         for one in stops:
@@ -124,28 +133,28 @@ class RosAxis:
         try:
             self._stop.call(STOP_LIMIT_S)
         except ServiceUnavailableError as error:
-            # A node that is gone moves nothing; if it lives, this must be seen.
+            # A lost node moves nothing; if it still runs, this must be visible.
             rospy.logerr("%s could not be stopped: %s", self._group, error)
 
-    def _hear(self, message: CurrentCoordinate) -> None:
-        # A recording that is played beside the robot says where another robot stood: a trace
-        # could be taken for one from there.
-        speaker = connection_header(message)["callerid"]
-        if speaker != self._driver:
-            self._ignore(speaker)
+    def _note(self, message: CurrentCoordinate) -> None:
+        # A recording that is played beside the robot publishes positions of another robot; a
+        # trace could be stored with one of them.
+        publisher = connection_header(message)["callerid"]
+        if publisher != self._driver:
+            self._ignore(publisher)
             return
         with self._lock:
             self._last = message
-            self._heard_s = self._clock.now_s()
+            self._received_s = self._clock.now_s()
 
-    def _ignore(self, speaker: str) -> None:
-        if speaker in self._strangers:
+    def _ignore(self, publisher: str) -> None:
+        if publisher in self._ignored:
             return
-        self._strangers.add(speaker)
+        self._ignored.add(publisher)
         rospy.logerr(
-            "%s publishes coordinates of %s beside %s; they are ignored: end it, a recording "
-            "must be played on a master of its own",
-            speaker,
+            "%s publishes coordinates of %s beside %s; they are ignored: end it, and play "
+            "recordings on a ROS master of their own",
+            publisher,
             self._group,
             self._driver,
         )
@@ -155,6 +164,7 @@ def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
     result: Optional[AxisResult] = goal.get_result()
     text = goal.get_goal_status_text()
     if result is None:
-        return MoveOutcome(False, text or "it ended without a result")
-    # The result of a goal that actionlib itself refused says nothing.
-    return MoveOutcome(result.success, result.message or text)
+        no_result = Message("the move ended without a result", details=text)
+        return MoveOutcome(False, no_result)
+    # The result of a goal that actionlib itself refused has no message.
+    return MoveOutcome(result.success, message_from(result) if result.message else verbatim(text))

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.high.node_names import HEIGHT_SENSOR, STORAGE, VNA_DRIVER
 from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -31,15 +34,24 @@ from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
-# Opening again and closing read every file of a survey, and so does opening a survey when
-# another is to be closed [s].
+# Reopening and closing read every file of a survey; opening a survey closes another one that is
+# still open [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
 
 
 class DeviceService:
-    """A service whose failures are the device's failures."""
+    """A service of a device; its failures are raised as failures of the device."""
 
-    def __init__(self, name: str, service_class: Any, time_limit_s: float) -> None:
+    def __init__(self, device: Message, name: str, service_class: Any, time_limit_s: float) -> None:
+        """Make a client of the service.
+
+        Args:
+            device: What operators call the device.
+            name: Relative name of the service.
+            service_class: Generated class.
+            time_limit_s: Time limit of a call [s].
+        """
+        self._device = device
         self._client = ServiceClient(name, service_class)
         self._time_limit_s = time_limit_s
 
@@ -56,9 +68,17 @@ class DeviceService:
         try:
             response = self._client.call(self._time_limit_s, *request, **fields)
         except ServiceUnavailableError as error:
-            raise DeviceError(str(error)) from error
+            raise DeviceError(
+                Message(
+                    "{device} did not answer; check that it runs",
+                    device=self._device,
+                    details=error,
+                )
+            ) from error
         if not response.success:
-            raise DeviceError(f"{self._client.name}: {response.message}")
+            raise DeviceError(
+                Message("{reason}", reason=message_from(response), details=self._client.name)
+            )
         return response
 
 
@@ -66,21 +86,24 @@ class RosAnalyzer:
     """Implements `gpr20_main_control.mid.robot.Analyzer`."""
 
     def __init__(self, limit_s: float) -> None:
-        self._connection = DeviceService("connection", Connection, limit_s)
-        self._setup = DeviceService("freq_sweep_setup", FreqSweepSetup, limit_s)
-        self._frequencies = DeviceService("get_freq", GetFreq, limit_s)
-        self._calibration = DeviceService("get_calibration_status", GetCalibrationStatus, limit_s)
-        self._data = DeviceService("get_data", GetData, limit_s)
+        def service(name: str, service_class: Any) -> DeviceService:
+            return DeviceService(VNA_DRIVER, name, service_class, limit_s)
+
+        self._connection = service("connection", Connection)
+        self._setup = service("freq_sweep_setup", FreqSweepSetup)
+        self._frequencies = service("get_freq", GetFreq)
+        self._calibration = service("get_calibration_status", GetCalibrationStatus)
+        self._data = service("get_data", GetData)
 
     def connect(self, address: str) -> str:
-        """Connect, or connect again, and return the instrument's identity."""
+        """Connect or reconnect, and return the instrument's identity."""
         return str(self._connection(connect=True, address=address).identity)
 
     def calibration(self) -> CalibrationStatus:
-        """Return the state of the calibration, or refuse one that is not accepted."""
+        """Return the state of the calibration; raise if it is not accepted."""
         answer = self._calibration()
         if not answer.accepted:
-            raise DeviceError(answer.message)
+            raise DeviceError(message_from(answer))
         return CalibrationStatus(answer.status)
 
     def configure(self, settings: SweepSettings) -> SweepSettings:
@@ -99,7 +122,7 @@ class RosAnalyzer:
         return np.array(self._frequencies().frequency_hz)
 
     def sweep(self) -> Sweep:
-        """Take one sweep that starts now, checked, and repeated where it failed."""
+        """Take one sweep that starts now; the driver checks it and repeats a failed one."""
         data = self._data()
         return Sweep(
             frequency_hz=np.array(data.frequency_hz),
@@ -115,7 +138,7 @@ class RosHeightSensor:
     """Implements `gpr20_main_control.mid.robot.HeightSensor`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._measure = DeviceService("get_height", GetHeight, time_limit_s)
+        self._measure = DeviceService(HEIGHT_SENSOR, "get_height", GetHeight, time_limit_s)
 
     def height_m(self) -> float:
         """Measure the height of the antennas above the ground [m] now."""
@@ -126,14 +149,17 @@ class RosStorage:
     """Implements `gpr20_main_control.mid.robot.Storage`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._open = DeviceService("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._reopen = DeviceService("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._report = DeviceService("report_survey", ReportSurvey, time_limit_s)
-        self._store = DeviceService("store_data", StoreData, time_limit_s)
-        self._close = DeviceService("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
+        def service(name: str, service_class: Any, limit_s: float) -> DeviceService:
+            return DeviceService(STORAGE, name, service_class, limit_s)
+
+        self._open = service("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._reopen = service("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._report = service("report_survey", ReportSurvey, time_limit_s)
+        self._store = service("store_data", StoreData, time_limit_s)
+        self._close = service("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> OpenedSurvey:
-        """Begin a survey; one that is still open is closed as interrupted."""
+        """Begin a survey; another one that is still open is closed as interrupted."""
         response = self._open(
             survey_id=record.survey_id,
             started=ros_time(record.started_us),
@@ -144,7 +170,7 @@ class RosStorage:
         return OpenedSurvey(str(response.path), str(response.interrupted))
 
     def reopen(self, survey: str) -> ReopenedSurvey:
-        """Open a survey again, by its id or folder; another that is open is interrupted."""
+        """Reopen a survey by its id or folder; another one that is open is interrupted."""
         response = self._reopen(survey=survey, interrupt_open=True)
         last = response.last
         return ReopenedSurvey(
@@ -158,15 +184,15 @@ class RosStorage:
         )
 
     def report(self, survey_id: str, report_json: str) -> None:
-        """Keep a report of the survey beside its metadata."""
+        """Store a report of the survey beside its metadata."""
         self._report(survey_id=survey_id, report_json=report_json)
 
     def store(self, trace: Trace) -> None:
-        """Store a trace; returning means that it is durable."""
-        # The request holds nothing but the trace, so their bytes are the same.
+        """Store a trace; it is durable when this returns."""
+        # The trace is the only field of the request, so their bytes are the same.
         self._store(preserialized(StoreDataRequest, trace_message.encode(trace)))
 
-    def close(self, survey_id: str, outcome: str, reason: str) -> int:
-        """End a survey and return how many traces its folder holds."""
-        response = self._close(survey_id=survey_id, outcome=outcome, reason=reason)
+    def close(self, survey_id: str, outcome: str, reason: Message) -> int:
+        """Close a survey and return how many traces its folder holds."""
+        response = self._close(survey_id=survey_id, outcome=outcome, reason=str(reason))
         return int(response.stored_traces)

@@ -1,4 +1,4 @@
-"""What the control says of itself, as topics."""
+"""The topics of the survey."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import rospy
 
+from gpr20_common.high.graph_message import message_fields
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_status import Status
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
@@ -24,10 +25,10 @@ class SurveyTopics:
     """
 
     def __init__(self, simulated: bool) -> None:
-        """Advertise them.
+        """Advertise the topics.
 
         Args:
-            simulated: Whether the robot is; every status says so.
+            simulated: Whether the robot is simulated; a field of every status.
         """
         self.simulated = simulated
         self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
@@ -43,17 +44,16 @@ class SurveyTopics:
 
     def publish_change(self, before: Status, after: Status) -> None:
         """Publish a change of the status."""
-        if (before.state, before.text) != (after.state, after.text):
-            rospy.loginfo("%s: %s", after.state.name, after.text)
+        if (before.state, before.full_message) != (after.state, after.full_message):
+            rospy.loginfo("%s: %s", after.state.name, after.full_message)
             self.publish_status(after)
         self.publish_progress(after)
 
     def publish_status(self, status: Status) -> None:
         """Publish state and message."""
-        message = ControlStatus()
+        message = ControlStatus(**message_fields(status.full_message))
         message.header.stamp = rospy.Time.now()
         message.code = int(status.state)
-        message.message = status.text
         message.survey_id = status.survey_id
         message.simulated = self.simulated
         self._status.publish(message)
@@ -68,7 +68,7 @@ class SurveyTopics:
         self._target.publish(message)
 
     def publish_progress(self, status: Status) -> None:
-        """Publish the point that is visited, and how far the survey is."""
+        """Publish the point being visited and the progress of the survey."""
         self._publish_target(status)
         self._publish_survey_data(status)
 
@@ -84,8 +84,9 @@ class SurveyTopics:
         self._progress.publish(message)
 
     def publish_coverage(self, coverage: Coverage, survey_id: str) -> None:
-        """Publish what became of each planned sample."""
-        reasons = coverage.reasons
+        """Publish the state of each planned sample."""
+        reasons = sorted(coverage.reasons.items())
+        verdict = coverage.verdict().message
         message = SurveyCoverage()
         message.header.stamp = rospy.Time.now()
         message.survey_id = survey_id
@@ -93,8 +94,10 @@ class SurveyTopics:
         message.planned = coverage.planned
         message.run_starts = [start for start, _state in runs]
         message.run_states = bytes(state for _start, state in runs)
-        message.failures = [f"{index}: {reasons[index]}" for index in sorted(reasons)]
-        message.verdict = coverage.verdict().text
+        message.failures = [f"{index}: {reason}" for index, reason in reasons]
+        message.failures_json = [reason.to_json() for _index, reason in reasons]
+        message.verdict = str(verdict)
+        message.verdict_json = verdict.to_json()
         self._coverage.publish(message)
 
     def publish_parameters(self, parameters: SurveyParameters) -> None:
@@ -102,7 +105,7 @@ class SurveyTopics:
         self._parameters.publish(SurveyParametersMessage(**asdict(parameters)))
 
     def publish_current(self, robot: Robot) -> None:
-        """Publish where the axes are; nothing before all of them have said so."""
+        """Publish the position of the axes, once all of them have reported theirs."""
         readings = [axis.reading() for axis in robot.axes.values()]
         if any(reading is None for reading in readings):
             return

@@ -1,11 +1,12 @@
-"""The engine: carries out the steps of one survey, and ends it whatever happens."""
+"""The engine executes the steps of one survey, and ends it whatever happens."""
 
 from __future__ import annotations
 
 import threading
 from typing import Any, Callable, Dict, Optional, Union
 
-from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested
+from gpr20_common.message import Message, in_a_row
+from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested, message_of
 from gpr20_main_control.mid import survey_steps as steps
 from gpr20_main_control.mid.instruments import AnalyzerState, Instruments
 from gpr20_main_control.mid.interruption import Interruption
@@ -19,13 +20,13 @@ from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
 
-# Traces that wait for the disk when a survey is stopped get this long to be stored [s].
+# Time to store the traces that wait for the disk when a survey is stopped [s].
 STOPPING_LIMIT_S = 60.0
 POLL_S = 0.05
 
 
 class SurveyEngine:
-    """Carries out one survey. `run` is the body of its thread."""
+    """Executes one survey. `run` is the body of its thread."""
 
     def __init__(
         self,
@@ -35,7 +36,7 @@ class SurveyEngine:
         positioner: Positioner,
         interruption: Interruption,
     ) -> None:
-        """Put together what carries out a plan; nothing happens before `run`.
+        """Prepare the execution of a plan; nothing happens before `run`.
 
         Raises:
             SurveyError: The report of the survey that is resumed cannot be read.
@@ -52,7 +53,7 @@ class SurveyEngine:
         self._pause_requested = threading.Event()
         self._resume = threading.Event()
         self._analyzer: Optional[AnalyzerState] = None
-        self._remark = ""
+        self._remark: Optional[Message] = None
         self._measured: Optional[Trace] = None
         self._actions: Dict[type, Callable[[Any], None]] = {
             steps.Check: self._check,
@@ -66,42 +67,45 @@ class SurveyEngine:
         }
 
     def run(self) -> None:
-        """Carry out the survey; every way out ends in a final state with a message."""
+        """Execute the survey; it always ends in a final state with a message."""
         try:
             self._status.show_coverage(self._archive.coverage)
             while not self._continue():
                 pass
         except StopRequested:
-            self._end(SurveyState.STOPPED, "stopped", "stopped on request")
+            stopped = Message("Stopped on request")
+            self._end(SurveyState.STOPPED, "stopped", stopped, stopped)
         except Exception as error:
-            self._end(SurveyState.FAILED, "failed", str(error))
+            reason = message_of(error)
+            failed = Message("Failed: {reason}", reason=reason)
+            self._end(SurveyState.FAILED, "failed", failed, reason)
             if not isinstance(error, DeviceError):
                 raise
         finally:
             self._archive.queue.close()
 
     def pause(self) -> None:
-        """Hold after the sample that is being measured."""
+        """Pause after the present trace."""
         self._pause_requested.set()
 
     def resume(self) -> None:
-        """Continue after a pause; the state says so already."""
+        """Continue after a pause; the caller has changed the state."""
         self._resume.set()
 
     def _continue(self) -> bool:
-        """Carry out the steps that are left; False if the survey was interrupted meanwhile."""
+        """Execute the remaining steps; return False if the survey was interrupted."""
         try:
-            if self._carry_out_steps():
+            if self._execute_steps():
                 return True
-            self._hold("on request")
+            self._wait_paused(Message("Paused on request. Resume the survey, or stop it."))
         except DeviceError as error:
-            # A part that was stopped fails, too; that is no reason to pause.
+            # A stop makes parts fail too; that is no reason to pause.
             self._interruption.check_stop()
-            self._recover_or_hold(error)
+            self._recover_or_pause(error)
         return self._all_stored and self._finish_now()
 
-    def _carry_out_steps(self) -> bool:
-        """Carry out the steps to the end; False if a pause was requested on the way."""
+    def _execute_steps(self) -> bool:
+        """Execute the steps to the end; return False if a pause was requested on the way."""
         for step in steps.survey_steps(self._plan, self._progress):
             if isinstance(step, steps.Checkpoint):
                 if self._pause_requested.is_set():
@@ -111,7 +115,7 @@ class SurveyEngine:
                 self._actions[type(step)](step)
             except DeviceError as error:
                 if isinstance(step, (steps.Move, steps.Measure)):
-                    self._archive.coverage.note_failed(step.point.index, str(error))
+                    self._archive.coverage.note_failed(step.point.index, error.message)
                 raise
         return True
 
@@ -126,20 +130,25 @@ class SurveyEngine:
         self._remark = interruption_remark(interrupted)
 
     def _home(self, step: steps.Home) -> None:
-        self._status.enter(SurveyState.HOMING, f"homing the axes{self._remark}")
+        homing = Message("Homing the axes")
+        if self._remark is not None:
+            homing = in_a_row([homing, self._remark])
+        self._status.enter(SurveyState.HOMING, homing)
         try:
             homed = self._positioner.home(again=step.every_axis)
         except DeviceError:
-            # Some axes may have been homed, and nobody will know the next time.
+            # Some axes may have been homed, which the next attempt cannot see.
             self._progress.repeat_last = True
             raise
         self._progress.note_homed(bool(homed))
         self._archive.queue.retry()
-        self._status.enter(SurveyState.SURVEYING, "measuring")
+        self._status.enter(SurveyState.SURVEYING, Message("Measuring"))
         self._archive.start_timing()
 
     def _repeat(self, step: steps.Repeat) -> None:
-        self._status.set_message(f"measuring point {step.point.index} again as a control")
+        self._status.set_message(
+            Message("Measuring point {index} again, to compare", index=step.point.index)
+        )
         stored = self._progress.last
         assert stored is not None
         self._move(step)
@@ -147,7 +156,7 @@ class SurveyEngine:
         repeat = compare(stored, measured, measured.antennae_height_m)
         self._archive.note_repeat(repeat, self._interruption.check)
         self._progress.repeat_last = False
-        self._status.set_message(f"measuring; {repeat.text}")
+        self._status.set_message(in_a_row([Message("Measuring"), repeat.message]))
 
     def _move(self, step: Union[steps.Move, steps.Repeat]) -> None:
         self._status.set_target(step.point)
@@ -160,7 +169,7 @@ class SurveyEngine:
     def _store(self, _step: steps.Store) -> None:
         assert self._measured is not None
         trace, self._measured = self._measured, None
-        # Counted before the wait for room: the trace is taken over even if that fails.
+        # Counted before the wait for room: the trace is accepted even if that fails.
         self._progress.note_measured(trace)
         self._archive.queue.put(trace, self._interruption.check)
 
@@ -175,84 +184,107 @@ class SurveyEngine:
         )
 
     def _finish_now(self) -> bool:
-        """End the survey, all of which is stored; whether that was possible as things are.
+        """Close the survey, all traces of which are stored; return whether that was possible.
 
-        A storage that died while it ended the survey may have ended it; such a survey cannot
-        be opened again.
+        A storage that died while it closed the survey may have closed it; such a survey cannot
+        be reopened.
         """
         try:
             self._close_finished()
         except DeviceError as error:
-            self._status.set_message(f"the survey is not ended yet: {error}")
+            self._status.set_message(
+                Message("The survey is not closed yet: {reason}", reason=error.message)
+            )
             return False
         return True
 
     def _close_finished(self) -> None:
         verdict = self._archive.coverage.verdict()
-        stored = self._archive.close("finished", verdict.text, self._interruption.check)
+        stored = self._archive.close("finished", verdict.message, self._interruption.check)
         total = self._plan.total_points
         if not verdict.complete or stored != total:
-            self._status.enter(
-                SurveyState.FAILED,
-                f"{verdict.text}; the survey's folder holds {stored} of {total} traces",
+            failed = Message(
+                "Failed: the survey's folder holds {stored} of {total} traces; {verdict}",
+                stored=stored,
+                total=total,
+                verdict=verdict.message,
             )
+            self._status.enter(SurveyState.FAILED, failed)
             return
-        self._status.enter(
-            SurveyState.FINISHED,
-            f"finished, {verdict.text}; {stored} traces in {self._archive.folder}",
+        finished = Message(
+            "Finished, {verdict}; {stored} traces in {folder}",
+            verdict=verdict.message,
+            stored=stored,
+            folder=self._archive.folder,
         )
+        self._status.enter(SurveyState.FINISHED, finished)
 
-    def _recover_or_hold(self, error: DeviceError) -> None:
+    def _recover_or_pause(self, error: DeviceError) -> None:
         """Return when the survey can continue: because a node is back, or it was resumed."""
-        reason = str(error)
+        reason = error.message
         self._archive.stop_timing()
         lost = self._recovery.loss_behind(error)
-        if lost and not self._pause_requested.is_set():
+        if lost is not None and not self._pause_requested.is_set():
             try:
                 self._recovery.wait_for_return(lost)
                 return
-            except NodeLostError as gone:
-                reason = str(gone)
+            except NodeLostError as not_back:
+                reason = not_back.message
         if not self._archive.folder:
             raise DeviceError(reason) from error
         self._positioner.stop()
-        requested = "on request; " if self._pause_requested.is_set() else ""
-        self._hold(f"{requested}{reason}; resume when it is mended, or stop")
+        if self._pause_requested.is_set():
+            paused = Message(
+                "Paused on request, and a part failed: {reason}. Fix the fault and resume, or "
+                "stop.",
+                reason=reason,
+            )
+        else:
+            paused = Message("Paused: {reason}. Fix the fault and resume, or stop.", reason=reason)
+        self._wait_paused(paused)
 
-    def _hold(self, reason: str) -> None:
+    def _wait_paused(self, message: Message) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
         self._archive.stop_timing()
         self._pause_requested.clear()
         self._resume.clear()
-        self._status.enter(SurveyState.PAUSED, f"paused: {reason}")
+        self._status.enter(SurveyState.PAUSED, message)
         while not self._resume.is_set():
             self._interruption.check_stop()
             self._interruption.clock.wait_s(self._resume, POLL_S)
         self._recovery.note_resumed()
 
-    def _end(self, state: SurveyState, outcome: str, reason: str) -> None:
-        """End before the plan is done; nothing here may keep the rest from happening."""
+    def _end(self, state: SurveyState, outcome: str, message: Message, reason: Message) -> None:
+        """End the survey early; a failure of one action here must not prevent the next."""
         self._archive.stop_timing()
         self._positioner.stop()
         if state is SurveyState.STOPPED:
-            self._status.enter(SurveyState.STOPPING, "stopping: storing what has been measured")
-        message = reason
+            stopping = Message("Stopping: storing the measured traces")
+            self._status.enter(SurveyState.STOPPING, stopping)
+        messages = [message]
         if not self._positioner.wait_for_rest(REST_LIMIT_S):
-            message += "; AN AXIS STILL MOVES: switch the motors off"
+            messages.append(Message("AN AXIS STILL MOVES: switch the motors off"))
         if self._archive.folder:
-            message += self._close_early(outcome, reason)
-        self._status.enter(state, message)
+            messages.append(self._close_early(outcome, reason))
+        self._status.enter(state, in_a_row(messages))
 
-    def _close_early(self, outcome: str, reason: str) -> str:
+    def _close_early(self, outcome: str, reason: Message) -> Message:
         check = self._recovery.return_limit_check()
         try:
             if self._recovery.nodes_changed:
-                # The storage may be one of them, to which no survey is open.
+                # The storage may be one of them, and may have no open survey.
                 self._archive.reopen(check)
             self._archive.queue.retry()
             self._archive.queue.drain_within(STOPPING_LIMIT_S)
             stored = self._archive.close(outcome, reason, check)
         except Exception as error:
-            # A fault of the software, too: the survey must not seem to be stopping for ever.
-            return f"; the recordings could not be finished: {error}"
-        return f"; {stored} of {self._plan.total_points} traces in {self._archive.folder}"
+            # Faults in the software too: the survey must not remain STOPPING for ever.
+            return Message(
+                "the recordings could not be finished: {reason}", reason=message_of(error)
+            )
+        return Message(
+            "{stored} of {total} traces in {folder}",
+            stored=stored,
+            total=self._plan.total_points,
+            folder=self._archive.folder,
+        )

@@ -1,4 +1,4 @@
-"""The analyzer and the height sensor during one survey: their checks and one trace of theirs."""
+"""The analyzer and the height sensor during one survey: their checks and one trace."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Optional, Tuple
 import numpy as np
 
 from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Position, Positioner
-from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.positioner import Positioner
+from gpr20_main_control.mid.robot import Position, Robot
 from gpr20_main_control.mid.serial_calls import in_background, result_of
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_survey.errors import TraceRefusedError
@@ -26,7 +27,7 @@ from gpr20_survey.trace.trace import Trace
 
 @dataclass(frozen=True)
 class AnalyzerState:
-    """What is known of the analyzer before a survey."""
+    """What is known about the analyzer before a survey."""
 
     identity: str
     calibration: CalibrationStatus
@@ -34,7 +35,7 @@ class AnalyzerState:
 
 
 class Instruments:
-    """Checks the instruments of one survey, and measures with them where the axes stand."""
+    """Checks the instruments of one survey, and measures at the present position."""
 
     def __init__(
         self, plan: SurveyPlan, robot: Robot, positioner: Positioner, interruption: Interruption
@@ -43,17 +44,17 @@ class Instruments:
         self._robot = robot
         self._positioner = positioner
         self._interruption = interruption
-        # Vibrations of a robot that runs N times faster die down N times faster.
+        # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = plan.settings.settle_s / plan.config.time_scale
         self._frequencies_hz = np.empty(0) if plan.last is None else plan.last.frequency_hz
 
     def check(self) -> AnalyzerState:
-        """Check everything that the survey needs, and return what the analyzer is.
+        """Check everything that the survey needs, and return the state of the analyzer.
 
         Nothing moves.
 
         Raises:
-            DeviceError: Something is missing or not as it should be.
+            DeviceError: A check failed.
         """
         self._positioner.check_alive()
         analyzer = self._check_analyzer()
@@ -63,18 +64,18 @@ class Instruments:
         return analyzer
 
     def measure(self, point: SurveyPoint) -> Trace:
-        """Measure one point, at which the axes must stand.
+        """Measure one point; the axes must be there.
 
         Raises:
             DeviceError: A part failed, or the axes moved during the sweep.
-            NodeLostError: A node is gone, or is another than before.
+            NodeLostError: A node does not answer or was restarted.
             StopRequested: A stop of the survey was requested.
         """
         try:
             return self._measure(point)
         except TraceRefusedError as error:
-            # What can be mended, such as the computer's clock: the survey pauses.
-            raise DeviceError(str(error)) from error
+            # The operator can remove the cause, such as a wrong clock: the survey pauses.
+            raise DeviceError(error.message) from error
 
     def _measure(self, point: SurveyPoint) -> Trace:
         self._interruption.wait_s(self._settle_s)
@@ -84,8 +85,11 @@ class Instruments:
         self._interruption.check()
         if self._positioner.position() != before:
             raise DeviceError(
-                f"the axes moved during the sweep at point {point.index}; nobody else may move "
-                "them during a survey"
+                Message(
+                    "the axes moved during the sweep at point {index}; nothing else may move them "
+                    "during a survey",
+                    index=point.index,
+                )
             )
         self._check_sweep(sweep)
         measured = {**vars(sweep), "quality": sweep.quality + remarks}
@@ -109,11 +113,20 @@ class Instruments:
         calibration = calls.call(analyzer.calibration, check)
         accepted = calls.call(lambda: analyzer.configure(wanted), check)
         if accepted != wanted:
-            raise DeviceError(f"the VNA accepted {accepted} instead of {wanted}")
+            raise DeviceError(
+                Message(
+                    "the VNA accepted {accepted} instead of {wanted}",
+                    accepted=_sweep_message(accepted),
+                    wanted=_sweep_message(wanted),
+                )
+            )
         frequencies_hz = calls.call(analyzer.frequencies_hz, check)
         if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
             raise DeviceError(
-                "the VNA's frequencies are no longer those of this survey; stop it and start anew"
+                Message(
+                    "the VNA's frequencies are no longer those of this survey; stop the survey and "
+                    "start a new one"
+                )
             )
         self._frequencies_hz = frequencies_hz
         return AnalyzerState(identity, calibration, accepted)
@@ -135,7 +148,9 @@ class Instruments:
         assert failure is not None
         if self._plan.settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
             return float("nan"), (storable_remark(f"no height: {failure}"),)
-        raise DeviceError(f"the antenna height could not be measured: {failure}") from failure
+        raise DeviceError(
+            Message("the antenna height could not be measured: {reason}", reason=failure.message)
+        ) from failure
 
     def _check_sweep(self, sweep: Sweep) -> None:
         frequency_hz = sweep.frequency_hz
@@ -143,8 +158,12 @@ class Instruments:
             first_hz, last_hz = float(frequency_hz[0]), float(frequency_hz[-1])
             measured = SweepSettings(first_hz, last_hz, len(frequency_hz))
             raise DeviceError(
-                f"the VNA measured {measured} instead of {self._plan.parameters.sweep_settings}; "
-                "nobody else may set it up during a survey"
+                Message(
+                    "the VNA measured {measured} instead of {wanted}; do not change its settings "
+                    "during a survey",
+                    measured=_sweep_message(measured),
+                    wanted=_sweep_message(self._plan.parameters.sweep_settings),
+                )
             )
 
 
@@ -152,6 +171,20 @@ def _check_position(point: SurveyPoint, position: Position) -> None:
     planned = Position(point.x_mm, point.y_mm, point.z_deg)
     if position != planned:
         raise DeviceError(
-            f"the axes stand at {position} instead of {planned} before the sweep at point "
-            f"{point.index}; nobody else may move them during a survey"
+            Message(
+                "the axes are at {position} instead of {planned} before the sweep at point "
+                "{index}; nothing else may move them during a survey",
+                position=position.message,
+                planned=planned.message,
+                index=point.index,
+            )
         )
+
+
+def _sweep_message(settings: SweepSettings) -> Message:
+    return Message(
+        "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
+        points=settings.points,
+        start_mhz=1.0e-6 * settings.start_frequency_hz,
+        stop_mhz=1.0e-6 * settings.stop_frequency_hz,
+    )

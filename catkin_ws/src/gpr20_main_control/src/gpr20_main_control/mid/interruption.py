@@ -1,21 +1,22 @@
-"""What ends the waits of a survey before their time."""
+"""What ends the waits of a survey early."""
 
 from __future__ import annotations
 
 import threading
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_main_control.errors import StopRequested
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 
 
 class Interruption:
-    """A stop, or a node that is lost; every wait of a survey looks at it.
+    """A stop request or a lost node; every wait of a survey checks for them.
 
     Attributes:
         stop: Set when the survey must end.
         nodes: The nodes without which a survey cannot continue.
-        clock: By which a survey waits.
+        clock: The clock of every wait.
     """
 
     def __init__(self, nodes: NodeLiveness, clock: Clock) -> None:
@@ -28,7 +29,7 @@ class Interruption:
 
         Raises:
             StopRequested: A stop of the survey was requested.
-            NodeLostError: A node is gone, or is another than before.
+            NodeLostError: A node does not answer or was restarted.
         """
         self.check_stop()
         self.nodes.check()
@@ -40,14 +41,14 @@ class Interruption:
             StopRequested: It was.
         """
         if self.stop.is_set():
-            raise StopRequested("the survey was told to stop")
+            raise StopRequested(Message("a stop of the survey was requested"))
 
     def wait_s(self, duration_s: float) -> None:
-        """Wait for so long [s], unless there is a reason to interrupt.
+        """Wait [s], unless there is a reason to interrupt.
 
         Raises:
             StopRequested: A stop of the survey was requested.
-            NodeLostError: A node is gone, or is another than before.
+            NodeLostError: A node does not answer or was restarted.
         """
         self.clock.wait_s(self.stop, duration_s)
         self.check()

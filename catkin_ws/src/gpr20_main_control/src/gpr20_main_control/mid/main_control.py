@@ -1,4 +1,4 @@
-"""The control's answers to requests: parameters, start, stop, resume."""
+"""The requests to the main control: set parameters, start, pause, stop, resume."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.engine import SurveyEngine
 from gpr20_main_control.mid.interruption import Interruption
@@ -23,9 +24,9 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
-# A request waits so long for another one that is still being carried out [s].
+# A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0
-# The thread of a survey ends at once when its last state was entered [s].
+# The thread of a survey ends right after it has entered its final state [s].
 ENDING_LIMIT_S = 10.0
 
 
@@ -59,11 +60,16 @@ class MainControl:
             SurveyParametersError: Parameters are not allowed; each is named.
         """
         with self._one_at_a_time():
-            self._refuse_while_running("the parameters cannot be changed")
+            self._refuse_while_running(
+                Message(
+                    "the parameters cannot be changed while a survey is running; stop it or wait "
+                    "for its end"
+                )
+            )
             self._plan = plan_survey(parameters, self._config, self._settings)
             self._status.show_parameters(parameters)
-            message = f"ready for {self._plan.total_points} traces"
-            self._status.enter(SurveyState.CONFIGURED, message)
+            ready = Message("Ready for {count} traces", count=self._plan.total_points)
+            self._status.enter(SurveyState.CONFIGURED, ready)
             return self._plan
 
     def start(self) -> str:
@@ -73,15 +79,22 @@ class MainControl:
             RequestRefusedError: A survey is running, or no parameters have been set.
         """
         with self._one_at_a_time():
-            self._refuse_while_running("another survey cannot start")
+            self._refuse_while_running(
+                Message(
+                    "no survey can be started while another one is running; stop it or wait for "
+                    "its end"
+                )
+            )
             if self._plan is None:
-                raise RequestRefusedError("no parameters have been set; set them, then start")
+                raise RequestRefusedError(
+                    Message("no parameters have been set; set them, then start")
+                )
             plan = replace(self._plan, survey_id=str(uuid.uuid4()), reopened=None)
             self._begin(plan)
             return plan.survey_id
 
-    def pause(self) -> str:
-        """Hold the survey after the sample that is being measured.
+    def pause(self) -> Message:
+        """Pause the survey after the present trace; return what happens now.
 
         Raises:
             RequestRefusedError: No survey is measuring now.
@@ -90,35 +103,41 @@ class MainControl:
             status = self._status.status
             if status.state is not SurveyState.SURVEYING or self._engine is None:
                 raise RequestRefusedError(
-                    f"no survey is measuring (the control is {status.state.name}); there is "
-                    "nothing to pause"
+                    Message(
+                        "no survey is measuring; there is nothing to pause",
+                        details=status.state.name,
+                    )
                 )
-            self._status.enter(SurveyState.PAUSING, "pausing after this sample")
+            pausing = Message("Pausing after the present trace")
+            self._status.enter(SurveyState.PAUSING, pausing)
             self._engine.pause()
-            return "pausing; control_status says PAUSED when the present sample is taken"
+            return pausing
 
-    def stop(self) -> str:
-        """Stop the survey now; returns while the axes are still slowing down.
+    def stop(self) -> Message:
+        """Stop the survey now; returns, with what happens now, while the axes still slow down.
 
         Raises:
             RequestRefusedError: No survey is running.
         """
-        # No lock: a stop waits for nobody.
+        # No lock: a stop does not wait for other requests.
         if not self._status.status.state.running:
-            raise RequestRefusedError("no survey is running; there is nothing to stop")
+            raise RequestRefusedError(Message("no survey is running; there is nothing to stop"))
         self._interruption.stop.set()
         self._positioner.stop()
-        return "stopping; control_status says STOPPED when everything stands still and is stored"
+        return Message("Stopping the axes, then storing the measured traces")
 
-    def resume(self, survey: str) -> str:
-        """Go on with the paused survey, or with one that was cut off or ended early.
+    def resume(self, survey: str) -> Message:
+        """Continue the paused survey, or one that was interrupted or ended early.
 
         Args:
-            survey: Empty for the paused one; else a survey's id or the name of its folder.
+            survey: Empty for the paused survey; otherwise a survey's id or its folder's name.
+
+        Returns:
+            What happens now.
 
         Raises:
-            RequestRefusedError: There is nothing to resume, or not on this robot.
-            DeviceError: The survey could not be opened again.
+            RequestRefusedError: There is nothing to resume, or this robot cannot resume it.
+            DeviceError: The survey could not be reopened.
         """
         with self._one_at_a_time():
             status = self._status.status
@@ -126,18 +145,28 @@ class MainControl:
                 folder_end = f"_{status.survey_id[:8]}"
                 if survey not in ("", status.survey_id) and not survey.endswith(folder_end):
                     raise RequestRefusedError(
-                        f"the paused survey is {status.survey_id}, not {survey[:64]!r}; stop it "
-                        "first"
+                        Message(
+                            "the paused survey is {paused}, not {requested}; stop it first",
+                            paused=status.survey_id,
+                            requested=repr(survey[:64]),
+                        )
                     )
-                # Here, so that nobody sees it paused after the answer that it continues.
-                self._status.enter(SurveyState.CHECKING, "checking the robot before going on")
+                # Before the answer, after which the survey must no longer be shown as paused.
+                checking = Message("Checking the robot before the survey continues")
+                self._status.enter(SurveyState.CHECKING, checking)
                 self._engine.resume()
-                return "resuming"
-            self._refuse_while_running("another survey cannot be resumed")
+                return Message("Resuming")
+            self._refuse_while_running(
+                Message(
+                    "no survey can be resumed while another one is running; stop it or wait for "
+                    "its end"
+                )
+            )
             if not survey:
                 raise RequestRefusedError(
-                    f"no survey is paused (the control is {status.state.name}); name the survey "
-                    "that shall go on"
+                    Message(
+                        "no survey is paused; name the survey to resume", details=status.state.name
+                    )
                 )
             return self._resume_from_disk(survey)
 
@@ -151,30 +180,32 @@ class MainControl:
     def _one_at_a_time(self) -> Iterator[None]:
         if not self._requests.acquire(timeout=REQUEST_LIMIT_S):
             raise RequestRefusedError(
-                f"another request is still being carried out after {REQUEST_LIMIT_S:g} s "
-                "(opening a large survey again takes long); ask again when it has ended"
+                Message(
+                    "another request did not end within {limit_s:g} s, because reopening a large "
+                    "survey takes long; try again later",
+                    limit_s=REQUEST_LIMIT_S,
+                )
             )
         try:
             yield
         finally:
             self._requests.release()
 
-    def _refuse_while_running(self, consequence: str) -> None:
-        state = self._status.status.state
-        if state.running:
-            raise RequestRefusedError(
-                f"a survey is {state.name}: {consequence}; stop it or wait for its end"
-            )
+    def _refuse_while_running(self, refusal: Message) -> None:
+        if self._status.status.state.running:
+            raise RequestRefusedError(refusal)
         # The state is final a moment before the thread has ended.
         if self._thread is not None:
             self._thread.join(ENDING_LIMIT_S)
             if self._thread.is_alive():
                 raise RequestRefusedError(
-                    f"the former survey has not ended within {ENDING_LIMIT_S:g} s: "
-                    f"{consequence}; try again"
+                    Message(
+                        "the previous survey did not end within {limit_s:g} s; try again",
+                        limit_s=ENDING_LIMIT_S,
+                    )
                 )
 
-    def _resume_from_disk(self, survey: str) -> str:
+    def _resume_from_disk(self, survey: str) -> Message:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
@@ -182,15 +213,18 @@ class MainControl:
             self._begin(plan)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
-            storage.close(reopened.survey_id, "failed", f"not resumed: {error}")
+            refusal = Message("not resumed: {reason}", reason=error.message)
+            storage.close(reopened.survey_id, "failed", refusal)
             raise
-        return (
-            f"resuming with {len(plan.pending)} of {plan.total_points} traces to go"
-            f"{interruption_remark(reopened.interrupted)}"
+        pending, total = len(plan.pending), plan.total_points
+        resuming = Message(
+            "Resuming; {pending} of {total} traces remain", pending=pending, total=total
         )
+        remark = interruption_remark(reopened.interrupted)
+        return resuming if remark is None else in_a_row([resuming, remark])
 
     def _begin(self, plan: SurveyPlan) -> None:
-        # Before anything changes: a survey that cannot be put together is refused.
+        # First, so that nothing changes if the survey is refused here.
         engine = SurveyEngine(plan, self._robot, self._status, self._positioner, self._interruption)
         self._plan, self._engine = plan, engine
         self._status.show_parameters(plan.parameters)
@@ -201,6 +235,6 @@ class MainControl:
             len(plan.stored_indices),
             sum(plan.pending_durations_s),
         )
-        self._status.enter(SurveyState.CHECKING, "checking the robot")
+        self._status.enter(SurveyState.CHECKING, Message("Checking the robot"))
         self._thread = threading.Thread(target=engine.run, name="survey")
         self._thread.start()

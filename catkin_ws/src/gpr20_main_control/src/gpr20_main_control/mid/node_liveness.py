@@ -1,78 +1,90 @@
-"""Which nodes of the robot are there."""
+"""Which nodes of the robot are running."""
 
 from __future__ import annotations
 
 import threading
+from dataclasses import dataclass
 from typing import Callable, Dict, List, Mapping, Optional
 
 from gpr20_common.errors import NodeSilentError
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import NodeLostError
 
-# Nodes that were launched together are all there after so long [s].
+# Nodes that are launched together are all running after this time [s].
 START_LIMIT_S = 15.0
-# A node that dies is noticed after one period, one that hangs after the answer's limit too.
+# The death of a node is noticed after one period; a node that hangs, after the answer's limit too.
 PERIOD_S = 0.4
 ANSWER_LIMIT_S = 1.2
 REFRESH_LIMIT_S = 2.0 * ANSWER_LIMIT_S
 
-# Returns the number of a node's process, or raises NodeSilentError.
-Probe = Callable[[], int]
+
+@dataclass(frozen=True)
+class WatchedNode:
+    """A node that a survey needs.
+
+    Attributes:
+        plain_name: What operators call it.
+        probe: Returns the number of the node's process, or raises NodeSilentError.
+    """
+
+    plain_name: Message
+    probe: Callable[[], int]
 
 
 class NodeLiveness:
-    """Asks the nodes again and again and keeps what is known of each.
+    """Polls the nodes and stores the last answer of each.
 
-    Each node is asked in a thread of its own, so that one that hangs delays no other. Every
+    Each node is polled in a thread of its own, so that one that hangs delays no other. Every
     method may be called from any thread.
     """
 
     def __init__(
         self,
-        probes: Mapping[str, Probe],
+        nodes: Mapping[str, WatchedNode],
         clock: Clock,
-        on_change: Callable[[str], None],
+        on_change: Callable[[Optional[Message]], None],
         period_s: float = PERIOD_S,
     ) -> None:
-        """Begin with nodes of which nothing is known; `start` begins to ask.
+        """Begin with nodes whose state is unknown; `start` begins to poll them.
 
         Args:
-            probes: The nodes that a survey needs.
-            clock: Decides how long nodes are given to appear.
-            on_change: Called with the nodes that are missing, in a sentence that is empty if
-                none is.
-            period_s: How often each node is asked [s].
+            nodes: The nodes that a survey needs, by their names on the ROS graph.
+            clock: Measures the time that nodes have to start.
+            on_change: Called with a message about the nodes that do not answer, or with None
+                when all of them answer.
+            period_s: Time between two polls of a node [s].
         """
-        self._probes = probes
+        self._nodes = nodes
         self._clock = clock
         self._on_change = on_change
         self._period_s = period_s
         self._changed = threading.Condition()
-        self._processes: Dict[str, Optional[int]] = dict.fromkeys(probes)
+        self._processes: Dict[str, Optional[int]] = dict.fromkeys(nodes)
         self._accepted: Dict[str, Optional[int]] = dict(self._processes)
-        self._seen: Dict[str, bool] = dict.fromkeys(probes, False)
-        self._reported = ""
-        self._patient_until_s = clock.now_s() + START_LIMIT_S
-        self._asked: Dict[str, int] = dict.fromkeys(probes, 0)
-        self._answered: Dict[str, int] = dict.fromkeys(probes, 0)
+        self._seen: Dict[str, bool] = dict.fromkeys(nodes, False)
+        self._reported: Optional[Message] = None
+        self._starting_until_s = clock.now_s() + START_LIMIT_S
+        self._asked: Dict[str, int] = dict.fromkeys(nodes, 0)
+        self._answered: Dict[str, int] = dict.fromkeys(nodes, 0)
         self._refreshes = 0
         self._ended = False
 
     def start(self) -> None:
-        """Begin to ask."""
-        for name in self._probes:
+        """Begin to poll."""
+        for name in self._nodes:
             threading.Thread(
                 target=self._watch, args=(name,), name=f"watch {name}", daemon=True
             ).start()
 
     def stop(self) -> None:
-        """Ask no more."""
+        """Stop polling."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
 
     def refresh(self) -> None:
-        """Return when every node was asked after now, at the latest after REFRESH_LIMIT_S."""
+        """Poll every node now; return when all are polled, at the latest after REFRESH_LIMIT_S."""
         with self._changed:
             wanted = {name: asked + 1 for name, asked in self._asked.items()}
             self._refreshes += 1
@@ -101,41 +113,55 @@ class NodeLiveness:
             return [name for name, process in self._processes.items() if process is None]
 
     def accept(self) -> None:
-        """Take the nodes as they are now for those with which the survey continues."""
+        """Accept the present processes as those with which the survey continues."""
         with self._changed:
             self._accepted = dict(self._processes)
 
-    def lost(self) -> str:
-        """Say which nodes went silent or are others than accepted; empty if none."""
+    def lost(self) -> Optional[Message]:
+        """Return which nodes stopped answering or restarted since `accept`; None if no node."""
         with self._changed:
             missing = self.missing()
-            others = [
+            restarted = [
                 name
                 for name, process in self._processes.items()
                 if process is not None and process != self._accepted[name]
             ]
-        sentences = [f"{' and '.join(missing)} went silent"] if missing else []
-        if others:
-            sentences.append(f"{' and '.join(others)} started anew")
-        return ", ".join(sentences)
+        return _joined(
+            [
+                Message("{node} stopped answering", node=self._plain_name(name), details=name)
+                for name in missing
+            ]
+            + [
+                Message("{node} restarted", node=self._plain_name(name), details=name)
+                for name in restarted
+            ]
+        )
 
     def check(self) -> None:
-        """Refuse to continue with nodes that are missing or others than accepted.
+        """Return if every node answers and none was restarted since `accept`.
 
         Raises:
-            NodeLostError: Names them.
+            NodeLostError: Names the other nodes.
         """
         lost = self.lost()
-        if lost:
+        if lost is not None:
             raise NodeLostError(lost)
 
+    def _plain_name(self, name: str) -> Message:
+        return self._nodes[name].plain_name
+
     def _report_missing(self) -> None:
-        patient = self._clock.now_s() < self._patient_until_s
-        missing = [name for name in self.missing() if self._seen[name] or not patient]
-        sentence = _missing_sentence(missing) if missing else ""
-        if sentence != self._reported:
-            self._reported = sentence
-            self._on_change(sentence)
+        starting = self._clock.now_s() < self._starting_until_s
+        missing = _joined(
+            [
+                Message("{node} does not answer", node=self._plain_name(name), details=name)
+                for name in self.missing()
+                if self._seen[name] or not starting
+            ]
+        )
+        if missing != self._reported:
+            self._reported = missing
+            self._on_change(missing)
 
     def _watch(self, name: str) -> None:
         while True:
@@ -145,7 +171,7 @@ class NodeLiveness:
                 self._asked[name] += 1
                 refreshes = self._refreshes
             try:
-                self.note_alive(name, self._probes[name]())
+                self.note_alive(name, self._nodes[name].probe())
             except NodeSilentError:
                 self.note_silent(name)
             with self._changed:
@@ -157,5 +183,7 @@ class NodeLiveness:
                 )
 
 
-def _missing_sentence(missing: List[str]) -> str:
-    return f"{' and '.join(missing)} {'do' if len(missing) > 1 else 'does'} not answer"
+def _joined(messages: List[Message]) -> Optional[Message]:
+    if len(messages) > 1:
+        return in_a_row(messages)
+    return messages[0] if messages else None

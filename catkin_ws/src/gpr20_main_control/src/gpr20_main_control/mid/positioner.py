@@ -3,46 +3,38 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from functools import partial
 from typing import Callable, Dict, List, Mapping, Optional
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.robot import Axis, AxisId, AxisReading
+from gpr20_main_control.mid.robot import Axis, AxisReading, Position
 from gpr20_main_control.mid.serial_calls import in_background, result_of
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
 from gpr20_survey.plan.survey_plan import SurveyPoint
 
-# An axis publishes at 10 Hz at rest; one that was silent for so long is not alive.
-SILENCE_LIMIT_S = 2.0
-# Nodes that were launched together need so long until the last of them speaks.
+# An axis publishes at 10 Hz at rest; without a reading for this time it has failed [s].
+READING_LIMIT_S = 2.0
+# Nodes that are launched together all publish within this time [s].
 START_LIMIT_S = 10.0
-# A move may take this many times as long as it should, and some more.
+# A move may take this many times its planned duration, plus the extra time.
 TIME_LIMIT_FACTOR = 1.5
 TIME_LIMIT_EXTRA_S = 5.0
-# Homing goes the length of the axis at the lowest speed and touches twice.
+# Homing travels the length of the axis at the lowest speed and touches twice.
 HOMING_TIME_FACTOR = 1.3
-# How often a waiting survey looks whether a stop was requested.
+# How often a waiting survey checks for a stop request [s].
 POLL_S = 0.05
-# A stop request has reached an axis after so long.
-STOP_NEWS_S = 0.2
-# An axis that rests at its target for so long has ended its move, whoever lost the result.
+# A stop request reaches an axis within this time [s].
+STOP_EFFECT_S = 0.2
+# An axis that rests at its target for this time has ended its move, even without a result [s].
 LOST_RESULT_S = 1.0
 
 
-@dataclass(frozen=True)
-class Position:
-    """Where the axes say that they are: x and y [mm], z [deg]."""
-
-    x_mm: float
-    y_mm: float
-    z_deg: float
-
-
 class Positioner:
-    """Homes the axes, moves them together, and knows where they are."""
+    """Homes the axes, moves them together, and knows their position."""
 
     def __init__(
         self,
@@ -57,38 +49,41 @@ class Positioner:
         self._clock = interruption.clock
 
     def check_alive(self) -> None:
-        """Refuse to go on unless every axis speaks now; one that is starting gets some time.
+        """Return when every axis has published a new reading; a starting axis has some time.
 
-        What an axis said before may be from a node that has died since, and with it its zero.
+        An older reading may be from a node that has died since, and lost its zero with it.
 
         Raises:
-            DeviceError: An axis is silent.
+            DeviceError: An axis does not publish.
             StopRequested: A stop of the survey was requested.
         """
         begun_s = self._clock.now_s()
 
-        def all_speak() -> bool:
-            if self._silent():
+        def all_publish() -> bool:
+            if self._stale():
                 return False
             elapsed_s = self._clock.now_s() - begun_s
             return all(self._reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
 
-        self._wait(all_speak, START_LIMIT_S)
+        self._wait(all_publish, START_LIMIT_S)
         for axis_id in self._axes:
             self._reading(axis_id)
 
     def position(self) -> Position:
-        """Return where the axes stand.
+        """Return the position of the axes.
 
         Raises:
-            DeviceError: An axis is silent or not homed.
+            DeviceError: An axis does not publish or is not homed.
         """
         readings = {axis_id: self._reading(axis_id) for axis_id in self._axes}
         for axis_id, reading in readings.items():
             if not reading.homed:
                 raise DeviceError(
-                    f"the {axis_id.value} axis is not homed: its position is unknown; "
-                    "resume the survey to home it"
+                    Message(
+                        "the {axis} axis is not homed: its position is unknown; resume the survey "
+                        "to home it",
+                        axis=axis_id.value,
+                    )
                 )
         return Position(
             readings[AxisId.X].coordinate,
@@ -100,14 +95,14 @@ class Positioner:
         """Home together every axis that is not homed.
 
         Args:
-            again: Home the others, too.
+            again: Home the others too.
 
         Returns:
             The axes that were homed.
 
         Raises:
             DeviceError: An axis could not be homed.
-            NodeLostError: A node is gone; axes may be homing still.
+            NodeLostError: A node is lost; axes may still be homing.
             StopRequested: A stop of the survey was requested.
         """
         pending = [one for one in self._axes if again or not self._reading(one).homed]
@@ -127,7 +122,7 @@ class Positioner:
         return pending
 
     def move_to(self, point: SurveyPoint) -> None:
-        """Move the axes to a point and return when all of them stand there.
+        """Move the axes to a point and return when all of them rest there.
 
         Raises:
             DeviceError: An axis failed; the others have been stopped.
@@ -142,7 +137,7 @@ class Positioner:
             for axis_id, target in targets.items():
                 self._wait_for_target(axis_id, target)
         except BaseException:
-            # Whatever went wrong, nothing keeps moving.
+            # Whatever went wrong, no axis may keep moving.
             self.stop()
             raise
 
@@ -152,20 +147,20 @@ class Positioner:
             axis.stop()
 
     def wait_for_rest(self, limit_s: float) -> bool:
-        """Wait until no axis moves any more after `stop`; return whether that was seen.
+        """Wait until no axis moves after `stop`; return whether all came to rest.
 
-        An axis that is silent is not waited for: what a dead node last said is no news.
+        An axis that does not publish is not waited for: its last reading is too old.
         """
         begun_s = self._clock.now_s()
         while True:
             elapsed_s = self._clock.now_s() - begun_s
             readings = [axis.reading() for axis in self._axes.values()]
             fresh = [one for one in readings if one is not None and _is_fresh(one)]
-            # Only what was said well after the request tells of its effect.
-            news = elapsed_s > STOP_NEWS_S and all(
-                one.age_s < elapsed_s - STOP_NEWS_S for one in fresh
+            # Only readings well after the request show its effect.
+            recent = elapsed_s > STOP_EFFECT_S and all(
+                one.age_s < elapsed_s - STOP_EFFECT_S for one in fresh
             )
-            if news and not any(one.moving for one in fresh):
+            if recent and not any(one.moving for one in fresh):
                 return True
             if elapsed_s > limit_s:
                 return False
@@ -178,10 +173,16 @@ class Positioner:
         try:
             self._axes[axis_id].home(limit_s)
         except DeviceError as error:
-            raise DeviceError(f"homing the {axis_id.value} axis failed: {error}") from error
+            raise DeviceError(
+                Message(
+                    "homing the {axis} axis failed: {reason}",
+                    axis=axis_id.value,
+                    reason=error.message,
+                )
+            ) from error
 
     def _begin(self, axis_id: AxisId, target: float) -> bool:
-        # A move of no length is not sent: actionlib may lose the result of a goal that
+        # A move of zero length is not sent: actionlib may lose the result of a goal that
         # ends before its sender has returned.
         if self._at_target(axis_id, self._reading(axis_id), target):
             return False
@@ -202,8 +203,14 @@ class Positioner:
             now_s = self._clock.now_s()
             if now_s > deadline_s:
                 raise DeviceError(
-                    f"the {axis_id.value} axis did not end its move to {target:g} "
-                    f"{axis_id.unit} within {limit_s:.0f} s; check its motor and its node"
+                    Message(
+                        "the {axis} axis did not end its move to {target:g} {unit} within "
+                        "{limit_s:.0f} s; check its motor and its driver",
+                        axis=axis_id.value,
+                        target=target,
+                        unit=axis_id.unit,
+                        limit_s=limit_s,
+                    )
                 )
             reading = self._reading(axis_id)
             if reading.moving or not self._at_target(axis_id, reading, target):
@@ -214,12 +221,17 @@ class Positioner:
                 return
         if not outcome.success:
             raise DeviceError(
-                f"the {axis_id.value} axis did not reach {target:g} {axis_id.unit}: "
-                f"{outcome.message}"
+                Message(
+                    "the {axis} axis did not reach {target:g} {unit}: {reason}",
+                    axis=axis_id.value,
+                    target=target,
+                    unit=axis_id.unit,
+                    reason=outcome.message,
+                )
             )
 
     def _wait_for_target(self, axis_id: AxisId, target: float) -> None:
-        """Wait until the axis itself says that it rests at the target."""
+        """Wait until the axis reports that it rests at the target."""
 
         def arrived() -> bool:
             reading = self._reading(axis_id)
@@ -230,14 +242,23 @@ class Positioner:
         if not self._wait(arrived):
             if not self._reading(axis_id).homed:
                 raise DeviceError(
-                    f"the {axis_id.value} axis has lost its zero; resume the survey to home it"
+                    Message(
+                        "the {axis} axis has lost its zero; resume the survey to home it",
+                        axis=axis_id.value,
+                    )
                 )
             raise DeviceError(
-                f"the {axis_id.value} axis stands at {self._reading(axis_id).coordinate:g} "
-                f"{axis_id.unit} instead of {target:g} {axis_id.unit}; home it"
+                Message(
+                    "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
+                    "home it",
+                    axis=axis_id.value,
+                    coordinate=self._reading(axis_id).coordinate,
+                    unit=axis_id.unit,
+                    target=target,
+                )
             )
 
-    def _wait(self, condition: Callable[[], bool], limit_s: float = SILENCE_LIMIT_S) -> bool:
+    def _wait(self, condition: Callable[[], bool], limit_s: float = READING_LIMIT_S) -> bool:
         deadline_s = self._clock.now_s() + limit_s
         while not condition():
             if self._clock.now_s() > deadline_s:
@@ -248,7 +269,7 @@ class Positioner:
     def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:
         return abs(reading.coordinate - target) < 0.5 * self._parameters[axis_id].step_size
 
-    def _silent(self) -> List[AxisId]:
+    def _stale(self) -> List[AxisId]:
         readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
         return [axis_id for axis_id, reading in readings.items() if not _is_fresh(reading)]
 
@@ -256,11 +277,16 @@ class Positioner:
         reading = self._axes[axis_id].reading()
         if reading is None or not _is_fresh(reading):
             raise DeviceError(
-                f"the {axis_id.value} axis is silent: nothing on {axis_id.value}_axis/"
-                f"current_coord for {SILENCE_LIMIT_S:g} s; check that its node runs"
+                Message(
+                    "the {axis} axis has not reported its position for {limit_s:g} s; check that "
+                    "its driver runs",
+                    axis=axis_id.value,
+                    limit_s=READING_LIMIT_S,
+                    details=f"{axis_id.value}_axis/current_coord",
+                )
             )
         return reading
 
 
 def _is_fresh(reading: Optional[AxisReading]) -> bool:
-    return reading is not None and reading.age_s <= SILENCE_LIMIT_S
+    return reading is not None and reading.age_s <= READING_LIMIT_S

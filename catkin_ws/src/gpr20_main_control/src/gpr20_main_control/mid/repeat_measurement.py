@@ -1,4 +1,4 @@
-"""Comparing a point that is measured again with what was stored of it."""
+"""Comparison of a repeated measurement with the stored trace of the same point."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
 
 @dataclass(frozen=True)
 class RepeatMeasurement:
-    """How far a second measurement of a point is from the stored one.
+    """The difference between a repeated measurement of a point and its stored trace.
 
     Attributes:
-        index: The point's place in the plan.
+        index: The point's index in the plan.
         difference_db: Root mean square of the difference of S21, relative to the stored
             trace [dB]; minus infinity if they are equal.
         height_difference_m: New height minus the stored one [m]; NaN if either is missing.
@@ -27,14 +28,23 @@ class RepeatMeasurement:
     height_difference_m: float
 
     @property
-    def text(self) -> str:
+    def message(self) -> Message:
         """The comparison in one sentence."""
-        height = ""
-        if math.isfinite(self.height_difference_m):
-            height = f", the height by {1000.0 * self.height_difference_m:+.1f} mm"
-        return (
-            f"measured again as a control, point {self.index} differs by "
-            f"{self.difference_db:.1f} dB from the stored trace{height}"
+        # As text: an infinite difference has no number in JSON.
+        difference_db = f"{self.difference_db:.1f}"
+        if not math.isfinite(self.height_difference_m):
+            return Message(
+                "point {index} was measured again and differs by {difference_db} dB from the "
+                "stored trace",
+                index=self.index,
+                difference_db=difference_db,
+            )
+        return Message(
+            "point {index} was measured again and differs by {difference_db} dB from the stored "
+            "trace, the height by {height_mm:+.1f} mm",
+            index=self.index,
+            difference_db=difference_db,
+            height_mm=1000.0 * self.height_difference_m,
         )
 
 
@@ -42,8 +52,8 @@ def compare(stored: Trace, sweep: Sweep, height_m: float) -> RepeatMeasurement:
     """Compare a new sweep of a point with the stored one.
 
     Args:
-        stored: What is on the disk.
-        sweep: The new one, at the same frequencies.
+        stored: The trace on the disk.
+        sweep: The new sweep, at the same frequencies.
         height_m: The new height [m].
     """
     difference = _power(sweep.s21_real - stored.s21_real, sweep.s21_imag - stored.s21_imag)

@@ -1,6 +1,6 @@
-"""The parts of the robot as the survey sees them.
+"""The parts of the robot, as the survey uses them.
 
-Every call returns or raises `DeviceError` within a time limit of its own.
+Every call returns or raises `DeviceError` within its own time limit.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from typing import Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_survey.axes.axis_id import AxisId
@@ -21,13 +22,13 @@ from gpr20_survey.trace.trace import Trace
 
 @dataclass(frozen=True)
 class AxisReading:
-    """What an axis last said of itself.
+    """The last reading of an axis.
 
     Attributes:
-        coordinate: Where it is [mm or deg].
-        homed: Whether the coordinate is referred to the axis's zero.
+        coordinate: Position of the axis [mm or deg].
+        homed: Whether the coordinate is relative to the axis's zero.
         moving: Whether the motor is being stepped.
-        age_s: How long ago it said so [s].
+        age_s: Age of the reading [s].
     """
 
     coordinate: float
@@ -37,24 +38,43 @@ class AxisReading:
 
 
 @dataclass(frozen=True)
+class Position:
+    """The position that the axes report: x and y [mm], z [deg]."""
+
+    x_mm: float
+    y_mm: float
+    z_deg: float
+
+    @property
+    def message(self) -> Message:
+        """The position, for a sentence."""
+        return Message(
+            "x {x_mm:.9g} mm, y {y_mm:.9g} mm, z {z_deg:.9g} deg",
+            x_mm=self.x_mm,
+            y_mm=self.y_mm,
+            z_deg=self.z_deg,
+        )
+
+
+@dataclass(frozen=True)
 class MoveOutcome:
-    """How a move ended, in the words of the axis."""
+    """How a move ended, with the axis's message."""
 
     success: bool
-    message: str
+    message: Message
 
 
 class Axis(Protocol):
     """One axis of the positioner."""
 
     def reading(self) -> Optional[AxisReading]:
-        """Return what the axis last said of itself; None if it never did."""
+        """Return the last reading of the axis; None before the first."""
 
     def begin_move(self, target: float) -> None:
-        """Tell the axis to move [mm or deg] and return at once."""
+        """Begin a move to a target [mm or deg] and return at once."""
 
     def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        """Wait up to `wait_s` [s] for the end of the move; None while it goes on."""
+        """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
 
     def home(self, time_limit_s: float) -> None:
         """Home the axis and return when it is homed."""
@@ -67,10 +87,10 @@ class Analyzer(Protocol):
     """The vector network analyzer."""
 
     def connect(self, address: str) -> str:
-        """Connect, or connect again, and return the instrument's identity."""
+        """Connect or reconnect, and return the instrument's identity."""
 
     def calibration(self) -> CalibrationStatus:
-        """Return the state of the calibration, or refuse one that is not accepted."""
+        """Return the state of the calibration; raise if it is not accepted."""
 
     def configure(self, settings: SweepSettings) -> SweepSettings:
         """Configure the sweep and return what the instrument accepted."""
@@ -79,11 +99,11 @@ class Analyzer(Protocol):
         """Return the frequencies of the sweep [Hz]."""
 
     def sweep(self) -> Sweep:
-        """Take one sweep that starts now, checked, and repeated where it failed."""
+        """Take one sweep that starts now; the driver checks it and repeats a failed one."""
 
 
 class HeightSensor(Protocol):
-    """The sensor of the antenna height."""
+    """The antenna height sensor."""
 
     def height_m(self) -> float:
         """Measure the height of the antennas above the ground [m] now."""
@@ -91,12 +111,12 @@ class HeightSensor(Protocol):
 
 @dataclass(frozen=True)
 class SurveyRecord:
-    """What is known of a survey when it begins.
+    """What is known about a survey when it begins.
 
     Attributes:
         survey_id: UUID.
-        started_us: When it began [us since 1970, UTC].
-        metadata_json: Parameters, instrument and axes, as they go on disk.
+        started_us: Start time [us since 1970, UTC].
+        metadata_json: Parameters, instrument and axes, as they are stored.
         needed_bytes: Estimate of the whole survey on disk [bytes].
     """
 
@@ -111,8 +131,8 @@ class OpenedSurvey:
     """A survey that has begun.
 
     Attributes:
-        folder: Where it is.
-        interrupted: Folder of another survey that was still open and was closed; else empty.
+        folder: Path of its folder.
+        interrupted: Folder of another survey that was still open and was closed; empty if none.
     """
 
     folder: str
@@ -125,12 +145,12 @@ class ReopenedSurvey:
 
     Attributes:
         survey_id: UUID.
-        folder: Where it is.
+        folder: Path of its folder.
         metadata_json: As it was recorded at its start.
-        report_json: The last report of it; empty if there is none.
-        stored_indices: Places in the plan whose traces are on the disk.
-        last: The trace stored last; None if there is none.
-        interrupted: Folder of another survey that was still open and was closed; else empty.
+        report_json: Its last report; empty if none exists.
+        stored_indices: Indices in the plan of the traces on the disk.
+        last: The trace stored last; None if none is stored.
+        interrupted: Folder of another survey that was still open and was closed; empty if none.
     """
 
     survey_id: str
@@ -143,22 +163,22 @@ class ReopenedSurvey:
 
 
 class Storage(Protocol):
-    """The place where traces are kept."""
+    """The storage of surveys."""
 
     def open(self, record: SurveyRecord) -> OpenedSurvey:
-        """Begin a survey; one that is still open is closed as interrupted."""
+        """Begin a survey; another one that is still open is closed as interrupted."""
 
     def reopen(self, survey: str) -> ReopenedSurvey:
-        """Open a survey again, by its id or folder; another that is open is interrupted."""
+        """Reopen a survey by its id or folder; another one that is open is interrupted."""
 
     def report(self, survey_id: str, report_json: str) -> None:
-        """Keep a report of the survey beside its metadata."""
+        """Store a report of the survey beside its metadata."""
 
     def store(self, trace: Trace) -> None:
-        """Store a trace; returning means that it is durable."""
+        """Store a trace; it is durable when this returns."""
 
-    def close(self, survey_id: str, outcome: str, reason: str) -> int:
-        """End a survey and return how many traces its folder holds."""
+    def close(self, survey_id: str, outcome: str, reason: Message) -> int:
+        """Close a survey and return how many traces its folder holds."""
 
 
 @dataclass(frozen=True)
@@ -167,12 +187,12 @@ class Robot:
 
     Attributes:
         axes: The three axes.
-        analyzer: Of S21.
-        height_sensor: Of the antennas.
-        storage: Of traces.
-        nodes: The processes of all of them.
-        analyzer_calls: Through which the analyzer is set up.
-        storage_calls: Through which surveys are opened, reported and closed.
+        analyzer: The vector network analyzer.
+        height_sensor: The antenna height sensor.
+        storage: The storage of surveys.
+        nodes: The processes of all parts.
+        analyzer_calls: The calls that set up the analyzer.
+        storage_calls: The calls that open, report and close surveys.
     """
 
     axes: Mapping[AxisId, Axis]
@@ -180,6 +200,6 @@ class Robot:
     height_sensor: HeightSensor
     storage: Storage
     nodes: NodeLiveness
-    # Of all surveys: a call that one has given up must not disturb the next.
+    # Shared by all surveys: a call that one survey gave up must not disturb the next.
     analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
     storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

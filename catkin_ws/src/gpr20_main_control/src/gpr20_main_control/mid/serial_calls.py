@@ -1,4 +1,4 @@
-"""Calls that may take long, waited for without ignoring an interruption."""
+"""Calls that may take long, in waits that can be interrupted."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ POLL_S = 0.05
 
 
 class SerialCalls:
-    """Calls of one device, which are never made two at a time.
+    """Calls of one device, made one at a time.
 
-    A call that was given up may still wait for a node that is being started again, and would
-    undo there what was asked since. So the next one waits for its end, and what was given up
-    while it waited for its turn is not made at all.
+    A call that was given up may still wait for a node that is being restarted, and would undo
+    there what later calls requested. So the next call waits for its end, and a call that is given
+    up while it waits for its turn is never made.
     """
 
     def __init__(self) -> None:
@@ -28,7 +28,7 @@ class SerialCalls:
         Args:
             call: What to call. If the wait for it is given up once it has begun, it continues
                 in its thread.
-            check: Called again and again meanwhile; what it raises ends the wait.
+            check: Called repeatedly meanwhile; an error that it raises ends the wait.
         """
         return result_of(in_background(call, self._lock), check)
 
@@ -38,8 +38,8 @@ def in_background(
 ) -> Future[Result]:
     """Begin a call in a thread of its own.
 
-    The thread is a daemon: a call that hangs in a device outlives the survey that has given
-    it up, but not the node.
+    The thread is a daemon: a call that hangs in a device outlives the survey that gave it up,
+    but not the node.
 
     Args:
         call: What to call.
@@ -56,7 +56,7 @@ def in_background(
         try:
             future.set_result(call())
         except BaseException as error:
-            # Raised again where the result is asked for.
+            # Raised again by `result_of`.
             future.set_exception(error)
 
     threading.Thread(target=run, daemon=True).start()
@@ -68,11 +68,11 @@ def result_of(future: Future[Result], check: Callable[[], None]) -> Result:
 
     Args:
         future: The call.
-        check: Called again and again meanwhile; what it raises ends the wait.
+        check: Called repeatedly meanwhile; an error that it raises ends the wait.
     """
     try:
         while not wait_for_futures([future], POLL_S).done:
             check()
     finally:
-        future.cancel()  # what has begun continues
+        future.cancel()  # a call that has begun continues
     return future.result()

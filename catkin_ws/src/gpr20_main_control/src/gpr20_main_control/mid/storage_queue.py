@@ -1,4 +1,4 @@
-"""Storing beside the survey: the next move does not wait for the disk."""
+"""Storing in the background: the next move does not wait for the disk."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from collections import deque
 from typing import Callable, Deque, Optional
 
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, message_of
 from gpr20_main_control.mid.robot import Storage
 from gpr20_survey.trace.trace import Trace
 
-# Traces that may wait for the disk; when it is slower than the survey, the survey waits.
+# Traces that may wait for the disk; if there are more, the survey waits.
 CAPACITY = 4
 ATTEMPTS = 3
 RETRY_S = 1.0
@@ -22,8 +23,8 @@ POLL_S = 0.1
 class StorageQueue:
     """Stores traces one after another in a thread of its own.
 
-    A trace leaves the queue only when it is durable. After a failure everything stays
-    where it is until `retry` is called.
+    A trace leaves the queue only when it is stored durably. After a failure all traces stay in
+    the queue until `retry` is called.
     """
 
     def __init__(
@@ -33,7 +34,7 @@ class StorageQueue:
 
         Args:
             storage: Where traces go.
-            clock: Decides how long the wait before another attempt takes.
+            clock: Measures the pause between attempts.
             on_stored: Called with the number of traces stored so far and the index of the last.
         """
         self._storage = storage
@@ -50,15 +51,15 @@ class StorageQueue:
 
     @property
     def waiting(self) -> int:
-        """Number of traces that are not durable yet."""
+        """Number of traces that are not stored durably yet."""
         return len(self._traces)
 
     def put(self, trace: Trace, check: Callable[[], None]) -> None:
-        """Take over a trace; it will be stored whatever the survey does next.
+        """Accept a trace; it will be stored whatever the survey does next.
 
         Args:
-            trace: What to store. It is taken over even if an error is raised.
-            check: Called again and again while there is no room; what it raises ends the wait.
+            trace: What to store. It is accepted even if an error is raised.
+            check: Called repeatedly while there is no room; an error that it raises ends the wait.
 
         Raises:
             DeviceError: Storing has failed; the trace waits for `retry`.
@@ -69,10 +70,10 @@ class StorageQueue:
             self._wait_until_left(CAPACITY, check)
 
     def drain(self, check: Callable[[], None]) -> None:
-        """Return when every trace is durable.
+        """Return when every trace is stored durably.
 
         Args:
-            check: Called again and again meanwhile; what it raises ends the wait.
+            check: Called repeatedly meanwhile; an error that it raises ends the wait.
 
         Raises:
             DeviceError: Storing has failed.
@@ -81,7 +82,7 @@ class StorageQueue:
             self._wait_until_left(0, check)
 
     def drain_within(self, time_limit_s: float) -> None:
-        """Return when every trace is durable.
+        """Return when every trace is stored durably.
 
         Raises:
             DeviceError: Storing has failed, or it takes longer than the limit [s].
@@ -91,21 +92,25 @@ class StorageQueue:
         def check() -> None:
             if time.monotonic() > deadline_s:
                 raise DeviceError(
-                    f"{len(self._traces)} traces were not stored within {time_limit_s:g} s; "
-                    "check the disk and the processing node"
+                    Message(
+                        "{count} traces were not stored within {limit_s:g} s; check the disk and "
+                        "the storage",
+                        count=len(self._traces),
+                        limit_s=time_limit_s,
+                    )
                 )
 
         self.drain(check)
 
     def retry(self) -> None:
-        """Forget a failure and try again with the trace that failed."""
+        """Clear a failure and try again with the trace that failed."""
         with self._changed:
             self._failure = None
             self._retries += 1
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End the thread; traces that are not durable are given up."""
+        """End the thread; traces that are not stored yet are dropped."""
         self._closing.set()
         with self._changed:
             self._changed.notify_all()
@@ -121,11 +126,11 @@ class StorageQueue:
                 trace, retries = self._traces[0], self._retries
             failure = self._store(trace)
             if self._closing.is_set():
-                # Nobody waits for it any more, and another survey may have begun.
+                # The queue is closed, and another survey may have begun.
                 return
             if failure is None:
                 self._stored += 1
-                # Announced before the trace leaves: who waits for an empty queue knows of all.
+                # Announced before the trace leaves: an empty queue means that all are announced.
                 self._on_stored(self._stored, trace.index)
             with self._changed:
                 if failure is None:
@@ -141,7 +146,7 @@ class StorageQueue:
                 self._storage.store(trace)
                 return None
             except Exception as error:
-                # A fault of the software, too: it must not leave the survey waiting for ever.
+                # Faults in the software too: they must not leave the survey waiting for ever.
                 failure = error
             if self._clock.wait_s(self._closing, RETRY_S):
                 break
@@ -153,5 +158,9 @@ class StorageQueue:
             self._changed.wait(POLL_S)
         if self._failure is not None:
             raise DeviceError(
-                f"trace {self._traces[0].index} could not be stored: {self._failure}"
+                Message(
+                    "trace {index} could not be stored: {reason}",
+                    index=self._traces[0].index,
+                    reason=message_of(self._failure),
+                )
             ) from self._failure

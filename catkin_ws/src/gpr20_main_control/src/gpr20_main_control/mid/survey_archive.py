@@ -1,4 +1,4 @@
-"""One survey at the storage: its folder, its traces, its report and its end."""
+"""One survey in the storage: its folder, its traces, its report and its end."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 from typing import Callable, Optional, Tuple
 
 from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.message import Message
 from gpr20_main_control.mid.instruments import AnalyzerState
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_main_control.mid.robot import Robot, SurveyRecord
@@ -22,14 +23,14 @@ Check = Callable[[], None]
 
 
 class SurveyArchive:
-    """Keeps what a survey measures, and how much of it is durable.
+    """Stores a survey, and knows how much of it is stored durably.
 
-    Where a method takes a `check`, it is called again and again while the storage is waited
-    for; what it raises ends the wait.
+    A `check` that a method takes is called repeatedly while the method waits for the storage; an
+    error that it raises ends the wait.
 
     Attributes:
-        coverage: What became of each planned sample.
-        queue: The traces that are not durable yet.
+        coverage: The state of each planned sample.
+        queue: The traces that are not stored durably yet.
         folder: The survey's folder; empty before it is made.
     """
 
@@ -47,7 +48,7 @@ class SurveyArchive:
         self.folder = "" if reopened is None else reopened.folder
         self.coverage = Coverage(plan.total_points, plan.stored_indices)
         self._report = SurveyReport(self.coverage, "" if reopened is None else reopened.report_json)
-        # Only now: what was measured before is no change.
+        # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
         self._closing_report = ""
         self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
@@ -57,19 +58,19 @@ class SurveyArchive:
         self.queue = StorageQueue(robot.storage, clock, self._note_stored)
 
     def open(self, analyzer: AnalyzerState, check: Check) -> str:
-        """Make the survey's folder and begin its recordings, or see that they are still open.
+        """Make the survey's folder and begin its recordings, or reopen them.
 
-        The storage may have been restarted since; opening an open survey changes nothing.
+        The storage may have been restarted since; reopening an open survey changes nothing.
 
         Args:
-            analyzer: What is recorded of the analyzer.
+            analyzer: What is recorded about the analyzer.
             check: Ends the wait.
 
         Returns:
-            Folder of another survey that was still open and was closed; else empty.
+            Folder of another survey that was still open and was closed; empty if none.
 
         Raises:
-            DeviceError: There is no room, or the folder cannot be made.
+            DeviceError: The disk has no room, or the folder cannot be made.
         """
         if self.folder:
             self.reopen(check)
@@ -80,36 +81,36 @@ class SurveyArchive:
         return opened.interrupted
 
     def reopen(self, check: Check) -> None:
-        """See that the survey is still open at the storage."""
+        """Reopen the survey in the storage; if it is open, nothing changes."""
         name = PurePosixPath(self.folder).name
         self._calls.call(lambda: self._storage.reopen(name), check)
 
     def start_timing(self) -> None:
-        """Count the time from now on as time that is spent on measuring."""
+        """Begin to count time as measuring time."""
         self._measuring_since_s = self._clock.now_s()
 
     def stop_timing(self) -> None:
-        """Count the time no longer."""
+        """Stop counting time as measuring time."""
         self._measured_s = self._elapsed_s()
         self._measuring_since_s = None
 
     def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
-        """Keep how far a point that was measured again is from its stored trace."""
+        """Store the result of a repeat measurement."""
         self._report.note_repeat(repeat, time_of_day_us())
         self._send_report(self._report.to_json(), check)
 
-    def close(self, outcome: str, reason: str, check: Check) -> int:
-        """End the survey and return how many traces its folder holds."""
+    def close(self, outcome: str, reason: Message, check: Check) -> int:
+        """Close the survey and return how many traces its folder holds."""
         report_json = self._report.to_json()
         if report_json != self._closing_report:
             self._send_report(report_json, check)
-        # Not twice: a survey that was closed by a call whose answer was lost takes no report.
+        # Once: a survey that was closed by a call whose answer was lost accepts no report.
         self._closing_report = report_json
         survey_id = self._plan.survey_id
         return self._calls.call(lambda: self._storage.close(survey_id, outcome, reason), check)
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
-        # The same again if the answer to the first call was lost: the storage knows it by that.
+        # The same record again if the answer to the first call was lost: the storage knows it.
         if self._record is None or self._record[0] != analyzer:
             self._record = analyzer, survey_record(self._plan, analyzer)
         return self._record[1]
@@ -130,18 +131,18 @@ class SurveyArchive:
         return self._measured_s + self._clock.now_s() - since_s
 
 
-def interruption_remark(interrupted: str) -> str:
-    """Return what is said of a survey that was still open when another began, if any."""
+def interruption_remark(interrupted: str) -> Optional[Message]:
+    """Return a remark on the survey that was still open when another began; None if none was."""
     if not interrupted:
-        return ""
-    return (
-        f"; survey {interrupted} was still open and is closed as interrupted; resume_survey "
-        "goes on with it later"
+        return None
+    return Message(
+        "survey {survey} was still open; it is closed as interrupted and can be resumed later",
+        survey=interrupted,
     )
 
 
 def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
-    """Return what is recorded of a survey when it begins."""
+    """Return what is recorded about a survey when it begins."""
     metadata = {
         "simulated": plan.config.simulated,
         "parameters": asdict(plan.parameters),
@@ -151,7 +152,7 @@ def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
             "identity": analyzer.identity,
             "address": plan.parameters.vna_address,
             "calibration_status": int(analyzer.calibration),
-            "calibration": analyzer.calibration.meaning,
+            "calibration": str(analyzer.calibration.meaning),
             "sweep": asdict(analyzer.settings),
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},

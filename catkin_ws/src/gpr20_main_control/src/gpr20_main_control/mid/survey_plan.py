@@ -1,4 +1,4 @@
-"""What a survey will do: a new one, or one on the disk that continues."""
+"""The plan of a survey: of a new one, or of one on the disk that is resumed."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Dict, List, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.robot import ReopenedSurvey
@@ -17,22 +18,22 @@ from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.trace.trace import Trace
 
-# What of an axis decides where its coordinates are on the ground.
+# Parameters of an axis that decide where its coordinates are on the ground.
 GRID_PARAMETERS = ("step_size", "min_coord", "max_coord", "type", "homing_backoff")
 
 
 @dataclass(frozen=True)
 class SurveyPlan:
-    """What a survey will do.
+    """The plan of a survey.
 
     Attributes:
         parameters: What it measures.
         config: The robot that measures.
-        settings: How it is carried out.
+        settings: Settings of its execution.
         points: All points in the order of their visit.
-        durations_s: How long each takes [s].
+        durations_s: Duration of each point [s].
         survey_id: UUID; empty before the survey begins.
-        reopened: What the storage holds of it; None if it is new.
+        reopened: What is stored of it; None if it is new.
     """
 
     parameters: SurveyParameters
@@ -50,28 +51,28 @@ class SurveyPlan:
 
     @property
     def duration_s(self) -> float:
-        """How long the whole survey takes [s]."""
+        """Duration of the whole survey [s]."""
         return sum(self.durations_s)
 
     @property
     def last(self) -> Optional[Trace]:
-        """The trace that was stored last, of a survey that is resumed."""
+        """The trace stored last, of a survey that is resumed; None otherwise."""
         return None if self.reopened is None else self.reopened.last
 
     @property
     def stored_indices(self) -> Sequence[int]:
-        """Places of the traces that are on the disk, of a survey that is resumed."""
+        """Indices of the traces on the disk, of a survey that is resumed."""
         return () if self.reopened is None else self.reopened.stored_indices
 
     @property
     def pending(self) -> List[SurveyPoint]:
-        """The points that are not on the disk."""
+        """The points that are not on the disk yet."""
         stored = frozenset(self.stored_indices)
         return [point for point in self.points if point.index not in stored]
 
     @property
     def pending_durations_s(self) -> List[float]:
-        """How long the points that are not on the disk take [s]."""
+        """Durations of the points that are not on the disk yet [s]."""
         return [self.durations_s[point.index] for point in self.pending]
 
 
@@ -95,15 +96,20 @@ def plan_resumption(
     """Plan the rest of a survey that was cut off or ended early.
 
     Raises:
-        RequestRefusedError: The survey is another robot's, or its metadata are not whole.
+        RequestRefusedError: Another robot measured the survey, or its metadata are incomplete.
         SurveyParametersError: Its parameters are not allowed on this robot.
     """
     plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
     beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
     if beyond:
         raise RequestRefusedError(
-            f"the survey in {reopened.folder} holds trace {max(beyond)}, its parameters give only "
-            f"{plan.total_points}: its survey.json is not that of its traces"
+            Message(
+                "the survey in {folder} holds trace {index}, but its parameters give only {total} "
+                "traces: its survey.json does not belong to its traces",
+                folder=reopened.folder,
+                index=max(beyond),
+                total=plan.total_points,
+            )
         )
     return replace(plan, survey_id=reopened.survey_id, reopened=reopened)
 
@@ -115,16 +121,29 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
         simulated, axes = metadata["simulated"], metadata["axes"]
     except (ValueError, KeyError, TypeError, InvalidValueError) as error:
         raise RequestRefusedError(
-            f"the survey in {reopened.folder} cannot go on, its survey.json is not whole: {error}"
+            Message(
+                "the survey in {folder} cannot be resumed: its survey.json is incomplete",
+                folder=reopened.folder,
+                details=f"{type(error).__name__}: {error}",
+            )
         ) from error
     if simulated is not config.simulated:
-        kinds = {True: "a simulated", False: "the real"}
-        raise RequestRefusedError(
-            f"the survey in {reopened.folder} was measured by {kinds[bool(simulated)]} robot; it "
-            f"cannot go on with {kinds[config.simulated]} one"
-        )
+        raise RequestRefusedError(_other_robot(reopened.folder, config.simulated))
     _check_axes(axes, config, reopened.folder)
     return parameters
+
+
+def _other_robot(folder: str, simulated: bool) -> Message:
+    if simulated:
+        return Message(
+            "the survey in {folder} was measured by the real robot; a simulated robot cannot "
+            "resume it",
+            folder=folder,
+        )
+    return Message(
+        "the survey in {folder} was measured by a simulated robot; the real robot cannot resume it",
+        folder=folder,
+    )
 
 
 def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder: str) -> None:
@@ -134,7 +153,14 @@ def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder
             former = recorded.get(axis_id.value, {}).get(name)
             if former != present[name]:
                 raise RequestRefusedError(
-                    f"the survey in {folder} was measured with {name} {former} of the "
-                    f"{axis_id.value} axis, which is {present[name]} now: its points would lie "
-                    "elsewhere; launch with the former parameters, or start a new survey"
+                    Message(
+                        "the survey in {folder} was measured with {name} {former} of the {axis} "
+                        "axis, which is {present} now: its points would lie elsewhere; launch with "
+                        "the former parameters, or start a new survey",
+                        folder=folder,
+                        name=name,
+                        former=str(former),
+                        axis=axis_id.value,
+                        present=str(present[name]),
+                    )
                 )

@@ -1,4 +1,4 @@
-"""What is kept of a survey beside its traces: coverage and control measurements."""
+"""The report of a survey beside its traces: coverage and repeat measurements."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 from datetime import datetime, timezone
 from typing import Any, Dict, List
 
+from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_survey.plan.coverage import Coverage, SampleState
@@ -20,17 +21,17 @@ COVERAGE_LETTERS = {
 
 
 class SurveyReport:
-    """Collects what survey.json says of a survey under `report`."""
+    """Collects the entry `report` of survey.json."""
 
     def __init__(self, coverage: Coverage, former_json: str = "") -> None:
         """Begin, or continue, a report.
 
         Args:
             coverage: The state of each planned sample.
-            former_json: The report of the survey before it was resumed; empty if there is none.
+            former_json: The report of the survey before it was resumed; empty if none exists.
 
         Raises:
-            SurveyError: The former report is not one.
+            SurveyError: The former report cannot be read.
         """
         self.coverage = coverage
         self._controls = _controls_of(former_json, coverage.planned)
@@ -38,7 +39,7 @@ class SurveyReport:
             coverage.note_remeasured(control["index"])
 
     def note_repeat(self, repeat: RepeatMeasurement, time_us: int) -> None:
-        """Note that a stored point was measured again, and how far it was from the trace."""
+        """Note that a stored point was measured again, and its difference from the trace."""
         self._controls.append(
             {
                 "index": repeat.index,
@@ -50,17 +51,23 @@ class SurveyReport:
         self.coverage.note_remeasured(repeat.index)
 
     def to_json(self) -> str:
-        """Return the report as survey.json keeps it.
+        """Return the report as it is stored in survey.json.
 
         `coverage` has one letter per planned sample, in the order of the plan: m measured,
-        r measured again, f failed, - not visited.
+        r measured again, f failed, - not visited. Sentences are stored twice: as English text,
+        and as template and values for clients that translate them.
         """
-        reasons = self.coverage.reasons
+        verdict = self.coverage.verdict().message
+        reasons = sorted(self.coverage.reasons.items())
         return json.dumps(
             {
-                "verdict": self.coverage.verdict().text,
+                "verdict": str(verdict),
+                "verdict_message": _record_of(verdict),
                 "coverage": "".join(COVERAGE_LETTERS[state] for state in self.coverage.states),
-                "failed": [{"index": index, "reason": reasons[index]} for index in sorted(reasons)],
+                "failed": [
+                    {"index": index, "reason": str(reason), "reason_message": _record_of(reason)}
+                    for index, reason in reasons
+                ],
                 "controls": self._controls,
             }
         )
@@ -73,10 +80,22 @@ def _controls_of(former_json: str, planned: int) -> List[Dict[str, Any]]:
         controls = json.loads(former_json)["controls"]
         controls = [{**control, "index": int(control["index"])} for control in controls]
         if not all(0 <= control["index"] < planned for control in controls):
-            raise ValueError("a control measurement is not of one of the planned samples")
+            raise ValueError("a repeat measurement is not of a planned sample")
         return controls
     except (ValueError, TypeError, KeyError) as error:
-        raise SurveyError(f"the survey's former report cannot be read: {error!r}") from error
+        raise SurveyError(
+            Message("the report in the survey's survey.json cannot be read", details=repr(error))
+        ) from error
+
+
+def _record_of(message: Message) -> Any:
+    record = json.loads(message.to_json())
+    try:
+        json.dumps(record, allow_nan=False)
+    except ValueError:
+        # The storage refuses a report with NaN or infinity, which strict JSON does not have.
+        return json.loads(verbatim(str(message)).to_json())
+    return record
 
 
 def _finite_or_none(value: float) -> Any:

@@ -1,4 +1,4 @@
-"""What the control says of itself, in one place."""
+"""The status of the main control, in one place."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import threading
 from dataclasses import dataclass, replace
 from typing import Callable, Optional
 
+from gpr20_common.message import Message
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState, check_transition
+
+NO_PARAMETERS = Message("Set the parameters of a survey.")
 
 
 @dataclass(frozen=True)
@@ -18,39 +21,39 @@ class Status:
 
     Attributes:
         state: What it is doing.
-        message: The same for people, or what went wrong and what to do.
+        message: What it is doing, or what went wrong and what to do.
         survey_id: The current or last survey; empty before the first.
-        target: The point that is being visited; None while no survey runs.
+        target: The point being visited; None while no survey runs.
         total_points: Traces of the plan.
-        visited_points: Traces that are durable.
+        visited_points: Traces that are stored durably.
         remaining_s: Time to the end [s].
-        missing: Nodes that do not answer, in a sentence; empty if all do.
+        missing: Which nodes do not answer; None if all answer.
     """
 
     state: SurveyState = SurveyState.IDLE
-    message: str = "set the parameters of a survey"
+    message: Message = NO_PARAMETERS
     survey_id: str = ""
     target: Optional[SurveyPoint] = None
     total_points: int = 0
     visited_points: int = 0
     remaining_s: float = 0.0
-    missing: str = ""
+    missing: Optional[Message] = None
 
     @property
-    def text(self) -> str:
-        """The message, and which nodes are missing."""
-        if not self.missing or self.missing in self.message:
+    def full_message(self) -> Message:
+        """The message, preceded by a warning if nodes are missing."""
+        if self.missing is None:
             return self.message
-        return f"{self.message}; {self.missing}"
+        return Message("Warning: {warning}. {status}", warning=self.missing, status=self.message)
 
     @property
     def completion_percent(self) -> float:
-        """Part of the plan that is durable [%]."""
+        """Part of the plan that is stored durably [%]."""
         return 100.0 * self.visited_points / self.total_points if self.total_points else 0.0
 
 
 class SurveyStatus:
-    """Holds the status, lets only legal transitions pass, and announces every change."""
+    """Holds the status, allows only legal transitions, and announces every change."""
 
     def __init__(
         self,
@@ -64,8 +67,8 @@ class SurveyStatus:
             on_change: Called with the status before and after each change.
             on_parameters: Called with the parameters of the next or present survey when they
                 change.
-            on_coverage: Called with the coverage of the present survey at every change of it,
-                and the survey's id.
+            on_coverage: Called with the coverage of the present survey and the survey's id when
+                the coverage changes.
         """
         self._on_change = on_change
         self._on_parameters = on_parameters
@@ -78,31 +81,31 @@ class SurveyStatus:
         """The status now."""
         return self._status
 
-    def enter(self, state: SurveyState, message: str) -> None:
-        """Go to another state.
+    def enter(self, state: SurveyState, message: Message) -> None:
+        """Enter another state.
 
         Raises:
-            TransitionError: It cannot follow the present one.
+            TransitionError: It cannot follow the present state.
         """
         with self._lock:
             check_transition(self._status.state, state)
             target = self._status.target if state.running else None
             self._change(replace(self._status, state=state, message=message, target=target))
 
-    def set_message(self, message: str) -> None:
-        """Change the message in the same state."""
+    def set_message(self, message: Message) -> None:
+        """Change the message without changing the state."""
         with self._lock:
             self._change(replace(self._status, message=message))
 
-    def set_missing(self, missing: str) -> None:
-        """Say which nodes do not answer; empty if all do."""
+    def set_missing(self, missing: Optional[Message]) -> None:
+        """Set which nodes do not answer; None if all answer."""
         with self._lock:
             self._change(replace(self._status, missing=missing))
 
     def begin_survey(
         self, survey_id: str, total_points: int, visited_points: int, planned_s: float
     ) -> None:
-        """Begin to count a survey, of which some points may be stored already."""
+        """Begin the progress of a survey, of which some points may be stored already."""
         with self._lock:
             self._change(
                 replace(
@@ -115,12 +118,12 @@ class SurveyStatus:
             )
 
     def set_target(self, target: SurveyPoint) -> None:
-        """Note the point that is being visited."""
+        """Set the point being visited."""
         with self._lock:
             self._change(replace(self._status, target=target))
 
     def set_progress(self, visited_points: int, remaining_s: float) -> None:
-        """Note how far the survey is."""
+        """Set the progress of the survey."""
         with self._lock:
             self._change(
                 replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
@@ -131,7 +134,7 @@ class SurveyStatus:
         self._on_parameters(parameters)
 
     def show_coverage(self, coverage: Coverage) -> None:
-        """Announce what became of each sample of the present survey."""
+        """Announce the state of each sample of the present survey."""
         self._on_coverage(coverage, self._status.survey_id)
 
     def _change(self, status: Status) -> None:

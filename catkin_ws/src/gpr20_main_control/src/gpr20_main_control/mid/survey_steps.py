@@ -1,4 +1,4 @@
-"""The steps of a survey in their order; `engine` carries them out."""
+"""The steps of a survey in their order; `engine` executes them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Open:
-    """Make the survey's folder, or see that the storage has it open still."""
+    """Make the survey's folder, or reopen it."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Home:
 
 @dataclass(frozen=True)
 class Repeat:
-    """Measure a stored point again as a control, and compare."""
+    """Measure a stored point again and compare the two."""
 
     point: SurveyPoint
 
@@ -55,14 +55,14 @@ class Measure:
 
 @dataclass(frozen=True)
 class Store:
-    """Hand what was measured at a point to the storage, which works beside the next steps."""
+    """Pass the trace of a point to the storage, which works in the background."""
 
     point: SurveyPoint
 
 
 @dataclass(frozen=True)
 class Finish:
-    """Wait until everything is stored, and end the survey."""
+    """Wait until everything is stored, and close the survey."""
 
 
 Step = Union[Check, Open, Home, Repeat, Checkpoint, Move, Measure, Store, Finish]
@@ -70,13 +70,13 @@ Step = Union[Check, Open, Home, Repeat, Checkpoint, Move, Measure, Store, Finish
 
 @dataclass
 class SurveyProgress:
-    """How far a survey is, which decides on the steps that are left.
+    """The progress of a survey, which decides on the remaining steps.
 
     Attributes:
         measured: How many of the plan's pending points are measured.
         last: The trace that was measured last; None before the first.
-        home_every_axis: Whether every axis must be homed, as it was not this control which
-            homed them for the traces that are stored.
+        home_every_axis: Whether every axis must be homed, because the stored traces were measured
+            before this process homed the axes.
         repeat_last: Whether an axis was homed since the last trace was measured.
     """
 
@@ -87,7 +87,7 @@ class SurveyProgress:
 
     @classmethod
     def at_start(cls, plan: SurveyPlan) -> SurveyProgress:
-        """Return the progress of a survey that begins, or is resumed from its folder."""
+        """Return the progress of a survey that begins or is resumed from its folder."""
         resumed = plan.reopened is not None
         return cls(0, plan.last, home_every_axis=resumed, repeat_last=resumed)
 
@@ -95,7 +95,7 @@ class SurveyProgress:
         """Note that the axes are homed.
 
         Args:
-            any_axis: Whether any of them had to be.
+            any_axis: Whether any axis had to be homed.
         """
         self.home_every_axis = False
         self.repeat_last = self.repeat_last or any_axis
@@ -107,14 +107,14 @@ class SurveyProgress:
 
 
 def survey_steps(plan: SurveyPlan, progress: SurveyProgress) -> Iterator[Step]:
-    """Yield the steps from where a survey is to its end.
+    """Yield the remaining steps of a survey.
 
-    A survey that was interrupted is continued by asking for its steps again.
+    An interrupted survey is continued by calling this again.
 
     Args:
         plan: What the survey measures.
-        progress: How far it is. Carrying out the steps brings it forward; whether the last
-            point is measured again is decided by it only once the axes are homed.
+        progress: The progress so far. Executing the steps updates it; whether the last point is
+            measured again is read from it after the axes are homed.
     """
     yield Check()
     yield Open()

@@ -18,7 +18,7 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 
 
 def main() -> None:
-    """Run one axis of the simulated robot; its group's name, x_axis, tells which."""
+    """Run one axis of the simulated robot; the name of its group, such as x_axis, says which."""
     run_device("axis_driver", AxisParameters, build_simulated_axis, SimulatedPart.PARAMETERS)
 
 

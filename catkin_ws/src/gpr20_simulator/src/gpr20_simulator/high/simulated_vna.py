@@ -9,6 +9,7 @@ from typing import Optional
 import rospy
 
 from gpr20_common.high.node import run_device
+from gpr20_common.message import Message
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.shared_state import SharedState
 from gpr20_vna_acquisition.errors import VnaConnectionError
@@ -32,8 +33,11 @@ def simulated_port(state: SharedState) -> int:
         time.sleep(PORT_POLL_S)
     if state.vna_port == 0:
         raise VnaConnectionError(
-            f"the simulated VNA does not listen after {PORT_LIMIT_S:g} s; "
-            "check that the node simulator runs"
+            Message(
+                "the simulated VNA does not listen after {limit_s:g} s; check that the simulator "
+                "is running",
+                limit_s=PORT_LIMIT_S,
+            )
         )
     return state.vna_port
 

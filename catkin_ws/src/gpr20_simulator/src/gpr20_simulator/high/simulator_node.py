@@ -9,9 +9,12 @@ from typing import Any
 import rospy
 
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.services import advertise
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import CaptureFolder
@@ -65,8 +68,8 @@ class SimulatorNode:
 
     def _set_fault(self, request: Any) -> SetFaultResponse:
         message = self._switch.set(request.device, request.fault, request.count)
-        rospy.logwarn(message)
-        return SetFaultResponse(success=True, message=message)
+        rospy.logwarn("%s", message)
+        return SetFaultResponse(success=True, **message_fields(message))
 
     def _health(self) -> Health:
         sweeper, faults = self._vna.sweeper, self._switch.names()
@@ -81,10 +84,11 @@ class SimulatorNode:
             "faults": faults or "none",
         }
         if self._vna.instrument.network_lost:
-            return ERROR, "SIMULATED VNA was reset and lost its network settings", values
+            lost = Message("The SIMULATED VNA was reset and lost its network settings")
+            return ERROR, lost, values
         if faults:
-            return WARN, f"SIMULATED robot has faults: {faults}", values
-        return OK, "SIMULATED robot works", values
+            return WARN, Message("The SIMULATED robot has faults: {faults}", faults=faults), values
+        return OK, Message("The SIMULATED robot works"), values
 
     def _stop(self) -> None:
         self._part.state.vna_port = 0
@@ -124,5 +128,9 @@ def _capture(folder: str) -> Capture:
         return CaptureFolder(Path(folder).expanduser()).save
     except OSError as error:
         raise SimulatorError(
-            f"capture_dir {folder} cannot be used: {error.strerror}; give a folder that can be made"
+            Message(
+                "capture_dir {folder} cannot be used: {reason}; give a folder that can be created",
+                folder=folder,
+                reason=os_reason(error),
+            )
         ) from error

@@ -1,1 +1,1 @@
-"""What stands in for wires: pins, SPI, VXI-11, the shared record of the truth."""
+"""What replaces the wires: pins, SPI, VXI-11, the shared record of the truth."""

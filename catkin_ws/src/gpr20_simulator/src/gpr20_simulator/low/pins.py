@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Dict, Iterable, Optional, Protocol, Union
 
-from gpr20_common.errors import Gpr20Error
 
-
-class PinError(Gpr20Error, RuntimeError):
+class PinError(RuntimeError):
     """The pins were used in a way that the real ones refuse."""
 
 

@@ -1,4 +1,4 @@
-"""The portmapper: tells clients on which port a program listens."""
+"""The portmapper: answers on which port a program listens."""
 
 from __future__ import annotations
 

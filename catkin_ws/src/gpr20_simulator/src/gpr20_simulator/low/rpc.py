@@ -7,8 +7,6 @@ import struct
 from dataclasses import dataclass
 from typing import Callable, Mapping, Optional, Protocol
 
-from gpr20_common.errors import Gpr20Error
-
 _UINT = struct.Struct(">I")
 _INT = struct.Struct(">i")
 RPC_VERSION = 2
@@ -17,7 +15,7 @@ NULL_PROCEDURE = 0
 AUTH_NONE = bytes(8)
 
 
-class XdrError(Gpr20Error, ValueError):
+class XdrError(ValueError):
     """The bytes are not what the protocol says should stand here."""
 
 

@@ -8,6 +8,8 @@ import threading
 from typing import Callable, List, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
 
 LAST_FRAGMENT = 0x80000000
@@ -18,7 +20,7 @@ STOP_TIMEOUT_S = 5.0
 
 
 class ListenError(Gpr20Error, OSError):
-    """The server cannot listen where it was told to."""
+    """The server cannot listen on the given address."""
 
 
 class RpcConnection:
@@ -42,7 +44,7 @@ class RpcConnection:
             return True
 
     def drop(self) -> None:
-        """Close the connection from any thread; whoever reads from it finds its end."""
+        """Close the connection from any thread; a reader of it finds its end."""
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
@@ -224,14 +226,19 @@ def bound_socket(kind: socket.SocketKind, host: str, port: int) -> socket.socket
     except OSError as error:
         sock.close()
         raise ListenError(
-            f"cannot listen on {host} port {port}: {error.strerror}; "
-            "free the port, choose another one, or (below 1024) run as root"
+            Message(
+                "cannot listen on {host} port {port}: {reason}; free the port, choose another one, "
+                "or run as root for a port below 1024",
+                host=host,
+                port=port,
+                reason=os_reason(error),
+            )
         ) from error
     return sock
 
 
 def shut_down(sock: socket.socket) -> None:
-    """Wake whoever waits on a listening or a datagram socket."""
+    """Wake the thread that waits on a listening or a datagram socket."""
     try:
         sock.shutdown(socket.SHUT_RDWR)
     except OSError:

@@ -17,6 +17,8 @@ from pathlib import Path
 from typing import Mapping, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message, verbatim
+from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.axis_id import AxisId
 
 LAYOUT = 0x47505232_00000003
@@ -93,7 +95,9 @@ class SharedState:
     def set_endstop_fault(self, axis: AxisId, fault: EndstopFault) -> None:
         """Break or repair the endstop of the x or y axis."""
         if axis not in AXES_WITH_ENDSTOP:
-            raise SharedStateError(f"the {axis.value} axis has no endstop that could fail")
+            raise SharedStateError(
+                Message("the {axis} axis has no endstop that could fail", axis=axis.value)
+            )
         self._words.endstop_fault[INDEX[axis]] = fault
 
     @property
@@ -135,12 +139,21 @@ def open_shared_state(
         while memory is None:
             memory = _map(path, start_steps or {})
     except (OSError, ValueError) as error:
-        raise SharedStateError(f"the simulated robot's {path} cannot be opened: {error}") from error
+        reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
+        raise SharedStateError(
+            Message(
+                "the simulated robot's file {path} cannot be opened: {reason}",
+                path=path,
+                reason=reason,
+            )
+        ) from error
     if len(memory) == ctypes.sizeof(_Words):
         words = _Words.from_buffer(memory)
         if words.layout == LAYOUT:
             return SharedState(words)
-    raise SharedStateError(f"{path} is no simulated robot of this version; remove it")
+    raise SharedStateError(
+        Message("{path} is not a simulated robot of this version; remove the file", path=path)
+    )
 
 
 def _map(path: Path, start_steps: Mapping[AxisId, int]) -> Optional[mmap.mmap]:

@@ -12,7 +12,7 @@ RESULT_BITS = 10
 
 
 class SimulatedSpi:
-    """Answers bit by bit as the converter does, wherever the start bit stands."""
+    """Answers bit by bit as the converter does, wherever the start bit is."""
 
     def __init__(self, convert: Callable[[int], int]) -> None:
         """Put a converter on the bus.
@@ -55,7 +55,7 @@ class SimulatedSpi:
         channel = int("".join(map(str, channel_bits)), 2)
         # Between two inputs of a differential pair there is nothing on this robot.
         code = self._convert(channel) if single_ended else 0
-        # The null bit and the result, then zeros for as long as the clock goes on.
+        # The null bit and the result, then zeros for as long as the clock runs.
         null_bit = start + 1 + CONFIGURATION_BITS + SAMPLING_BITS
         result = [code >> shift & 1 for shift in range(RESULT_BITS)[::-1]]
         for i, bit in enumerate([0] + result + [0] * len(sent)):

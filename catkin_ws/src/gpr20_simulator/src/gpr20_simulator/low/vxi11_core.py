@@ -94,7 +94,7 @@ class CoreChannel:
         device: What is served, as `inst0`.
         links: The links of all connections.
         limits: What the server bears.
-        abort_port: Port of the abort channel, told to each client.
+        abort_port: Port of the abort channel, sent to each client.
         misbehave: Called when the device wants the network to fail; no reply follows.
     """
 

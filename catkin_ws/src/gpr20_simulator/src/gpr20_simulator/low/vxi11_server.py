@@ -27,7 +27,7 @@ class Vxi11Server:
         host: Address to listen on; nobody but this machine reaches the default.
         port: Port of the core channel; 0: any free one.
         portmapper_port: Port of an own portmapper (111 is where clients look; 0: any free
-            one); None: none, clients must be told the port.
+            one); None: no portmapper, clients must know the port.
         limits: What the server bears.
 
     Raises:

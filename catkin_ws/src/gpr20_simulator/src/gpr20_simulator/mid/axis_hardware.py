@@ -34,7 +34,7 @@ class SimulatedHardware:
         axis: Which axis this is.
         mechanics: What its motor moves.
         time_scale: How many times faster than the real robot it moves.
-        first_steps: Where the motor stands when the robot is switched on [motor steps].
+        first_steps: Where the motor is when the robot is switched on [motor steps].
     """
 
     name: ClassVar[str] = "simulated DRV8825"

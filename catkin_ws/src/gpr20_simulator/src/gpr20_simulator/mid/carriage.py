@@ -34,7 +34,7 @@ def mechanics_of(robot: RobotMechanics, axis: AxisId) -> AxisMechanics:
 
 
 def start_steps(robot: RobotMechanics) -> Dict[AxisId, int]:
-    """Return where each axis stands when the robot is switched on [motor steps]."""
+    """Return where each axis is when the robot is switched on [motor steps]."""
     mechanics = {axis: mechanics_of(robot, axis) for axis in AxisId}
     return {axis: _steps(mechanics[axis], mechanics[axis].start) for axis in AxisId}
 

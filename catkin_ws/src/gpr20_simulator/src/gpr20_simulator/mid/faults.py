@@ -6,6 +6,7 @@ import enum
 import threading
 from typing import Dict, Type
 
+from gpr20_common.message import Message
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
 from gpr20_survey.axes.axis_id import AxisId
@@ -51,11 +52,19 @@ class FaultBoard:
             FaultError: There is no such fault, or the count is not allowed.
         """
         if not 0 <= count <= MOST_TIMES:
-            raise FaultError(f"count is {count}; it must lie between 0 and {MOST_TIMES}")
+            raise FaultError(
+                Message(
+                    "{name} is {value}; it must lie between {lower} and {upper}",
+                    name="count",
+                    value=count,
+                    lower=0,
+                    upper=MOST_TIMES,
+                )
+            )
         fault = next((one for one in VnaFault if one.value == name.upper()), None)
         if fault is None:
             names = ", ".join(one.value for one in VnaFault)
-            raise FaultError(f"unknown fault '{name[:40]}'; allowed are NONE, {names}")
+            raise _unknown_fault(name, f"NONE, {names}")
         with self._lock:
             self._left[fault] = count
 
@@ -99,7 +108,7 @@ class FaultSwitch:
         self._state = state
         self._vna_faults = vna_faults
 
-    def set(self, device: str, fault: str, count: int) -> str:
+    def set(self, device: str, fault: str, count: int) -> Message:
         """Switch a fault on, or with "none" all faults of the device off.
 
         Args:
@@ -108,7 +117,7 @@ class FaultSwitch:
             count: How many times a fault of the analyzer strikes; 0: until switched off.
 
         Returns:
-            A sentence that says what is so now.
+            The fault that is on now.
 
         Raises:
             FaultError: Device, fault or count is not allowed; the message lists what is.
@@ -122,9 +131,21 @@ class FaultSwitch:
             self._state.set_endstop_fault(ENDSTOPS[device], chosen)
         else:
             devices = ", ".join((VNA, *ENDSTOPS, ADC))
-            raise FaultError(f"unknown device '{device[:40]}'; allowed are {devices}")
-        times = f", {count} times" if count else ""
-        return f"SIMULATED {device}: fault {fault.upper()}{times}"
+            raise FaultError(
+                Message(
+                    "unknown device '{device}'; allowed are {allowed}",
+                    device=device[:40],
+                    allowed=devices,
+                )
+            )
+        if count:
+            return Message(
+                "SIMULATED {device}: fault {fault}, {count} times",
+                device=device,
+                fault=fault.upper(),
+                count=count,
+            )
+        return Message("SIMULATED {device}: fault {fault}", device=device, fault=fault.upper())
 
     def names(self) -> str:
         """Return the faults that are on, for people; empty if there is none."""
@@ -147,10 +168,19 @@ class FaultSwitch:
 def _name_of(faults: Type[enum.IntEnum], fault: str, count: int) -> str:
     if count != 0:
         raise FaultError(
-            f"count is {count}; faults of endstops and converter stay until they are set to none, "
-            "so it must be 0"
+            Message(
+                "count is {count}; it must be 0, because faults of endstops and converter stay "
+                "until they are set to none",
+                count=count,
+            )
         )
     if fault.upper() not in faults.__members__:
         allowed = ", ".join(faults.__members__)
-        raise FaultError(f"unknown fault '{fault[:40]}'; allowed are {allowed}")
+        raise _unknown_fault(fault, allowed)
     return fault.upper()
+
+
+def _unknown_fault(fault: str, allowed: str) -> FaultError:
+    return FaultError(
+        Message("unknown fault '{fault}'; allowed are {allowed}", fault=fault[:40], allowed=allowed)
+    )

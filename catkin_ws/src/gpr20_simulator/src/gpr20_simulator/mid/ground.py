@@ -134,7 +134,7 @@ class Ground:
         )
 
     def _path_from(self, position: AntennaPosition, height_m: float, side: float) -> RefractedPath:
-        """Return the paths from one antenna, which stands to one side of the middle."""
+        """Return the paths from one antenna, which is to one side of the middle."""
         rotation_rad = math.radians(position.rotation_deg)
         offset_m = side * self._scene.antennas.separation_m
         x_m = position.x_mm / 1000.0 + offset_m * math.cos(rotation_rad)

@@ -125,8 +125,8 @@ class SimulatedVna:
                 return answer(numbers, command.argument)
         for setting in SETTINGS:
             numbers = setting.header.match(command.header)
-            if numbers is not None and setting.tell is not None:
-                return setting.tell(self._settings, numbers)
+            if numbers is not None and setting.reply is not None:
+                return setting.reply(self._settings, numbers)
         return None
 
     def _command(self, command: ScpiCommand) -> None:

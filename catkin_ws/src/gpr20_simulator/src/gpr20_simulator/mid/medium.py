@@ -44,7 +44,7 @@ class PositionProbe:
     """Answers with the number of the sweep and the position, instead of physics.
 
     The real part is the number of the sweep, exact in a float32 up to 16 million. The
-    imaginary part is x_mm + y_mm / 1000: whole millimetres can be told apart exactly
+    imaginary part is x_mm + y_mm / 1000: whole millimetres can be distinguished exactly
     (x below 1000, y from 0 to 999), and any movement of 0.01 mm along X or 0.1 mm along
     Y changes it. The rotation does not appear.
     """

@@ -1,4 +1,4 @@
-"""What the simulated robot consists of and stands over: the scene file.
+"""What the simulated robot consists of and what is below it: the scene file.
 
 Every key has a default but those that only the user can know (a target's place), so a
 scene file says only what is special about it.
@@ -12,8 +12,10 @@ from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.yaml_file import read_yaml
+from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+from gpr20_common.message import Message
 from gpr20_common.mid.records import bounded, record_from
+from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SceneError
 
 
@@ -122,7 +124,7 @@ class AxisMechanics:
 
     Attributes:
         size_per_step: Travel of one motor step [mm or deg].
-        start: Where the axis stands when the robot is switched on [mm or deg].
+        start: Where the axis is when the robot is switched on [mm or deg].
         endstop: The endstop is pressed at this place and below; None: there is none.
         lower_stop: The axis cannot go lower [mm or deg].
         upper_stop: The axis cannot go higher [mm or deg].
@@ -225,14 +227,23 @@ class Scene:
         highest_m = self._surface_extent_m()
         if highest_m > self.antennas.height_m - 0.02:
             raise SceneError(
-                f"the surface rises up to {highest_m:.3g} m within the axes, the antennas are at "
-                f"{self.antennas.height_m:g} m; leave at least 0.02 m between them"
+                Message(
+                    "the surface rises up to {highest_m:.3g} m within the axes and the antennas "
+                    "are at {antennas_m:g} m; leave at least 0.02 m between them",
+                    highest_m=highest_m,
+                    antennas_m=self.antennas.height_m,
+                )
             )
         for target in self.targets:
             if target.depth_m <= highest_m:
                 raise SceneError(
-                    f"target '{target.name}' is {target.depth_m:g} m deep, but the surface dips "
-                    f"up to {highest_m:.3g} m; bury it deeper than that"
+                    Message(
+                        "target '{target}' is {depth_m:g} m deep, but the surface dips up to "
+                        "{dip_m:.3g} m; bury it deeper than that",
+                        target=target.name,
+                        depth_m=target.depth_m,
+                        dip_m=highest_m,
+                    )
                 )
 
     def _surface_extent_m(self) -> float:
@@ -249,8 +260,14 @@ def _check_axis(place: str, axis: AxisMechanics) -> None:
     for name, value in (("start", axis.start), ("endstop", axis.endstop)):
         if value is not None and not axis.lower_stop <= value <= axis.upper_stop:
             raise SceneError(
-                f"{place}.{name} is {value:g}; it must lie between the hard stops "
-                f"{axis.lower_stop:g} and {axis.upper_stop:g}"
+                Message(
+                    "{place} is {value:g}; it must lie between the hard stops {lower:g} and "
+                    "{upper:g}",
+                    place=f"{place}.{name}",
+                    value=value,
+                    lower=axis.lower_stop,
+                    upper=axis.upper_stop,
+                )
             )
 
 
@@ -262,12 +279,17 @@ def read_scene(path: str) -> Scene:
     """
     try:
         values = read_yaml(path)
-    except (OSError, ValueError) as error:
-        raise SceneError(f"scene file {path} cannot be read: {error}") from error
+    except (OSError, YamlFileError) as error:
+        reason = os_reason(error) if isinstance(error, OSError) else error.message
+        raise SceneError(
+            Message("the scene file {path} cannot be read: {reason}", path=path, reason=reason)
+        ) from error
     try:
         return record_from(Scene, values, "scene")
     except InvalidValueError as error:
-        raise SceneError(f"scene file {path}: {error}") from error
+        raise SceneError(
+            Message("the scene file {path}: {reason}", path=path, reason=error.message)
+        ) from error
 
 
 def amplitude(level_db: float) -> float:

@@ -6,15 +6,13 @@ import re
 from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
-from gpr20_simulator.errors import SimulatorError
-
 _LEVEL = re.compile(r"(\[?):([A-Za-z]+)(#?)(\]?)")
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d{1,3})?)\s*([A-Za-z]*)")
 # Units of frequency; MAHZ is mega as well, because SCPI's MHZ could be read as milli.
 _HERTZ = {"": 1.0, "HZ": 1.0, "KHZ": 1e3, "MHZ": 1e6, "MAHZ": 1e6, "GHZ": 1e9}
 
 
-class ScpiError(SimulatorError, ValueError):
+class ScpiError(ValueError):
     """A value that the instrument does not accept."""
 
 
@@ -37,7 +35,7 @@ class HeaderPattern:
     """A documented header, such as `[:SENSe]:TRACe#:SPARams`.
 
     Capitals are the short form, all letters the long one, nothing between is accepted;
-    brackets hold what may be left out, and `#` stands for a number, 1 if it is missing.
+    brackets hold what may be left out, and `#` means a number, 1 if it is missing.
     """
 
     def __init__(self, pattern: str) -> None:

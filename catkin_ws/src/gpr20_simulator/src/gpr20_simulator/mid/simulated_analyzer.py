@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
@@ -32,7 +33,9 @@ def medium_by_name(name: str, scene: Scene) -> SweptMedium:
         return Ground(scene)
     if name == "position_probe":
         return PositionProbe()
-    raise MediumError(f"unknown medium '{name[:40]}'; allowed are scene, position_probe")
+    raise MediumError(
+        Message("unknown medium '{name}'; use scene or position_probe", name=name[:40])
+    )
 
 
 @dataclass(frozen=True)

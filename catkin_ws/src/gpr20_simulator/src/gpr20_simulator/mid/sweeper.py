@@ -93,7 +93,7 @@ class Sweeper:
 
     @property
     def is_running(self) -> bool:
-        """Whether a sweep goes on now."""
+        """Whether a sweep is running."""
         with self._lock:
             return self._running
 
@@ -127,7 +127,7 @@ class Sweeper:
             return self._frequency_hz, self._data.copy()
 
     def configure(self, plan: SweepPlan) -> None:
-        """Sweep something else from now on; a sweep in progress begins anew."""
+        """Sweep something else from now on; a sweep in progress restarts."""
         with self._lock:
             if plan == self._plan:
                 return
@@ -148,7 +148,7 @@ class Sweeper:
             self._averaged = 0
 
     def trigger(self, stale: bool = False) -> None:
-        """Run one sweep and hold again; a running series only begins its sweep anew.
+        """Run one sweep and hold again; a running series only restarts its sweep.
 
         Args:
             stale: A fault: report the sweep as complete at once and throw its data away.

@@ -21,7 +21,7 @@ FREQUENCY_DIGITS = 12
 TRUNCATED_BYTES = 9
 NAN_EVERY = 50
 # S11 and S22 are those of an antenna that reflects alike at all frequencies: good enough
-# to be told from S21, which is all that a survey needs of them.
+# to be distinguished from S21, which is all that a survey needs of them.
 REFLECTION = 0.3
 REFLECTION_DELAY_S = 1e-9
 BOARD_TEMPERATURE_QUARTERS = 160

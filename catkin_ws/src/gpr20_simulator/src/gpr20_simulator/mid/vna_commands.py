@@ -17,16 +17,16 @@ SWEEP_TYPES = ("SINGle", "CONTinuous", "EXTernal")
 
 @dataclass(frozen=True)
 class Setting:
-    """A header that stores a value, tells it, or both.
+    """A header that stores a value, returns it, or both.
 
     Attributes:
         header: The header as documented.
-        tell: Makes the text of the reply; None: cannot be asked.
+        reply: Makes the text of the reply; None: cannot be asked.
         store: Changes the settings; None: cannot be set.
     """
 
     header: HeaderPattern
-    tell: Optional[Callable[[VnaSettings, Numbers], str]]
+    reply: Optional[Callable[[VnaSettings, Numbers], str]]
     store: Optional[Callable[[VnaSettings, Numbers, str], None]]
 
 
@@ -54,10 +54,10 @@ def trace_of(settings: VnaSettings, numbers: Numbers) -> TraceSettings:
 
 def _setting(
     header: str,
-    tell: Optional[Callable[[VnaSettings, Numbers], str]],
+    reply: Optional[Callable[[VnaSettings, Numbers], str]],
     store: Optional[Callable[[VnaSettings, Numbers, str], None]],
 ) -> Setting:
-    return Setting(HeaderPattern(header), tell, store)
+    return Setting(HeaderPattern(header), reply, store)
 
 
 def _store_start(settings: VnaSettings, _n: Numbers, text: str) -> None:

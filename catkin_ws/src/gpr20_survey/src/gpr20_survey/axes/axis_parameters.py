@@ -6,9 +6,10 @@ import enum
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import PurePosixPath
-from typing import Optional
+from typing import Optional, Type
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 
 # Pins of the 40-pin header that carry a GPIO line, in BOARD numbering (Raspberry Pi 4).
@@ -99,16 +100,20 @@ class AxisParameters:
         for name, pin in pins.items():
             if pin not in BOARD_PINS:
                 raise InvalidValueError(
-                    f"{name} is {pin}; it must be the BOARD number of a GPIO pin: "
-                    f"{', '.join(map(str, sorted(BOARD_PINS)))}"
+                    Message(
+                        "{name} is {pin}; it must be the BOARD number of a GPIO pin: {pins}",
+                        name=name,
+                        pin=pin,
+                        pins=", ".join(map(str, sorted(BOARD_PINS))),
+                    )
                 )
         if len(set(pins.values())) != len(pins):
             listed = ", ".join(f"{name} {pin}" for name, pin in pins.items())
-            raise InvalidValueError(f"{listed}: each must be a pin of its own")
+            raise InvalidValueError(Message("{pins}: all pins must be different", pins=listed))
 
     def _check_sizes(self) -> None:
         if self.type not in {one.value for one in AxisType}:
-            raise InvalidValueError(f"type is '{self.type}'; it must be LIN or ROT")
+            raise InvalidValueError(_not_one_of("type", self.type, AxisType))
         number_between("step_size", self.step_size, MIN_STEP_SIZE, MAX_STEP_SIZE, self.unit)
         number_between("delta_step", self.delta_step, MIN_DELTA_S, MAX_PAUSE_S, "s")
         number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
@@ -117,13 +122,21 @@ class AxisParameters:
         number_between("max_coord", self.max_coord, self.min_coord, 1.0e5, self.unit)
         if self.max_coord - self.min_coord < self.step_size:
             raise InvalidValueError(
-                f"max_coord is {self.max_coord:g} {self.unit}; it must be at least one step, "
-                f"{self.step_size:g} {self.unit}, above min_coord, {self.min_coord:g} {self.unit}"
+                Message(
+                    "max_coord is {upper:g} {unit}; it must be at least one step, {step:g} {unit}, "
+                    "above min_coord, {lower:g} {unit}",
+                    upper=self.max_coord,
+                    step=self.step_size,
+                    lower=self.min_coord,
+                    unit=self.unit,
+                )
             )
         if self.sensor_pin is None and self.type == AxisType.LINEAR.value:
             raise InvalidValueError(
-                "sensor_pin is missing; a linear axis finds its zero by its endstop. Give the pin, "
-                "or ROT as type for an axis whose zero is set by hand"
+                Message(
+                    "sensor_pin is missing; a linear axis needs an endstop to find its zero: set "
+                    "the pin, or set type to ROT for an axis whose zero is set by hand"
+                )
             )
         if self.sensor_pin is not None:
             # Homing goes back and forth by it, and must stay within the axis.
@@ -138,15 +151,21 @@ class AxisParameters:
         number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
         number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
         if self.backend not in {one.value for one in Backend}:
-            raise InvalidValueError(f"backend is '{self.backend}'; it must be rpi_gpio or pigpio")
+            raise InvalidValueError(_not_one_of("backend", self.backend, Backend))
         if self.memory_file and self.sensor_pin is not None:
             raise InvalidValueError(
-                f"memory_file is '{self.memory_file}', but the axis has an endstop, sensor_pin "
-                f"{self.sensor_pin}, which finds its zero; give one of the two"
+                Message(
+                    "memory_file is '{file}', but the axis finds its zero with the endstop on "
+                    "sensor_pin {pin}; set only one of the two",
+                    file=self.memory_file,
+                    pin=self.sensor_pin,
+                )
             )
         if self.memory_file and not PurePosixPath(self.memory_file).is_absolute():
             raise InvalidValueError(
-                f"memory_file is '{self.memory_file}'; it must be an absolute path"
+                Message(
+                    "memory_file is '{file}'; it must be an absolute path", file=self.memory_file
+                )
             )
 
     @property
@@ -167,3 +186,12 @@ class AxisParameters:
     def travel_steps(self) -> int:
         """Length of the axis [motor steps]."""
         return self.distance_steps(self.max_coord - self.min_coord)
+
+
+def _not_one_of(name: str, value: str, allowed: Type[enum.Enum]) -> Message:
+    return Message(
+        "{place} is {value}; it must be one of {allowed}",
+        place=name,
+        value=repr(value),
+        allowed=", ".join(str(one.value) for one in allowed),
+    )

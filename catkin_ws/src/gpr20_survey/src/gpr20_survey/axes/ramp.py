@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Iterator
 
-# Keeps a rounding error of the pauses from adding or taking a step.
+# Prevents a rounding error of the pauses from adding or removing a step.
 ROUNDING = 1.0e-9
 
 
@@ -32,9 +32,9 @@ class Ramp:
         """Yield the pause [s] of each step of a move.
 
         The move speeds up from the slowest pause, runs at the shortest and slows down
-        again; if it is too short for that, it turns round half way. No shorter move of
-        as many steps keeps the bounds, because each pause is as short as the way from
-        the start and the way to the end allow.
+        again; if it is too short for that, it slows down from the middle on. No shorter move
+        of as many steps is within the bounds, because each pause is as short as the distances
+        from the start and to the end allow.
         """
         for step in range(steps):
             yield self.pause_s(min(step, steps - 1 - step))

@@ -1,11 +1,11 @@
-"""A file that only ever grows by whole steps, and survives a crash at any instant."""
+"""A file that only grows, by whole commits, and survives a crash at any instant."""
 
 from __future__ import annotations
 
-import errno
 import os
 from pathlib import Path
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import FileReplacedError
 from gpr20_survey.files.durable_files import put_in_place, sync_path
 
@@ -33,7 +33,7 @@ class AppendOnlyFile:
 
     @classmethod
     def resumed(cls, path: Path, length: int, trailer: bytes = b"") -> AppendOnlyFile:
-        """Go on with a file behind its first bytes; `cut` removes what follows them.
+        """Continue a file behind its first bytes; `cut` removes what follows them.
 
         Args:
             path: The file.
@@ -73,7 +73,7 @@ class AppendOnlyFile:
         """Do nothing: only `commit` writes to the disk."""
 
     def in_place(self) -> bool:
-        """Say whether the file that is written is still the one of its name."""
+        """Return whether the file that is written still has its name."""
         try:
             there = os.stat(str(self.path), follow_symlinks=False)
         except OSError:
@@ -81,7 +81,7 @@ class AppendOnlyFile:
         return os.path.samestat(there, os.fstat(self._descriptor))
 
     def take_place_of(self, path: Path) -> None:
-        """Let the file have the name of another, which it replaces; return when that is durable.
+        """Give the file the name of another, which it replaces; return when that is durable.
 
         Raises:
             OSError: The disk refused.
@@ -93,8 +93,8 @@ class AppendOnlyFile:
         """Write what was collected; return when it is durable.
 
         Raises:
-            FileReplacedError: Somebody moved, removed or replaced the file.
-            OSError: The disk refused; everything collected is kept for the next commit.
+            FileReplacedError: The file was moved, removed or replaced.
+            OSError: The disk refused; everything collected remains for the next commit.
         """
         if self._collected:
             self._write_at(self._committed, bytes(self._collected) + self._trailer)
@@ -151,10 +151,11 @@ class AppendOnlyFile:
     def _check_in_place(self) -> None:
         if not self.in_place():
             raise FileReplacedError(
-                errno.ESTALE,
-                "it was moved, removed or replaced while it was written; if the survey's folder "
-                "was moved or renamed, put it back, then resume the survey",
-                str(self.path),
+                Message(
+                    "it was moved, removed or replaced while it was written; if the survey's "
+                    "folder was moved or renamed, put it back, then resume the survey",
+                ),
+                self.path,
             )
 
     def _write_at(self, offset: int, data: bytes) -> None:

@@ -18,13 +18,13 @@ def free_bytes(folder: Path) -> int:
     """Return what may still be written below a folder [bytes].
 
     Raises:
-        OSError: The folder cannot be asked.
+        OSError: The folder cannot be read.
     """
     return shutil.disk_usage(str(folder)).free
 
 
 def temporary_path(path: Path) -> Path:
-    """Return a free name beside a file that readers pass over."""
+    """Return a free name in the folder of a file; readers ignore it."""
     name = f"{TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}"
     return path.with_name(name)
 
@@ -114,14 +114,14 @@ def _write_temporary(path: Path, data: bytes) -> Path:
 
 
 def is_temporary(name: str) -> bool:
-    """Say whether a name is that of a file which was never finished."""
+    """Return whether a name is that of a file which was never finished."""
     return name.startswith(TEMPORARY_PREFIX) and name.endswith(TEMPORARY_SUFFIX)
 
 
 def remove_temporaries(folder: Path) -> int:
     """Remove the files that were being written at a crash; return how many.
 
-    A folder of such a name is somebody else's and is left alone.
+    A folder with such a name was not made here and is left alone.
 
     Raises:
         OSError: The disk refused.
@@ -179,7 +179,7 @@ def move_aside(path: Path, folder: Path) -> Path:
 
 
 def put_in_place(temporary: Path, path: Path) -> None:
-    """Let a whole and durable file take the name of another; return when that is durable.
+    """Give a whole and durable file the name of another; return when that is durable.
 
     Raises:
         OSError: The disk refused.

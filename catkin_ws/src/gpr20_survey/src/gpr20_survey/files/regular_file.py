@@ -1,4 +1,4 @@
-"""Opening files that somebody else may have put there."""
+"""Opening files that may have been put there by something else."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ import os
 import stat
 from pathlib import Path
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import IrregularFileError
-
-LINK = "this is a symbolic link, which is not followed; move it away"
-STRANGE = "this is no ordinary file; move it away"
 
 
 def open_regular(path: Path, follow_link: bool = False) -> int:
-    """Return a descriptor for reading a file; a pipe or a device in its place is never waited for.
+    """Return a descriptor for reading a file; never wait for a pipe or a device.
 
     Args:
         path: The file.
@@ -29,15 +27,21 @@ def open_regular(path: Path, follow_link: bool = False) -> int:
         descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
     except OSError as error:
         if error.errno == errno.ELOOP:
-            raise _irregular(path, LINK) from error
+            raise _link(path) from error
         if error.errno == errno.ENXIO:
-            raise _irregular(path, STRANGE) from error
+            raise _irregular(path) from error
         raise
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise _irregular(path, STRANGE)
+        raise _irregular(path)
     return descriptor
 
 
-def _irregular(path: Path, reason: str) -> IrregularFileError:
-    return IrregularFileError(errno.EINVAL, reason, str(path))
+def _link(path: Path) -> IrregularFileError:
+    return IrregularFileError(
+        Message("this is a symbolic link, which is not followed; move it away"), path
+    )
+
+
+def _irregular(path: Path) -> IrregularFileError:
+    return IrregularFileError(Message("this is not a regular file; move it away"), path)

@@ -18,8 +18,8 @@ DATA_FILES = (survey_folder.SURVEY_FILE, survey_folder.BAG_FILE, survey_folder.M
 def write_manifest(folder: Path, survey_id: str, revision: str, written: str) -> None:
     """Write the checksums of every file of a survey; return when they are durable.
 
-    What is no data of the survey and cannot be read, such as a link in `damaged/`, is listed
-    without a checksum: it must not keep a survey from being closed.
+    What is not data of the survey and cannot be read, such as a link in `damaged/`, is listed
+    without a checksum: it must not prevent a survey from being closed.
 
     Args:
         folder: The survey's folder; nothing in it may change any more.
@@ -51,7 +51,7 @@ def write_manifest(folder: Path, survey_id: str, revision: str, written: str) ->
 
 
 def read_sums(folder: Path) -> Dict[str, Any]:
-    """Return what the manifest of a survey says of each file; empty if it cannot be read."""
+    """Return the checksums in the manifest of a survey; empty if it cannot be read."""
     limit = survey_metadata.MAX_FILE_BYTES
     try:
         with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
@@ -63,12 +63,12 @@ def read_sums(folder: Path) -> Dict[str, Any]:
 
 
 def is_unchanged(folder: Path, name: str, sums: Dict[str, Any]) -> bool:
-    """Say whether a file is certainly as it was when the manifest was written.
+    """Return whether a file is certainly as it was when the manifest was written.
 
     Args:
         folder: The survey's folder.
         name: The file, relative to the folder.
-        sums: What the manifest says.
+        sums: The checksums in the manifest.
     """
     try:
         sha256, size = file_sums.sha256_and_size(folder / name)
@@ -78,7 +78,7 @@ def is_unchanged(folder: Path, name: str, sums: Dict[str, Any]) -> bool:
 
 
 def is_data(name: str) -> bool:
-    """Say whether a file, named relative to the survey's folder, holds data of the survey."""
+    """Return whether a file, named relative to the survey's folder, holds data of the survey."""
     return name in DATA_FILES or name.startswith(f"{survey_folder.TRACES_FOLDER}/")
 
 

@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 from typing import List
 
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_common.message import Message
+from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
@@ -16,6 +17,8 @@ MCAP_FILE = "survey.mcap"
 DAMAGED_FOLDER = "damaged"
 TRACES_FOLDER = "traces"
 
+EXAMPLE_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
+EXAMPLE_FOLDER = "20260921T141320_0f8fad5b"
 FOLDER_NAME = re.compile(r"[0-9]{8}T[0-9]{6}_[0-9a-f]{8}")
 
 
@@ -27,8 +30,12 @@ def check_survey_id(survey_id: str) -> str:
     """
     if not SURVEY_ID.fullmatch(survey_id):
         raise SurveyRefusedError(
-            f"survey_id is {survey_id[:64]!r}; it must be a UUID in lower case with hyphens, "
-            "such as 0f8fad5b-d9cb-469f-a165-70867728950e"
+            Message(
+                "survey_id is {survey_id}; it must be a UUID in lower case with hyphens, such as "
+                "{example}",
+                survey_id=repr(survey_id[:64]),
+                example=EXAMPLE_ID,
+            )
         )
     return survey_id
 
@@ -47,7 +54,10 @@ def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
     check_survey_id(survey_id)
     if not utc_time.is_plausible(started_us):
         raise SurveyRefusedError(
-            f"the survey would start on {utc_time.iso_text(started_us)}; set the computer's clock"
+            Message(
+                "the survey would start on {time}; set the computer's clock",
+                time=utc_time.iso_text(started_us),
+            )
         )
     return data / f"{utc_time.compact_text(started_us)}_{survey_id[:8]}"
 
@@ -64,8 +74,12 @@ def candidate_folders(data: Path, survey: str) -> List[Path]:
         found = [data / survey]
     else:
         raise SurveyRefusedError(
-            f"survey is {survey[:64]!r}; it must be a survey's id (a UUID in lower case) or the "
-            "name of its folder, such as 20260921T141320_0f8fad5b"
+            Message(
+                "survey is {survey}; it must be a survey's id (a UUID in lower case) or the name "
+                "of its folder, such as {example}",
+                survey=repr(survey[:64]),
+                example=EXAMPLE_FOLDER,
+            )
         )
     return [
         one
@@ -75,7 +89,7 @@ def candidate_folders(data: Path, survey: str) -> List[Path]:
 
 
 def check_no_links(folder: Path) -> None:
-    """Check that nothing of a survey lies elsewhere: a link could lead out of the data folder.
+    """Check that all of a survey is in its folder: a link could lead out of the data folder.
 
     Raises:
         SurveyRefusedError: One of its files or folders is a symbolic link.
@@ -83,12 +97,15 @@ def check_no_links(folder: Path) -> None:
     for name in (SURVEY_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER):
         if (folder / name).is_symlink():
             raise SurveyRefusedError(
-                f"{folder / name} is a symbolic link, which is not followed; put the files there"
+                Message(
+                    "{path} is a symbolic link, which is not followed; put the files there",
+                    path=printable(folder / name),
+                )
             )
 
 
 def trace_file_name(trace: Trace) -> str:
-    """Return such as 000123_X0050.00_Y0050.00_Z+090.00.json.
+    """Return the name of a trace's file, such as 000123_X0050.00_Y0050.00_Z+090.00.json.
 
     The index makes the name unique; the coordinates in it are for people.
     """

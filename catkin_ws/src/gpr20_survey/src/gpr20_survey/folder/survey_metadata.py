@@ -7,18 +7,20 @@ import re
 from pathlib import Path
 from typing import Any, Dict, NoReturn
 
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.trace import utc_time
 
 FORMAT = "gpr20-survey/1"
-INTERRUPTED = "interrupted"  # outcome of a survey that was closed to go on later
+INTERRUPTED = "interrupted"  # outcome of a survey that was closed to be resumed later
 MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
 
-# What the storage itself writes into survey.json, beside the metadata.
+# What the storage itself writes into survey.json, in addition to the metadata.
 OWN_KEYS = frozenset(
     {
         "format",
@@ -34,7 +36,7 @@ OWN_KEYS = frozenset(
     }
 )
 
-# Those of them that change while the survey goes on.
+# Those of them that change during the survey.
 LATER_KEYS = ("ended", "outcome", "reason", "stored_traces", "resumed", "report")
 
 # A whole text, or the end of one that does not end; else a bracket.
@@ -55,16 +57,30 @@ def parse_object(text: str, name: str, max_bytes: int = MAX_BYTES) -> Dict[str, 
     """
     size = len(text.encode("utf-8", "surrogatepass"))
     if size > max_bytes:
-        raise SurveyRefusedError(f"{name} has {size} bytes; at most {max_bytes} are allowed")
+        raise SurveyRefusedError(
+            Message(
+                "{name} has {size} bytes; at most {most} are allowed",
+                name=name,
+                size=size,
+                most=max_bytes,
+            )
+        )
     _check_depth(text, name)
     try:
         values = json.loads(text, parse_constant=_refuse_constant)
         json.dumps(values, allow_nan=False)  # 1e999 is read as infinity
     except ValueError as error:
-        raise SurveyRefusedError(f"{name} is not strict JSON: {error}") from error
+        raise SurveyRefusedError(
+            Message("{name} is not strict JSON", name=name, details=error)
+        ) from error
     if not isinstance(values, dict):
         raise SurveyRefusedError(
-            f"{name} is a {type(values).__name__}; it must be an object: {{...}}"
+            Message(
+                "{name} is of type {type}; it must be an object, {example}",
+                name=name,
+                type=type(values).__name__,
+                example="{...}",
+            )
         )
     return values
 
@@ -79,7 +95,10 @@ def parse_metadata(text: str) -> Dict[str, Any]:
     for key in ("resumed", "report"):
         if key in values:
             raise SurveyRefusedError(
-                f"metadata_json has its own '{key}'; leave it out, the storage writes that entry"
+                Message(
+                    "metadata_json holds '{key}', which the storage writes itself; leave it out",
+                    key=key,
+                )
             )
     return values
 
@@ -88,24 +107,27 @@ def combine(metadata: Dict[str, Any], own: Dict[str, Any]) -> Dict[str, Any]:
     """Return the metadata with the storage's own entries.
 
     Raises:
-        SurveyRefusedError: The metadata say something else about one of the own entries.
+        SurveyRefusedError: The metadata contradict one of the storage's own entries.
     """
     for key, value in own.items():
         if key in metadata and metadata[key] != value:
             raise SurveyRefusedError(
-                f"metadata_json has its own '{key}' ({str(metadata[key])[:64]!r}); leave it out, "
-                "the storage writes that entry"
+                Message(
+                    "metadata_json holds '{key}', which the storage writes itself; leave it out",
+                    key=key,
+                    details=repr(str(metadata[key])[:64]),
+                )
             )
     return {**own, **{key: value for key, value in metadata.items() if key not in own}}
 
 
 def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
-    """Return what of survey.json was given by `open_survey`."""
+    """Return the part of survey.json that was given to `open_survey`."""
     return {key: value for key, value in description.items() if key not in OWN_KEYS}
 
 
 def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str, Any]:
-    """Return a description with all that never changes taken from a copy of its start."""
+    """Return a description whose constant entries are taken from a copy of its start."""
     later = {key: description[key] for key in LATER_KEYS if key in description}
     return {**copy, **later}
 
@@ -114,19 +136,31 @@ def read_description(path: Path) -> Dict[str, Any]:
     """Return the content of a survey.json.
 
     Raises:
-        SurveyRefusedError: It is missing or is not as the storage writes it.
+        SurveyRefusedError: It is missing, or the storage did not write it so.
     """
     try:
         with open(open_regular(path, follow_link=True), "rb") as stream:
             text = stream.read(MAX_FILE_BYTES + 1).decode("ascii")
         values = parse_object(text, path.name, MAX_FILE_BYTES)
-    except (OSError, UnicodeDecodeError, SurveyRefusedError) as error:
-        raise SurveyRefusedError(
-            f"{path} cannot be read ({error}); a copy of it as it was at the start is attached "
-            "to survey.mcap"
-        ) from error
+    except OSError as error:
+        raise _unreadable(path, os_reason(error)) from error
+    except UnicodeDecodeError as error:
+        raise _unreadable(path, Message("it is not ASCII text", details=error)) from error
+    except SurveyRefusedError as error:
+        raise _unreadable(path, error.message) from error
     check_format(values, path)
     return values
+
+
+def _unreadable(path: Path, reason: Message) -> SurveyRefusedError:
+    return SurveyRefusedError(
+        Message(
+            "{path} cannot be read: {reason}; survey.mcap holds a copy of it as it was at the "
+            "start",
+            path=printable(path),
+            reason=reason,
+        )
+    )
 
 
 def check_format(values: Dict[str, Any], path: Path) -> None:
@@ -136,19 +170,27 @@ def check_format(values: Dict[str, Any], path: Path) -> None:
         SurveyRefusedError: They are not.
     """
     if values.get("format") != FORMAT or not isinstance(values.get("survey_id"), str):
-        raise SurveyRefusedError(f"{path} does not describe a survey of format {FORMAT}")
+        raise SurveyRefusedError(
+            Message(
+                "{path} does not describe a survey of format {format}",
+                path=printable(path),
+                format=FORMAT,
+            )
+        )
 
 
 def started_us(description: Dict[str, Any]) -> int:
     """Return when a survey started [us since 1970, UTC].
 
     Raises:
-        SurveyRefusedError: Its survey.json does not say so.
+        SurveyRefusedError: Its survey.json does not hold that time.
     """
     try:
         return utc_time.parse_iso(description["started"])
     except (KeyError, TypeError, ValueError) as error:
-        raise SurveyRefusedError(f"'started' of survey.json is no time: {error}") from error
+        raise SurveyRefusedError(
+            Message("'started' in survey.json is missing or is not a time", details=error)
+        ) from error
 
 
 def encode(values: Dict[str, Any]) -> bytes:
@@ -176,6 +218,10 @@ def _check_depth(text: str, name: str) -> None:
         if token.group() in "[{":
             depth += 1
             if depth > MAX_DEPTH:
-                raise SurveyRefusedError(f"{name} is nested more than {MAX_DEPTH} levels deep")
+                raise SurveyRefusedError(
+                    Message(
+                        "{name} is nested more than {most} levels deep", name=name, most=MAX_DEPTH
+                    )
+                )
         elif token.group() in "]}":
             depth -= 1

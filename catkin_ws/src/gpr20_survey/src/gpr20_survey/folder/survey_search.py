@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict, Optional, Tuple
 
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_common.message import Message
+from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.recording.mcap_reader import read_attachment
 
@@ -23,14 +24,23 @@ def find_survey(data: Path, survey: str, recover: bool = False) -> Tuple[Path, D
         SurveyRefusedError: There is none, its survey.json cannot be read, or part of it is a
             symbolic link.
     """
-    reason = f"there is no survey {survey[:64]!r} in {data}"
+    reason = Message(
+        "there is no survey {survey} in {folder}",
+        survey=repr(survey[:64]),
+        folder=printable(data),
+    )
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
         description = _description(folder, recover)
         survey_id = survey_folder.check_survey_id(description["survey_id"])
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, description
-        reason = f"{folder} holds survey {survey_id}, not {survey[:64]}"
+        reason = Message(
+            "{folder} holds survey {found}, not {survey}",
+            folder=printable(folder),
+            found=survey_id,
+            survey=survey[:64],
+        )
     raise SurveyRefusedError(reason)
 
 
@@ -40,7 +50,7 @@ def recorded_description(folder: Path) -> Optional[Dict[str, Any]]:
     What was written into survey.json later, such as how the survey ended, is not in it.
 
     Returns:
-        None if there is no whole copy, or if something that is no file is in the way of a new one.
+        None if there is no whole copy, or if a folder or the like is where the new one would be.
     """
     path = folder / survey_folder.SURVEY_FILE
     if path.exists() and not path.is_file():

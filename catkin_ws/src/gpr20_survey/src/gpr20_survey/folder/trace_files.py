@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
@@ -38,7 +40,7 @@ class TraceFiles:
 
     files: Dict[int, TraceFile] = field(default_factory=dict)
     """The file of each index."""
-    damaged: List[Tuple[Path, str]] = field(default_factory=list)
+    damaged: List[Tuple[Path, Message]] = field(default_factory=list)
     """Files that are no whole trace of this survey, and why."""
     foreign: int = 0
     """How many of those are whole traces of another survey."""
@@ -72,10 +74,15 @@ def read_trace(
     """
     trace = decode(_content(path))
     if survey_id is not None and trace.survey_id != survey_id:
-        raise ForeignTraceError(f"the trace belongs to survey {trace.survey_id}")
+        raise ForeignTraceError(
+            Message("the trace belongs to survey {survey}", survey=trace.survey_id)
+        )
     if survey_folder.trace_file_name(trace) != path.name:
         raise TraceRefusedError(
-            f"the file should be named {survey_folder.trace_file_name(trace)} by its content"
+            Message(
+                "the file should be named {name} by its content",
+                name=survey_folder.trace_file_name(trace),
+            )
         )
     return trace
 
@@ -86,7 +93,7 @@ def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
     Args:
         folder: The folder of the traces.
         survey_id: Whose they must be.
-        shown: Hands on the files one by one, and may show how far that has come.
+        shown: Returns the files one by one, and may show the progress.
 
     Raises:
         OSError: The folder cannot be read.
@@ -98,11 +105,11 @@ def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
             trace = read_trace(path, survey_id)
             _check_unique(trace, found.files.get(trace.index), samples.get(trace.sample_id))
         except OSError as error:
-            found.damaged.append((path, error.strerror or str(error)))
+            found.damaged.append((path, os_reason(error)))
             continue
         except TraceRefusedError as error:
             found.foreign += isinstance(error, ForeignTraceError)
-            found.damaged.append((path, str(error)))
+            found.damaged.append((path, error.message))
             continue
         found.files[trace.index] = TraceFile.of(trace)
         samples[trace.sample_id] = trace.index
@@ -126,12 +133,18 @@ def _content(path: Path) -> bytes:
     with open(open_regular(path), "rb") as stream:
         content = stream.read(MAX_FILE_BYTES + 1)
     if len(content) > MAX_FILE_BYTES:
-        raise TraceRefusedError(f"the file has more than {MAX_FILE_BYTES} bytes")
+        raise TraceRefusedError(Message("the file has more than {most} bytes", most=MAX_FILE_BYTES))
     return content
 
 
 def _check_unique(trace: Trace, file: Optional[TraceFile], index: Optional[int]) -> None:
     if file is not None:
-        raise TraceRefusedError(f"index {trace.index} is in {file.name} already")
+        raise TraceRefusedError(
+            Message("index {index} is already in {file}", index=trace.index, file=file.name)
+        )
     if index is not None:
-        raise TraceRefusedError(f"sample {trace.sample_id} has index {index} already")
+        raise TraceRefusedError(
+            Message(
+                "sample {sample} already has index {index}", sample=trace.sample_id, index=index
+            )
+        )

@@ -1,4 +1,4 @@
-"""What a survey has measured and what it has not."""
+"""Which planned samples of a survey are measured."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import enum
 import re
 from dataclasses import dataclass
 from typing import Callable, Dict, Iterable, List, Tuple
+
+from gpr20_common.message import Message
 
 RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
@@ -24,23 +26,23 @@ class Verdict:
     """The coverage in one sentence, and whether nothing is missing."""
 
     complete: bool
-    text: str
+    message: Message
 
 
 class Coverage:
-    """Keeps the state of every planned sample.
+    """The state of every planned sample.
 
-    A sample is measured when it is durable, and not before.
+    A sample counts as measured once it is stored durably.
 
     Attributes:
         on_change: Called with this object at every change.
     """
 
     def __init__(self, planned: int, stored: Iterable[int] = ()) -> None:
-        # One byte per sample: what is announced after each of them must not take longer in a
-        # survey of many thousands.
+        # One byte per sample: announcing a change must not take longer in a survey of many
+        # thousands.
         self._states = bytearray(planned)
-        self._reasons: Dict[int, str] = {}
+        self._reasons: Dict[int, Message] = {}
         self.on_change: Callable[[Coverage], None] = lambda coverage: None
         for index in stored:
             self._states[index] = SampleState.MEASURED
@@ -61,22 +63,22 @@ class Coverage:
         return [(run.start(), SampleState(run[0][0])) for run in found]
 
     @property
-    def reasons(self) -> Dict[int, str]:
-        """Why samples failed, by their place in the plan."""
+    def reasons(self) -> Dict[int, Message]:
+        """Why samples failed, by their index in the plan."""
         return dict(self._reasons)
 
     def note_stored(self, index: int) -> None:
-        """Note that a sample is durable."""
+        """Note that a sample is stored durably."""
         self._states[index] = SampleState.MEASURED
         self._reasons.pop(index, None)
         self.on_change(self)
 
     def note_remeasured(self, index: int) -> None:
-        """Note that a stored sample was measured again as a control."""
+        """Note that a stored sample was measured again, to compare."""
         self._states[index] = SampleState.REMEASURED
         self.on_change(self)
 
-    def note_failed(self, index: int, reason: str) -> None:
+    def note_failed(self, index: int, reason: Message) -> None:
         """Note that a sample could not be measured, unless it is stored already."""
         if self._states[index] in (SampleState.NOT_VISITED, SampleState.FAILED):
             self._states[index] = SampleState.FAILED
@@ -90,9 +92,17 @@ class Coverage:
         missing = self._states.count(SampleState.NOT_VISITED)
         stored = planned - failed - missing
         if stored == planned:
-            return Verdict(True, f"complete: all {planned} planned traces are stored")
+            return Verdict(
+                True, Message("complete: all {planned} planned traces are stored", planned=planned)
+            )
         return Verdict(
             False,
-            f"INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, "
-            f"{missing} not visited",
+            Message(
+                "INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, "
+                "{missing} not visited",
+                stored=stored,
+                planned=planned,
+                failed=failed,
+                missing=missing,
+            ),
         )

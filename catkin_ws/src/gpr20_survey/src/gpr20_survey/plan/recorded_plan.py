@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Mapping, Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_survey.plan.survey_parameters import (
     RobotTravel,
@@ -29,12 +30,16 @@ def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, Rob
         parameters = record_from(SurveyParameters, description["parameters"], "parameters")
         check(parameters, travel)
     except (KeyError, TypeError, ArithmeticError) as error:
-        raise InvalidValueError(f"the description of the survey is not whole: {error!r}") from error
+        raise InvalidValueError(
+            Message("survey.json is incomplete", details=repr(error))
+        ) from error
     return parameters, travel
 
 
 def _travel(axis: Any, name: str) -> Travel:
     numbers = [axis[key] for key in ("min_coord", "max_coord", "step_size")]
     if not all(isinstance(one, float) for one in numbers) or not numbers[2] > 0.0:
-        raise InvalidValueError(f"axes/{name} does not hold the numbers of an axis")
+        raise InvalidValueError(
+            Message("axes/{axis} of survey.json does not hold the numbers of an axis", axis=name)
+        )
     return Travel(*numbers)

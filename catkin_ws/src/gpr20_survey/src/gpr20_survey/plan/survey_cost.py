@@ -36,8 +36,8 @@ class SurveyCost:
     """What a survey needs.
 
     Attributes:
-        duration_s: From the first move to the last trace [s], homing left out.
-        size_bytes: On disk [bytes], rather too large.
+        duration_s: From the first move to the last trace [s], without homing.
+        size_bytes: On disk [bytes], a generous estimate.
     """
 
     duration_s: float
@@ -46,7 +46,7 @@ class SurveyCost:
 
 @dataclass(frozen=True)
 class MeasuringTimes:
-    """Time spent at each point beside the move: settling, and sweep or height [s]."""
+    """Time spent at each point after the move: settling, and sweep or height [s]."""
 
     settle_s: float
     height_s: float
@@ -87,7 +87,7 @@ def point_durations_s(
 ) -> List[float]:
     """Return how long each point takes [s]: the move to it and the measurement there.
 
-    The way to the first point begins at the zero of the axes.
+    The move to the first point begins at the zero of the axes.
     """
     durations = []
     before = SurveyPoint(-1, 0.0, 0.0, 0.0)
@@ -103,7 +103,7 @@ def point_durations_s(
 
 
 def needed_bytes(traces: int, frequency_points: int, duration_s: float) -> int:
-    """Return an estimate of the size of a survey on disk [bytes], rather too large."""
+    """Return a generous estimate of the size of a survey on disk [bytes]."""
     per_trace = BYTES_PER_FREQUENCY * frequency_points + BYTES_PER_TRACE
     return traces * per_trace + int(duration_s * RECORDED_BYTES_PER_S)
 
@@ -115,7 +115,7 @@ def axis_move_duration_s(parameters: AxisParameters, distance: float) -> float:
 
 
 def move_durations(axes: Dict[AxisId, AxisParameters]) -> MoveDuration:
-    """Return a function of axis and distance that tells how long a move takes [s]."""
+    """Return a function of axis and distance that returns how long a move takes [s]."""
 
     @functools.lru_cache(maxsize=CACHED_DISTANCES)
     def duration_s(axis_id: AxisId, distance: float) -> float:
@@ -143,7 +143,7 @@ class RemainingTime:
 
         Args:
             points_done: Points that are finished, in the order of the plan.
-            elapsed_s: Time spent on them [s], pauses left out.
+            elapsed_s: Time spent on them [s], without pauses.
         """
         done_s = self._planned_s[points_done]
         rest_s = self.planned_s - done_s

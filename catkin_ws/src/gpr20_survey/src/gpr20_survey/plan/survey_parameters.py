@@ -1,4 +1,4 @@
-"""What a survey measures, and the checks that the user interface and the control both make."""
+"""What a survey measures, and the checks that both the user interface and the control make."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Callable, Iterable, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import ipv4_address, number_between
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
@@ -84,11 +85,11 @@ def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
     """
     found = problems(parameters, travel)
     if found:
-        raise SurveyParametersError("; ".join(found))
+        raise SurveyParametersError(in_a_row(found))
 
 
 class Rule(enum.Enum):
-    """What is asked of the parameters of a survey, one by one."""
+    """The rules for the parameters of a survey."""
 
     ADDRESS = "address"
     START_FREQUENCY = "start frequency"
@@ -109,32 +110,35 @@ class Rule(enum.Enum):
 
 @dataclass(frozen=True)
 class Problem:
-    """A rule that the parameters break, and the sentence that says how."""
+    """A rule that the parameters break, and how."""
 
     rule: Rule
-    sentence: str
+    message: Message
 
 
-def problems(parameters: SurveyParameters, travel: RobotTravel) -> List[str]:
+def problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Message]:
     """Return one sentence per parameter that is not allowed; empty if all are."""
-    return [problem.sentence for problem in find_problems(parameters, travel)]
+    return [problem.message for problem in find_problems(parameters, travel)]
 
 
 def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Problem]:
-    """Return every rule that the parameters break; empty if all are kept."""
+    """Return every rule that the parameters break; empty if they break none."""
     p = parameters
     checks: List[Tuple[Rule, Callable[[], object]]] = [
-        (Rule.ADDRESS, lambda: ipv4_address("VNA address", p.vna_address)),
-        (Rule.START_FREQUENCY, lambda: _frequency("start frequency", p.start_frequency_hz)),
-        (Rule.STOP_FREQUENCY, lambda: _frequency("stop frequency", p.stop_frequency_hz)),
+        (Rule.ADDRESS, lambda: ipv4_address(Message("VNA address"), p.vna_address)),
+        (
+            Rule.START_FREQUENCY,
+            lambda: _frequency(Message("start frequency"), p.start_frequency_hz),
+        ),
+        (Rule.STOP_FREQUENCY, lambda: _frequency(Message("stop frequency"), p.stop_frequency_hz)),
         (Rule.FREQUENCY_ORDER, lambda: _ascending_frequencies(p)),
         (Rule.FREQUENCY_POINTS, lambda: _frequency_points(p.frequency_points)),
-        (Rule.X_START, lambda: _coordinate("x start", p.x_start_mm, travel.x)),
-        (Rule.X_STOP, lambda: _coordinate("x stop", p.x_stop_mm, travel.x)),
+        (Rule.X_START, lambda: _coordinate(Message("x start"), p.x_start_mm, travel.x)),
+        (Rule.X_STOP, lambda: _coordinate(Message("x stop"), p.x_stop_mm, travel.x)),
         (Rule.X_POINTS, lambda: _grid_points("x", p.x_points)),
         (Rule.X_SPACING, lambda: _spacing("x", p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
-        (Rule.Y_START, lambda: _coordinate("y start", p.y_start_mm, travel.y)),
-        (Rule.Y_STOP, lambda: _coordinate("y stop", p.y_stop_mm, travel.y)),
+        (Rule.Y_START, lambda: _coordinate(Message("y start"), p.y_start_mm, travel.y)),
+        (Rule.Y_STOP, lambda: _coordinate(Message("y stop"), p.y_stop_mm, travel.y)),
         (Rule.Y_POINTS, lambda: _grid_points("y", p.y_points)),
         (Rule.Y_SPACING, lambda: _spacing("y", p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
         (Rule.POLARIZATIONS, lambda: _polarizations(p.polarizations_deg, travel.z)),
@@ -153,38 +157,47 @@ def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Pro
         try:
             one()
         except InvalidValueError as error:
-            yield Problem(rule, str(error))
+            yield Problem(rule, error.message)
 
 
 def _frequency_points(points: int) -> None:
-    number_between("frequency points", points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
+    name = Message("frequency points")
+    number_between(name, points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
 
 
-def _frequency(name: str, frequency_hz: float) -> None:
+def _frequency(name: Message, frequency_hz: float) -> None:
     number_between(name, frequency_hz, MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
 
 
 def _ascending_frequencies(p: SurveyParameters) -> None:
     if p.start_frequency_hz >= p.stop_frequency_hz:
         raise InvalidValueError(
-            f"start frequency is {p.start_frequency_hz:.12g} Hz; it must be below the stop "
-            f"frequency, {p.stop_frequency_hz:.12g} Hz"
+            Message(
+                "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
+                start=f"{p.start_frequency_hz:.12g}",
+                stop=f"{p.stop_frequency_hz:.12g}",
+            )
         )
 
 
-def _coordinate(name: str, coordinate_mm: float, travel: Travel) -> None:
+def _coordinate(name: Message, coordinate_mm: float, travel: Travel) -> None:
     lower_mm, upper_mm = coordinate_limits_mm(travel)
     number_between(name, coordinate_mm, lower_mm, upper_mm, "mm")
 
 
-def _grid_points(name: str, points: int) -> None:
+def _grid_points(axis: str, points: int) -> None:
     if points < MIN_GRID_POINTS:
         raise InvalidValueError(
-            f"{name} points is {points}; it must be more than {MIN_GRID_POINTS - 1}"
+            Message(
+                "{axis} points is {points}; it must be at least {least}",
+                axis=axis,
+                points=points,
+                least=MIN_GRID_POINTS,
+            )
         )
 
 
-def _spacing(name: str, start_mm: float, stop_mm: float, points: int, travel: Travel) -> None:
+def _spacing(axis: str, start_mm: float, stop_mm: float, points: int, travel: Travel) -> None:
     if points < MIN_GRID_POINTS:
         return
     spacing_mm = abs(stop_mm - start_mm) / (points - 1)
@@ -192,29 +205,42 @@ def _spacing(name: str, start_mm: float, stop_mm: float, points: int, travel: Tr
     # is not finite is reported with its coordinate.
     if math.isfinite(spacing_mm) and spacing_mm < travel.step:
         raise InvalidValueError(
-            f"{name} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; they "
-            f"must be at least one motor step, {travel.step:g} mm, apart"
+            Message(
+                "{axis} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; "
+                "they must be at least one motor step, {step_mm:g} mm, apart",
+                axis=axis,
+                points=points,
+                spacing_mm=spacing_mm,
+                step_mm=travel.step,
+            )
         )
 
 
 def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
-    number_between("number of polarizations", len(rotations_deg), 1, MAX_POLARIZATIONS)
+    number_between(Message("number of polarizations"), len(rotations_deg), 1, MAX_POLARIZATIONS)
     for rotation_deg in rotations_deg:
-        number_between("polarization", rotation_deg, travel.lower, travel.upper, "deg")
+        number_between(Message("polarization"), rotation_deg, travel.lower, travel.upper, "deg")
         if abs(rotation_deg / travel.step - round(rotation_deg / travel.step)) > ON_STEP:
             raise InvalidValueError(
-                f"polarization is {rotation_deg:.12g} deg; it must be a multiple of the motor's "
-                f"step, {travel.step:g} deg"
+                Message(
+                    "polarization is {rotation_deg} deg; it must be a multiple of the motor's "
+                    "step, {step_deg:g} deg",
+                    rotation_deg=f"{rotation_deg:.12g}",
+                    step_deg=travel.step,
+                )
             )
     steps = {round(rotation_deg / travel.step) for rotation_deg in rotations_deg}
     if len(steps) != len(rotations_deg):
         listed = ", ".join(f"{one:g}" for one in rotations_deg)
         raise InvalidValueError(
-            f"polarizations are {listed} deg; each must be a rotation of its own, at least "
-            f"{travel.step:g} deg from the others"
+            Message(
+                "polarizations are {listed} deg; they must differ by at least {step_deg:g} deg",
+                listed=listed,
+                step_deg=travel.step,
+            )
         )
 
 
 def _size(p: SurveyParameters) -> None:
     if p.x_points >= MIN_GRID_POINTS and p.y_points >= MIN_GRID_POINTS:
-        number_between("number of traces", p.total_points, 1, MAX_TRACES)
+        number_between(Message("number of traces"), p.total_points, 1, MAX_TRACES)

@@ -1,4 +1,4 @@
-"""How the control carries surveys out; set for a robot, not for a survey."""
+"""How the control carries out surveys; set for a robot, not for a survey."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import enum
 from dataclasses import dataclass
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 
 
@@ -18,7 +19,7 @@ class HeightPolicy(enum.Enum):
 
 @dataclass(frozen=True)
 class SurveySettings:
-    """How the control carries surveys out.
+    """How the control carries out surveys.
 
     Attributes:
         settle_s: Time for vibrations to die down between a move and the sweep [s].
@@ -42,6 +43,10 @@ class SurveySettings:
         policies = [policy.value for policy in HeightPolicy]
         if self.on_height_failure not in policies:
             raise InvalidValueError(
-                f"on_height_failure is '{self.on_height_failure}'; it must be one of "
-                f"{', '.join(policies)}"
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place="on_height_failure",
+                    value=repr(self.on_height_failure),
+                    allowed=", ".join(policies),
+                )
             )

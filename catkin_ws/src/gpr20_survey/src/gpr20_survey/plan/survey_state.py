@@ -1,4 +1,4 @@
-"""The states of a survey and the ways between them."""
+"""The states of a survey and the transitions between them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import enum
 from typing import Dict, FrozenSet
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 
 
 class SurveyState(enum.IntEnum):
@@ -25,10 +26,28 @@ class SurveyState(enum.IntEnum):
 
     @property
     def running(self) -> bool:
-        """Whether a survey is under way, be it paused."""
+        """Whether a survey is in progress, paused or not."""
         return self in RUNNING
 
+    @property
+    def label(self) -> Message:
+        """Its name, for people."""
+        return LABELS[self]
 
+
+LABELS: Dict[SurveyState, Message] = {
+    SurveyState.IDLE: Message("IDLE"),
+    SurveyState.CONFIGURED: Message("CONFIGURED"),
+    SurveyState.CHECKING: Message("CHECKING"),
+    SurveyState.HOMING: Message("HOMING"),
+    SurveyState.SURVEYING: Message("SURVEYING"),
+    SurveyState.PAUSED: Message("PAUSED"),
+    SurveyState.STOPPING: Message("STOPPING"),
+    SurveyState.FINISHED: Message("FINISHED"),
+    SurveyState.STOPPED: Message("STOPPED"),
+    SurveyState.FAILED: Message("FAILED"),
+    SurveyState.PAUSING: Message("PAUSING"),
+}
 RUNNING = frozenset(
     [
         SurveyState.CHECKING,
@@ -50,7 +69,7 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
     # To FINISHED: a node was lost when everything was stored already.
     _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
     _S.HOMING: frozenset([_S.CHECKING, _S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
-    # Back to CHECKING: a node was lost, the survey goes on by itself when it is back.
+    # Back to CHECKING: a node was lost; the survey continues by itself when it is back.
     _S.SURVEYING: frozenset(
         [_S.CHECKING, _S.PAUSING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]
     ),
@@ -68,10 +87,16 @@ class TransitionError(Gpr20Error, RuntimeError):
 
 
 def check_transition(before: SurveyState, after: SurveyState) -> None:
-    """Refuse a way between two states that does not exist.
+    """Refuse a transition between two states that does not exist.
 
     Raises:
         TransitionError: The table does not hold it.
     """
     if after not in TRANSITIONS[before]:
-        raise TransitionError(f"a survey that is {before.name} cannot become {after.name}")
+        raise TransitionError(
+            Message(
+                "a survey that is {before} cannot become {after}",
+                before=before.label,
+                after=after.label,
+            )
+        )

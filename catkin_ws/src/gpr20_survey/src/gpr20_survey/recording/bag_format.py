@@ -134,7 +134,7 @@ def read_record(data: bytes, place: int) -> Record:
         if place > len(data):
             raise BagFormatError("a record is torn")
         if size > MAX_RECORD_BYTES:
-            raise BagFormatError(f"a record says that it has {size} bytes")
+            raise BagFormatError(f"a record claims {size} bytes")
         parts.append(data[place - size : place])
     return Record(unpack_fields(parts[0]), parts[1], place)
 
@@ -152,7 +152,7 @@ def file_header(index_place: int, connections: int, chunks: int) -> bytes:
 
 
 def connection_record(connection: Connection) -> bytes:
-    """Return the record that tells the type of a topic."""
+    """Return the record that holds the type of a topic."""
     topic = connection.topic.encode()
     details = {
         "topic": topic,
@@ -166,7 +166,7 @@ def connection_record(connection: Connection) -> bytes:
 
 
 def read_connection(one: Record) -> Connection:
-    """Return what a connection record tells.
+    """Return the content of a connection record.
 
     Raises:
         BagFormatError: Something is missing in it.
@@ -184,7 +184,7 @@ def read_connection(one: Record) -> Connection:
             details.get("latching") == b"1",
         )
     except (KeyError, UnicodeDecodeError) as error:
-        raise BagFormatError(f"a connection is not whole: {error}") from error
+        raise BagFormatError(f"a connection is incomplete: {error}") from error
 
 
 def message_record(number: int, message: RecordedMessage) -> bytes:

@@ -6,11 +6,12 @@ import struct
 from pathlib import Path
 from typing import Dict, Iterator, List, Optional, Tuple
 
+from gpr20_common.message import Message
 from gpr20_survey.recording import bag_format
 from gpr20_survey.recording.bag_format import BagFormatError, Connection, Indexes, Record
 from gpr20_survey.recording.bag_writer import EMPTY_CHUNK, BagFile, connection_key
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.stored_recording import mapped
+from gpr20_survey.recording.stored_recording import damaged, mapped
 
 # How every chunk begins, behind the length of its header.
 CHUNK_START = EMPTY_CHUNK[4 : EMPTY_CHUNK.index(b"none") + 4]
@@ -24,17 +25,17 @@ class StoredBag:
     def __init__(self, path: Path) -> None:
         """Take the path; nothing is read yet."""
         self.path = path
-        self.faults: List[str] = []
+        self.faults: List[Message] = []
         self._begin()
 
     def _begin(self) -> None:
-        # Of the whole chunks alone: what is damaged must not tell of what follows.
+        # Of the whole chunks alone: damaged bytes must not affect what follows.
         self._connections: Dict[int, Connection] = {}
         self._chunk_infos: List[bytes] = []
         self._end = 0  # where their last index ends; 0 without a head [bytes]
 
     def resume(self) -> Optional[BagFile]:
-        """Go on in the file behind the last whole chunk, after `messages` has come to the end.
+        """Continue the file behind the last whole chunk, after `messages` has come to the end.
 
         Returns:
             None, and nothing is changed, if it is not a bag that `BagFile` could have begun.
@@ -57,7 +58,7 @@ class StoredBag:
         if len(content) < place:
             return
         if content[:13] != bag_format.MAGIC:
-            self.faults.append(f"{self.path.name} does not begin as a bag does")
+            self.faults.append(Message("{file} does not begin like a bag", file=self.path.name))
         self._end = place
         while place < len(content):
             try:
@@ -99,7 +100,7 @@ class StoredBag:
                 messages.append(_message(one, connections))
                 indexes.setdefault(one.number("conn"), []).append((messages[-1].time_ns, place))
             else:
-                raise BagFormatError("a chunk holds a strange record")
+                raise BagFormatError("a chunk holds a record of an unknown kind")
             place = one.end
         return messages, indexes, connections
 
@@ -112,14 +113,14 @@ class StoredBag:
             if found < 0:
                 return len(content)
             if _is_chunk(content, start):
-                self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
+                self.faults.append(damaged(self.path, f"byte {place}: {reason}"))
                 return start
 
 
 def _is_chunk(content: bytes, place: int) -> bool:
     try:
         chunk = bag_format.read_record(content, place)
-        # The empty chunk ends every bag and says nothing of what was before it.
+        # The empty chunk ends every bag and holds no information on what was before it.
         return bool(chunk.data) and len(chunk.data) == chunk.number("size")
     except (BagFormatError, struct.error):
         return False

@@ -15,7 +15,7 @@ HEADER_FIELDS_BYTES = 128
 
 # A chunk without content. `rosbag reindex` looks at the record behind a chunk before it
 # accepts the chunk: if that record is torn it drops, and cuts off, the whole chunk before.
-# So a whole record always stands there before a trace is acknowledged. The next chunk is
+# So a whole record is always there before a trace is acknowledged. The next chunk is
 # written over it: same fields, same lengths.
 EMPTY_CHUNK = bag_format.chunk_record(b"")
 
@@ -43,7 +43,7 @@ class BagFile(Recording):
         connections: Iterable[Connection],
         chunk_infos: Iterable[bytes],
     ) -> BagFile:
-        """Go on behind the last whole chunk of a bag; its index and all else there is cut off.
+        """Continue behind the last whole chunk of a bag; its index and all else there is cut off.
 
         Args:
             path: The bag.
@@ -98,7 +98,7 @@ class BagFile(Recording):
         """Write the index and close the file.
 
         Raises:
-            FileReplacedError: Somebody moved, removed or replaced the file.
+            FileReplacedError: The file was moved, removed or replaced.
             OSError: The disk refused; the call may be repeated.
         """
         self.commit()

@@ -13,12 +13,14 @@ import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, DataEnd, Message, Schema
+from mcap.records import Attachment, Channel, Chunk, DataEnd, Schema
+from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
 
+from gpr20_common.message import Message
 from gpr20_survey.recording.mcap_writer import MAGIC
 from gpr20_survey.recording.recording import MAX_RECORD_BYTES, RecordedMessage
-from gpr20_survey.recording.stored_recording import mapped
+from gpr20_survey.recording.stored_recording import damaged, mapped
 
 # The name of the compression, behind opcode, length, two times, size and checksum.
 COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
@@ -35,7 +37,7 @@ class StoredMcap:
     def __init__(self, path: Path) -> None:
         """Take the path; nothing is read yet."""
         self.path = path
-        self.faults: List[str] = []
+        self.faults: List[Message] = []
         self._schemas: Dict[int, Schema] = {}
         self._channels: Dict[int, Channel] = {}
 
@@ -45,7 +47,9 @@ class StoredMcap:
         content = mapped(self.path)
         place = len(MAGIC)
         if content[:place] != MAGIC and len(content) >= place:
-            self.faults.append(f"{self.path.name} does not begin as an MCAP file does")
+            self.faults.append(
+                Message("{file} does not begin like an MCAP file", file=self.path.name)
+            )
         while place < len(content):
             try:
                 opcode, data, end = _record(content, place)
@@ -63,25 +67,25 @@ class StoredMcap:
         if opcode in HEAD or opcode == Opcode.MESSAGE_INDEX:
             return []
         if opcode != Opcode.CHUNK:
-            raise ValueError(f"a record of kind {opcode} stands where a chunk should")
+            raise ValueError(f"a record of kind {opcode} is where a chunk should be")
         messages = []
         for record in breakup_chunk(_uncompressed(data)):
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
                 self._channels[record.id] = record
-            elif isinstance(record, Message):
+            elif isinstance(record, McapMessage):
                 messages.append(self._message(record))
         return messages
 
-    def _message(self, message: Message) -> RecordedMessage:
+    def _message(self, message: McapMessage) -> RecordedMessage:
         channel = self._channels[message.channel_id]
         return recorded_message(self._schemas[channel.schema_id], channel, message)
 
     def _check_sum(self, content: bytes, end: int, data: bytes) -> None:
         expected = DataEnd.read(_stream(data)).data_section_crc
         if not self.faults and expected not in (0, zlib.crc32(memoryview(content)[:end])):
-            self.faults.append(f"{self.path.name} is damaged: its checksum is another")
+            self.faults.append(damaged(self.path, "its checksum is wrong"))
 
     def _next_chunk(self, content: bytes, place: int, reason: str) -> int:
         """Return where the next whole chunk begins; a torn tail has none."""
@@ -92,12 +96,12 @@ class StoredMcap:
                 return len(content)
             start = found - COMPRESSION_PLACE
             if _is_chunk(content, start):
-                self.faults.append(f"{self.path.name} is damaged at byte {place}: {reason}")
+                self.faults.append(damaged(self.path, f"byte {place}: {reason}"))
                 return start
             start += 1
 
 
-def recorded_message(schema: Schema, channel: Channel, message: Message) -> RecordedMessage:
+def recorded_message(schema: Schema, channel: Channel, message: McapMessage) -> RecordedMessage:
     """Return a message of an MCAP file."""
     return RecordedMessage(
         channel.topic,
@@ -143,17 +147,17 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
     if end > len(content):
         raise ValueError("a record is torn")
     if size > MAX_RECORD_BYTES:
-        raise ValueError(f"a record says that it has {size} bytes")
+        raise ValueError(f"a record claims {size} bytes")
     return opcode, content[place + 9 : end], end
 
 
 def _uncompressed(data: bytes) -> Chunk:
     chunk = Chunk.read(_stream(data))
-    # The size is asked of the frame first: a damaged one must not fill the memory.
+    # The size in the frame is checked first: a damaged one must not fill the memory.
     if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
-        raise ValueError("a chunk is not as the storage writes it")
+        raise ValueError("the storage does not write such chunks")
     if zstandard.frame_content_size(chunk.data) != chunk.uncompressed_size:
-        raise ValueError("a chunk has another size than it says")
+        raise ValueError("the size of a chunk is wrong")
     content = zstandard.decompress(chunk.data)
     if zlib.crc32(content) != chunk.uncompressed_crc:
         raise ValueError("the checksum of a chunk is wrong")

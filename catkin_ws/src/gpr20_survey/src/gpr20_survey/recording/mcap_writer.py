@@ -20,9 +20,9 @@ ATTACHMENT = "survey.json"
 class McapFile(Recording):
     """Writes messages into an MCAP file of profile ros1 (zstd, with checksums).
 
-    A record of an MCAP file says its length, so a file cut anywhere is read up to the cut.
-    The library writes into the memory of an `AppendOnlyFile` and never meets the disk: what
-    the disk refuses is written again by the next commit. It keeps the index of the whole file.
+    A record of an MCAP file begins with its length, so a file cut anywhere is read up to the cut.
+    The library writes into the memory of an `AppendOnlyFile` and never to the disk: what the
+    disk refuses is written again by the next commit. It holds the index of the whole file.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class McapFile(Recording):
         """Write the summary and close the file.
 
         Raises:
-            FileReplacedError: Somebody moved, removed or replaced the file.
+            FileReplacedError: The file was moved, removed or replaced.
             OSError: The disk refused; the call may be repeated.
         """
         if not self._finishing:

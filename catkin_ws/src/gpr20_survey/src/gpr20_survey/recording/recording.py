@@ -27,11 +27,11 @@ class RecordedMessage:
     time_ns: int
     """When it was received [ns since 1970, UTC]."""
     latching: bool = False
-    """Whether the publisher keeps the last message for late subscribers."""
+    """Whether the publisher sends its last message to late subscribers."""
 
     @property
     def size_bytes(self) -> int:
-        """How much memory it takes, all told [bytes]."""
+        """How much memory it takes in all [bytes]."""
         return len(self.data) + len(self.definition) + len(self.topic)
 
 
@@ -55,11 +55,11 @@ class Recording(abc.ABC):
 
     @property
     def collected_bytes(self) -> int:
-        """How much waits for a commit, but for the chunk in progress [bytes]."""
+        """How much waits for a commit, without the chunk in progress [bytes]."""
         return self._file.collected_bytes
 
     def in_place(self) -> bool:
-        """Say whether the file that is written is still the one of its name."""
+        """Return whether the file that is written still has its name."""
         return self._file.in_place()
 
     @abc.abstractmethod
@@ -83,15 +83,15 @@ class Recording(abc.ABC):
         """Write everything collected to the disk; return when it is there for good.
 
         Raises:
-            FileReplacedError: Somebody moved, removed or replaced the file.
-            OSError: The disk refused; everything collected is kept for the next commit.
+            FileReplacedError: The file was moved, removed or replaced.
+            OSError: The disk refused; everything collected remains for the next commit.
         """
         if not self._finishing:
             self.begin_chunk()
             self._file.commit()
 
     def take_place_of(self, path: Path) -> None:
-        """Let the file have the name of another, which it replaces; return when that is durable.
+        """Give the file the name of another, which it replaces; return when that is durable.
 
         Raises:
             OSError: The disk refused.
@@ -103,7 +103,7 @@ class Recording(abc.ABC):
         """Write the index and close the file; may be repeated after a failure.
 
         Raises:
-            FileReplacedError: Somebody moved, removed or replaced the file.
+            FileReplacedError: The file was moved, removed or replaced.
             OSError: The disk refused.
         """
 

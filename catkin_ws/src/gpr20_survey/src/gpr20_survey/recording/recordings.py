@@ -30,7 +30,7 @@ def new_mcap(path: Path, description: Dict[str, Any]) -> McapFile:
     """Begin the MCAP file of a survey; it holds the survey's description as it is now.
 
     Raises:
-        SurveyRefusedError: The description does not say when the survey started.
+        SurveyRefusedError: The description does not hold when the survey started.
         OSError: The disk refused.
     """
     return McapFile(

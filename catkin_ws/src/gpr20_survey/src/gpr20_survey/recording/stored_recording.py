@@ -1,4 +1,4 @@
-"""A recording that is on the disk already, whatever its format and its state."""
+"""A recording that is already on the disk, whatever its format and its state."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Iterator, List, Protocol
 
+from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.recording.recording import RecordedMessage
 
@@ -19,13 +20,18 @@ class StoredRecording(Protocol):
 
     path: Path
     """The file; it may be missing."""
-    faults: List[str]
+    faults: List[Message]
     """What is damaged before the end, as far as `messages` has come."""
     has_checksums: bool
     """Whether damage inside a message would be found."""
 
     def messages(self) -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file."""
+
+
+def damaged(path: Path, details: str) -> Message:
+    """Return the fault of a recording that is damaged before its end."""
+    return Message("{file} is damaged", file=path.name, details=details)
 
 
 def mapped(path: Path) -> bytes:
@@ -40,7 +46,7 @@ def mapped(path: Path) -> bytes:
         return b""
     try:
         size = os.fstat(descriptor).st_size
-        # A map slices into bytes, which is all that the readers ask of it.
+        # A slice of a map is bytes, which is all that the readers need.
         return mmap.mmap(descriptor, size, prot=mmap.PROT_READ) if size else b""  # type: ignore
     finally:
         os.close(descriptor)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import enum
 
+from gpr20_common.message import Message
+
 
 class CalibrationStatus(enum.IntEnum):
     """The calibration by the instrument's own scale; its order is not one of quality."""
@@ -15,17 +17,19 @@ class CalibrationStatus(enum.IntEnum):
     LOW = 4
 
     @property
-    def meaning(self) -> str:
-        """What it says of the calibration, for people."""
+    def meaning(self) -> Message:
+        """The state of the calibration, for people."""
         return MEANINGS[self]
 
 
 MEANINGS = {
-    CalibrationStatus.NONE: "no calibration",
-    CalibrationStatus.HIGH: "calibrated, accuracy high",
-    CalibrationStatus.MODERATE_POWER: "moderate, the power level was changed",
-    CalibrationStatus.MODERATE_TEMPERATURE: (
-        "moderate, the temperature moved by more than 5 degrees"
+    CalibrationStatus.NONE: Message("no calibration"),
+    CalibrationStatus.HIGH: Message("calibrated, accuracy high"),
+    CalibrationStatus.MODERATE_POWER: Message("moderate, power level changed since calibration"),
+    CalibrationStatus.MODERATE_TEMPERATURE: Message(
+        "moderate, temperature changed by more than 5 degrees since calibration"
     ),
-    CalibrationStatus.LOW: "low, the temperature moved by more than 10 degrees",
+    CalibrationStatus.LOW: Message(
+        "low, temperature changed by more than 10 degrees since calibration"
+    ),
 }

@@ -7,6 +7,7 @@ from typing import NoReturn, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 
@@ -26,7 +27,7 @@ class Sweep:
         s21_imag: Imaginary part of S21, linear [float64, shape (points,)].
         sweep_started_us: Just before the sweep was triggered [us since 1970, UTC].
         sweep_ended_us: When its end was seen [us since 1970, UTC].
-        quality: Remarks on the quality; empty means none.
+        quality: Remarks on the quality; empty if there are none.
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
@@ -59,38 +60,76 @@ class Sweep:
     def _check_numbers(self) -> None:
         points = len(self.frequency_hz)
         if not MIN_POINTS <= points <= MAX_POINTS:
-            refuse(f"there are {points} points; there must be {MIN_POINTS} to {MAX_POINTS}")
+            refuse(
+                Message(
+                    "there are {points} points; there must be {lower} to {upper}",
+                    points=points,
+                    lower=MIN_POINTS,
+                    upper=MAX_POINTS,
+                )
+            )
         for name in ("frequency_hz", "s21_real", "s21_imag"):
-            values = getattr(self, name)
-            if values.dtype != np.float64 or values.shape != (points,):
-                refuse(f"{name} has {values.size} values for {points} frequencies")
-            if not np.isfinite(values).all():
-                refuse(f"{name} holds {np.count_nonzero(~np.isfinite(values))} NaN or infinities")
+            self._check_array(name, points)
         if self.frequency_hz[0] <= 0.0 or not (np.diff(self.frequency_hz) > 0.0).all():
-            refuse("frequency_hz must be above zero and ascend from each point to the next")
+            refuse(
+                Message("frequency_hz must be above zero and ascend from each point to the next")
+            )
+
+    def _check_array(self, name: str, points: int) -> None:
+        values = getattr(self, name)
+        if values.dtype != np.float64 or values.shape != (points,):
+            refuse(
+                Message(
+                    "{name} has {count} values for {points} frequencies",
+                    name=name,
+                    count=values.size,
+                    points=points,
+                )
+            )
+        if not np.isfinite(values).all():
+            refuse(
+                Message(
+                    "{name} holds {count} NaN or infinities",
+                    name=name,
+                    count=np.count_nonzero(~np.isfinite(values)),
+                )
+            )
 
     def _check_sweep_times(self) -> None:
         check_time("sweep_started", self.sweep_started_us)
         check_time("sweep_ended", self.sweep_ended_us)
         if self.sweep_ended_us < self.sweep_started_us:
             refuse(
-                f"sweep_ended {utc_time.iso_text(self.sweep_ended_us)} lies before "
-                f"sweep_started {utc_time.iso_text(self.sweep_started_us)}"
+                Message(
+                    "sweep_ended {ended} lies before sweep_started {started}",
+                    ended=utc_time.iso_text(self.sweep_ended_us),
+                    started=utc_time.iso_text(self.sweep_started_us),
+                )
             )
 
     def _check_quality(self) -> None:
         if len(self.quality) > MAX_REMARKS:
-            refuse(f"quality has {len(self.quality)} remarks; at most {MAX_REMARKS} are allowed")
+            refuse(
+                Message(
+                    "quality has {count} remarks; at most {most} are allowed",
+                    count=len(self.quality),
+                    most=MAX_REMARKS,
+                )
+            )
         for remark in self.quality:
             if len(remark) > MAX_REMARK_CHARACTERS or not remark.isprintable():
                 refuse(
-                    f"quality holds {shortened(remark)}; a remark must be printable and "
-                    f"have at most {MAX_REMARK_CHARACTERS} characters"
+                    Message(
+                        "quality holds {remark}; a remark must be printable and have at most "
+                        "{most} characters",
+                        remark=shortened(remark),
+                        most=MAX_REMARK_CHARACTERS,
+                    )
                 )
 
 
 def storable_remark(remark: str) -> str:
-    """Return a remark as a sweep takes it: short, and of printable characters alone."""
+    """Return a remark as a sweep accepts it: short, and with printable characters only."""
     text = "".join(one if one.isprintable() else "?" for one in remark)
     return text if len(text) <= MAX_REMARK_CHARACTERS else text[: MAX_REMARK_CHARACTERS - 3] + "..."
 
@@ -102,16 +141,22 @@ def check_time(name: str, time_us: int) -> None:
         TraceRefusedError: It cannot.
     """
     if not utc_time.is_plausible(time_us):
-        refuse(f"{name} is {utc_time.iso_text(time_us)}; set the computer's clock")
+        refuse(
+            Message(
+                "{name} is {time}; set the computer's clock",
+                name=name,
+                time=utc_time.iso_text(time_us),
+            )
+        )
 
 
-def refuse(reason: str) -> NoReturn:
+def refuse(reason: Message) -> NoReturn:
     """Raise the error of a trace that is not allowed.
 
     Raises:
         TraceRefusedError: Always.
     """
-    raise TraceRefusedError(f"the trace is refused: {reason}")
+    raise TraceRefusedError(Message("the trace is refused: {reason}", reason=reason))
 
 
 def shortened(text: str) -> str:

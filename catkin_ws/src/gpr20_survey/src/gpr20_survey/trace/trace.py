@@ -7,6 +7,7 @@ import math
 import re
 from dataclasses import dataclass
 
+from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
 
 FORMAT = "gpr20-trace/1"
@@ -56,9 +57,9 @@ class Trace(Sweep):
         check_time("timestamp", self.timestamp_us)
 
     @property
-    def label(self) -> str:
+    def label(self) -> Message:
         """Short name for messages."""
-        return f"trace {self.index} (sample {self.sample_id})"
+        return Message("trace {index} (sample {sample})", index=self.index, sample=self.sample_id)
 
     def fingerprint(self) -> bytes:
         """Return 16 bytes that are the same only for traces equal to the last bit."""
@@ -76,22 +77,56 @@ class Trace(Sweep):
 
     def _check_names(self) -> None:
         if self.format != FORMAT:
-            refuse(f"format is {shortened(self.format)}; it must be '{FORMAT}'")
+            refuse(
+                Message(
+                    "format is {format}; it must be '{expected}'",
+                    format=shortened(self.format),
+                    expected=FORMAT,
+                )
+            )
         if not SURVEY_ID.fullmatch(self.survey_id):
-            refuse(f"survey_id is {shortened(self.survey_id)}; it must be a UUID in lower case")
+            refuse(
+                Message(
+                    "survey_id is {survey_id}; it must be a UUID in lower case with hyphens",
+                    survey_id=shortened(self.survey_id),
+                )
+            )
         if not SAMPLE_ID.fullmatch(self.sample_id):
             refuse(
-                f"sample_id is {shortened(self.sample_id)}; it must be 1 to 128 letters, digits, "
-                "dots, colons, hyphens or underscores, the first a letter or digit"
+                Message(
+                    "sample_id is {sample_id}; it must be 1 to 128 letters, digits, dots, colons, "
+                    "hyphens or underscores, the first a letter or digit",
+                    sample_id=shortened(self.sample_id),
+                )
             )
         if not 0 <= self.index <= MAX_INDEX:
-            refuse(f"index is {self.index}; it must lie between 0 and {MAX_INDEX}")
+            refuse(
+                Message(
+                    "{name} is {value}; it must lie between {lower} and {upper}",
+                    name="index",
+                    value=self.index,
+                    lower=0,
+                    upper=MAX_INDEX,
+                )
+            )
 
     def _check_position(self) -> None:
         for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg"):
             value = getattr(self, name)
             # Written so that NaN, which fails every comparison, is refused too.
             if not -MAX_COORDINATE <= value <= MAX_COORDINATE:
-                refuse(f"{name} is {value}; it must lie within +-{MAX_COORDINATE:g}")
+                refuse(
+                    Message(
+                        "{name} is {value}; it must lie between {lower} and {upper}",
+                        name=name,
+                        value=str(value),
+                        lower=f"{-MAX_COORDINATE:g}",
+                        upper=f"{MAX_COORDINATE:g}",
+                    )
+                )
         if math.isinf(self.antennae_height_m):
-            refuse("antennae_height_m is infinite; it must be a number, or NaN if not measured")
+            refuse(
+                Message(
+                    "antennae_height_m is infinite; it must be a number, or NaN if not measured"
+                )
+            )

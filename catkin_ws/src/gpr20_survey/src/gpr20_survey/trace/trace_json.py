@@ -8,6 +8,8 @@ from typing import Any, Dict, NoReturn
 
 import numpy as np
 
+from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
@@ -56,9 +58,9 @@ def decode(content: bytes) -> Trace:
     try:
         values = json.loads(content.decode("ascii"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        raise TraceRefusedError(f"the file is no strict JSON: {error}") from error
+        raise TraceRefusedError(Message("the file is not strict JSON", details=error)) from error
     if content[-1:] != b"\n":
-        raise TraceRefusedError("the file does not end as the storage ends it")
+        raise TraceRefusedError(Message("the file is incomplete: its last line does not end"))
     return from_values(values)
 
 
@@ -69,19 +71,23 @@ def from_values(values: Any) -> Trace:
         TraceRefusedError: It is not the value of a trace's file.
     """
     if not isinstance(values, dict) or values.keys() != KEYS:
-        raise TraceRefusedError("the file does not hold exactly the entries of a trace")
+        raise TraceRefusedError(Message("the file does not hold exactly the entries of a trace"))
     try:
         return _trace(values)
+    except TraceRefusedError:
+        raise
+    except Gpr20Error as error:
+        raise TraceRefusedError(
+            Message("an entry of the trace is wrong: {reason}", reason=error.message)
+        ) from error
     except (ValueError, TypeError, OverflowError) as error:
-        if isinstance(error, TraceRefusedError):
-            raise
-        raise TraceRefusedError(f"an entry of the trace is wrong: {error}") from error
+        raise TraceRefusedError(Message("an entry of the trace is wrong", details=error)) from error
 
 
 def _trace(values: Dict[str, Any]) -> Trace:
     height = values[HEIGHT]
     if not all(isinstance(one, str) for one in _list(values, "quality")):
-        raise TypeError("quality holds something else than texts")
+        raise InvalidValueError(Message("quality holds values that are not texts"))
     fields: Dict[str, Any] = {
         **{name: _of_type(values, name, str) for name in TEXTS},
         **{f"{name}_us": utc_time.parse_iso(_of_type(values, name, str)) for name in TIMES},
@@ -98,7 +104,14 @@ def _of_type(values: Dict[str, Any], name: str, kind: type) -> Any:
     value = values[name]
     # Exactly: true is an int to Python, and a float is always written with a point.
     if type(value) is not kind:
-        raise TypeError(f"{name} is {str(value)[:64]!r}; it must be a {kind.__name__}")
+        raise InvalidValueError(
+            Message(
+                "{place} is {value}; it must be of type {type}",
+                place=name,
+                value=repr(str(value)[:64]),
+                type=kind.__name__,
+            )
+        )
     return value
 
 
@@ -109,7 +122,9 @@ def _list(values: Dict[str, Any], name: str) -> Any:
 def _array(values: Dict[str, Any], name: str) -> np.ndarray:
     numbers = _list(values, name)
     if set(map(type, numbers)) - {float}:
-        raise TypeError(f"{name} holds something else than numbers")
+        raise InvalidValueError(
+            Message("{name} holds values that are not numbers with a decimal point", name=name)
+        )
     return np.array(numbers, np.float64)
 
 

@@ -11,6 +11,7 @@ from typing import Any, Callable, List, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
@@ -56,12 +57,16 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
     """
     if md5sum != MD5SUM:
         raise TraceRefusedError(
-            f"a trace was recorded with another version of {DATATYPE}: {md5sum[:64]}, not {MD5SUM}"
+            Message(
+                "a trace was recorded with another version of {datatype}",
+                datatype=DATATYPE,
+                details=f"{md5sum[:64]}, not {MD5SUM}",
+            )
         )
     try:
         return _Reader(data).trace()
     except (struct.error, UnicodeDecodeError) as error:
-        raise TraceRefusedError(f"a recorded trace is incomplete: {error}") from error
+        raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
 
 
 def _text(text: str) -> bytes:
@@ -107,7 +112,7 @@ class _Reader:
             quality=tuple(self._list(self._text)),
         )
         if self._place != len(self._data):
-            raise TraceRefusedError("a recorded trace is longer than its fields")
+            raise TraceRefusedError(Message("a recorded trace is longer than its fields"))
         return trace
 
     def _bytes(self, size: int) -> bytes:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import datetime
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+
 US_PER_S = 1_000_000
 NS_PER_US = 1_000
 
-# A computer without a clock battery starts in 1970: no such time is right.
+# A computer without a clock battery starts in 1970: such a time cannot be right.
 EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01
 LATEST_US = (1 << 32) * US_PER_S  # a ROS time ends in 2106
 
@@ -15,7 +18,7 @@ _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
 
 
 def is_plausible(time_us: int) -> bool:
-    """Say whether a moment [us since 1970] may be right."""
+    """Return whether a moment [us since 1970] may be right."""
     return EARLIEST_US <= time_us < LATEST_US
 
 
@@ -32,14 +35,17 @@ def parse_iso(text: str) -> int:
     """Return the moment [us since 1970] of a text that `iso_text` wrote.
 
     Raises:
-        ValueError: The text is anything else.
+        InvalidValueError: The text is anything else.
     """
-    moment = datetime.datetime.fromisoformat(text)
+    try:
+        moment = datetime.datetime.fromisoformat(text)
+    except ValueError as error:
+        raise _no_time(text) from error
     if moment.tzinfo is None:
-        raise ValueError(f"{text[:64]!r} does not say its time zone")
+        raise _no_time(text)
     time_us = (moment - _EPOCH) // datetime.timedelta(microseconds=1)
     if iso_text(time_us) != text:
-        raise ValueError(f"{text[:64]!r} is no time as the storage writes it")
+        raise _no_time(text)
     return time_us
 
 
@@ -47,3 +53,13 @@ def compact_text(time_us: int) -> str:
     """Return a moment [us since 1970] as YYYYMMDDTHHMMSS, for names."""
     moment = _EPOCH + datetime.timedelta(microseconds=time_us)
     return moment.strftime("%Y%m%dT%H%M%S")
+
+
+def _no_time(text: str) -> InvalidValueError:
+    return InvalidValueError(
+        Message(
+            "{text} is not a time such as {example}",
+            text=repr(text[:64]),
+            example=iso_text(EARLIEST_US),
+        )
+    )

@@ -1,21 +1,22 @@
-"""main_control's topics and services as events of this package."""
+"""The main control's topics and services as events of this package."""
 
 from __future__ import annotations
 
 import queue
 import threading
-from typing import Any, Callable, List
+from typing import Any, Callable, Dict
 
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
-from std_srvs.srv import Trigger
 
+from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.message import Message, in_a_row
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
-from gpr20_msgs.srv import ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
@@ -25,24 +26,23 @@ from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event,
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
-# Who presses STOP must not wait for a main_control that hangs: then the axes are asked
-# themselves.
+# STOP must not wait for a main control that hangs: then it goes to the axes directly.
 STOP_TIMEOUT_S = 2.0
 AXES = ("x", "y", "z")
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
-# of 800 mm takes 800 s. Who waits can stop the survey meanwhile.
+# of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
 
 
 class DirectServiceClient(ServiceClient):
-    """Keeps the address of a service: STOP must work while the master is away."""
+    """Remembers the address of a service: STOP must work while the master is away."""
 
     def __init__(self, name: str, service_class: Any) -> None:
         super().__init__(name, service_class)
         self._address = ""
 
     def remember(self) -> None:
-        """Ask the master where the service is; one that is not there keeps its last address.
+        """Ask the master for the address; a service that is not there has its last one.
 
         Raises:
             OSError: The master does not answer.
@@ -52,7 +52,7 @@ class DirectServiceClient(ServiceClient):
         try:
             self._address = master.lookupService(rospy.resolve_name(self.name))
         except rosgraph.MasterError:
-            # Nobody offers it now.
+            # There is no such service now.
             return
 
     def _ask(
@@ -65,7 +65,7 @@ class DirectServiceClient(ServiceClient):
                 answers.put(proxy(*request, **fields))
                 return
             except (rospy.ROSException, rospy.ServiceException, OSError):
-                # It is not there any more, or has another address: the master may know.
+                # It has ended or has another address: the master may know.
                 pass
         super()._ask(timeout_s, arguments, answers, given_up)
 
@@ -80,33 +80,33 @@ class _AddressedProxy(rospy.ServiceProxy):
 
 
 class ControlClient(RosEvents):
-    """Tells a listener everything about main_control; asks it without waiting."""
+    """Passes everything about the main control to a listener; asks it without waiting."""
 
     def __init__(self, listener: Callable[[Event], None]) -> None:
         super().__init__(listener)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
-        self._stop = DirectServiceClient("stop_survey", Trigger)
-        self._pause = ServiceClient("pause_survey", Trigger)
+        self._stop = DirectServiceClient("stop_survey", Command)
+        self._pause = ServiceClient("pause_survey", Command)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
         self._axis_stops = {
-            axis: DirectServiceClient(f"{axis}_axis/stop", Trigger) for axis in AXES
+            axis: DirectServiceClient(f"{axis}_axis/stop", Command) for axis in AXES
         }
         self._master = MasterWatch()
         self._reading_limits = threading.Lock()
 
     def listen(self) -> None:
-        """Subscribe to what main_control says."""
+        """Subscribe to state and progress of the survey."""
         self._subscribe("control_status", ControlStatus, conversions.control_state, None)
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
 
     def listen_to_robot(self) -> None:
-        """Subscribe to where the robot is."""
-        hear = self._subscribe
-        hear("control_current_coordinate", Coordinates, conversions.current_position, 1)
-        hear("control_target_coordinate", Coordinates, conversions.target_position, 1)
-        hear("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
-        hear("measured_height", Range, conversions.measured_height, 1)
+        """Subscribe to position, height and health of the robot."""
+        subscribe = self._subscribe
+        subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
+        subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
+        subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
+        subscribe("measured_height", Range, conversions.measured_height, 1)
         self._subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
 
     def start_survey(self, parameters: SurveyParameters) -> None:
@@ -115,18 +115,18 @@ class ControlClient(RosEvents):
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
-        self._ask(Request.STOP, self._ask_stop)
+        in_background(lambda: self._emit(self._stop_answer()))
 
     def pause_survey(self) -> None:
-        """Ask to hold the survey; the answer is an event."""
+        """Ask to pause the survey; the answer is an event."""
         self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
 
     def resume_survey(self, survey_id: str = "") -> None:
-        """Ask to go on with the paused survey or with the one named; the answer is an event."""
+        """Ask to resume the paused survey or the one named; the answer is an event."""
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
 
     def read_axis_limits(self) -> None:
-        """Read what the axes can do; the answer is an event."""
+        """Read the limits of the axes; the answer is an event."""
         # A master that hangs must not collect one thread per call.
         if self._reading_limits.acquire(blocking=False):
             in_background(self._read_axis_limits)
@@ -135,12 +135,13 @@ class ControlClient(RosEvents):
         try:
             limits = read_axis_limits()
             if limits.master_alive:
-                self._master.look()
+                self._master.check()
                 for service in (self._stop, *self._axis_stops.values()):
                     service.remember()
-            self._tell(limits)
+            self._emit(limits)
         except (rosgraph.MasterException, OSError) as error:
-            self._tell(AxisLimits(None, str(error), master_alive=False))
+            reason = Message("the ROS master does not answer", details=error)
+            self._emit(AxisLimits(None, reason, master_alive=False))
         finally:
             self._reading_limits.release()
 
@@ -149,33 +150,38 @@ class ControlClient(RosEvents):
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
-        self._tell(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
+        self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
-    def _ask_stop(self) -> Any:
+    def _stop_answer(self) -> Answer:
         try:
-            return self._stop.call(STOP_TIMEOUT_S)
+            return _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
         except ServiceUnavailableError as error:
-            raise ServiceUnavailableError(f"{error}; {self._stop_axes()}") from error
+            message = Message(
+                "{reason}; the axes were asked to stop directly; {answers}",
+                reason=_no_answer(error),
+                answers=self._stop_axes(),
+            )
+            return Answer(Request.STOP, False, message)
 
-    def _stop_axes(self) -> str:
-        answers: List[str] = []
+    def _stop_axes(self) -> Message:
+        answers: Dict[str, Message] = {}
         threads = [
-            threading.Thread(target=lambda axis=axis: answers.append(self._stop_axis(axis)))
+            threading.Thread(target=lambda axis=axis: answers.update({axis: self._stop_axis(axis)}))
             for axis in AXES
         ]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
-        return "; ".join(["the axes were told to stop instead", *sorted(answers)])
+        return in_a_row(answers[axis] for axis in sorted(answers))
 
-    def _stop_axis(self, axis: str) -> str:
+    def _stop_axis(self, axis: str) -> Message:
         try:
             answer = self._axis_stops[axis].call(STOP_TIMEOUT_S)
         except ServiceUnavailableError as error:
-            return f"{axis} axis does NOT answer: {error}"
-        return f"{axis} axis: {answer.message}"
+            return Message("{axis} axis does NOT answer", axis=axis, details=error)
+        return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer))
 
     def _ask_resume(self, survey_id: str) -> Any:
         # The long limit is for the answer, not for a service that is not there.
@@ -183,17 +189,24 @@ class ControlClient(RosEvents):
         return self._resume.call(START_TIMEOUT_S, survey=survey_id)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
-        in_background(lambda: self._tell(_answer(request, ask)))
+        in_background(lambda: self._emit(_answer(request, ask)))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._tell(health)
+            self._emit(health)
 
 
 def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
     try:
-        response = ask()
+        return _answer_from(request, ask())
     except (ServiceUnavailableError, rospy.ROSException) as error:
-        return Answer(request, False, str(error))
+        return Answer(request, False, _no_answer(error))
+
+
+def _answer_from(request: Request, response: Any) -> Answer:
     survey_id = getattr(response, "survey_id", "")
-    return Answer(request, response.success, response.message, survey_id)
+    return Answer(request, response.success, message_from(response), survey_id)
+
+
+def _no_answer(error: Exception) -> Message:
+    return Message("the main control does not answer; check that it is running", details=error)

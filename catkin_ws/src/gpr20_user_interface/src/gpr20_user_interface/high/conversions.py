@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, List
+from typing import Any, Dict, List, Optional, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
+from gpr20_common.high.diagnostics import MESSAGE_JSON
+from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.raw_message import serialized
+from gpr20_common.message import Message, received_message
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData, SurveySummary
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
@@ -50,14 +53,14 @@ def parameters(message: SurveyParametersMessage) -> ControlParameters:
 def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
     code = SurveyState(message.code)
-    return ControlState(code, message.message, message.survey_id, message.simulated)
+    return ControlState(code, message_from(message), message.survey_id, message.simulated)
 
 
 def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
-    """Convert `/diagnostics`: what the nodes of one namespace say of themselves.
+    """Convert the reports on `/diagnostics` of the nodes of one namespace.
 
     Args:
-        message: Of any node; robots that share a master share the topic.
+        message: Of any nodes; robots that share a master share the topic.
         namespace: The robot's, with slashes at both ends or alone.
     """
     prefix = namespace.strip("/")
@@ -70,7 +73,8 @@ def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
         values = {pair.key: pair.value for pair in status.values}
         level = HealthLevel(_level_number(status.level))
         own_name = name[len(prefix) :].strip("/")
-        found.append(NodeHealth(own_name, level, status.message, values))
+        text = received_message(status.message, values.pop(MESSAGE_JSON, ""))
+        found.append(NodeHealth(own_name, level, text, values))
     return found
 
 
@@ -113,8 +117,8 @@ def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
         planned=message.planned,
         starts=tuple(message.run_starts),
         states=tuple(bytearray(message.run_states)),
-        failures=tuple(message.failures),
-        verdict=message.verdict,
+        failures=_reasons(message.failures, message.failures_json),
+        verdict=_message_or_none(message.verdict, message.verdict_json),
     )
 
 
@@ -131,7 +135,8 @@ def survey_read(folder: str, response: Any) -> SurveyRead:
 def traces_read(first_index: int, response: Any) -> TracesRead:
     """Convert the answer of `read_traces`."""
     found = [(message.index, serialized(message)) for message in response.traces]
-    return page_of_traces(response.survey_id, first_index, found, response.unreadable)
+    unreadable = _reasons(response.unreadable, response.unreadable_json)
+    return page_of_traces(response.survey_id, first_index, found, unreadable)
 
 
 def surveys_listed(before: str, response: Any) -> SurveysListed:
@@ -141,4 +146,30 @@ def surveys_listed(before: str, response: Any) -> SurveysListed:
 
 
 def _past_survey(message: SurveySummary) -> PastSurvey:
-    return PastSurvey(**{name: getattr(message, name) for name in message.__slots__})
+    return PastSurvey(
+        folder=message.folder,
+        survey_id=message.survey_id,
+        started=message.started,
+        outcome=message.outcome,
+        stored_traces=message.stored_traces,
+        planned_traces=message.planned_traces,
+        verdict=_message_or_none(message.verdict, message.verdict_json),
+        complete=message.complete,
+        simulated=message.simulated,
+        problem=_message_or_none(message.problem, message.problem_json),
+    )
+
+
+def _message_or_none(text: str, message_json: str) -> Optional[Message]:
+    return received_message(text, message_json) if text else None
+
+
+def _reasons(texts: Sequence[str], messages_json: Sequence[str]) -> Dict[int, Message]:
+    """Return the reasons of traces by their index, from lines "index: reason"."""
+    found = {}
+    for number, line in enumerate(texts):
+        index, _separator, text = line.partition(": ")
+        if index.isdigit():
+            message_json = messages_json[number] if number < len(messages_json) else ""
+            found[int(index)] = received_message(text, message_json)
+    return found

@@ -1,4 +1,4 @@
-"""Joining the ROS graph, or saying why that is not possible; joining it again."""
+"""Joining the ROS graph, and joining it again when the master was restarted."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from rospy.impl.registration import (
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.line_output import enable_line_buffering
+from gpr20_common.message import Message
 from gpr20_user_interface.errors import MasterUnavailableError
 
 POLL_S = 0.2
@@ -26,12 +27,12 @@ JOIN_LIMIT_S = 15.0
 def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock: Clock) -> None:
     """Make this process a ROS node that leaves Ctrl-C to its own handlers.
 
-    `rospy.init_node` alone would wait for a master for ever, also for one that dies meanwhile.
+    `rospy.init_node` alone would wait for a master without a limit.
 
     Args:
         name: Base name of the node; a number makes it one of its own.
         wait_s: How long to wait for the master [s].
-        is_cancelled: Asked while waiting; True ends it.
+        is_cancelled: Checked while waiting; True ends it.
         clock: Measures the waiting.
 
     Raises:
@@ -57,12 +58,16 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
             given_up.set()
             if is_cancelled():
                 raise MasterUnavailableError(
-                    "ended before the robot was reached; nothing was started"
+                    Message("stopped before contact with the robot; nothing was started")
                 )
             waited_s = clock.now_s() - begin_s
             raise MasterUnavailableError(
-                f"no ROS master answers at {rosgraph.get_master_uri()} (waited {waited_s:.0f} s); "
-                "start `roslaunch gpr20 survey.launch`, or correct ROS_MASTER_URI"
+                Message(
+                    "no ROS master answers at {address} within {waited_s:.0f} s; start `roslaunch "
+                    "gpr20 survey.launch`, or correct ROS_MASTER_URI",
+                    address=rosgraph.get_master_uri(),
+                    waited_s=waited_s,
+                )
             )
 
 
@@ -80,15 +85,15 @@ def _happens(
 class MasterWatch:
     """Joins the graph again when another master has taken the place of the one before.
 
-    A master that is started anew knows none of the nodes that outlived the former one, and they
+    A master that was restarted does not know the nodes that outlived the former one, and they
     do not notice by themselves.
     """
 
     def __init__(self) -> None:
         self._process_id: Optional[int] = None
 
-    def look(self) -> None:
-        """Ask the master who it is.
+    def check(self) -> None:
+        """Ask the master for its process id; join again if it is another one.
 
         Raises:
             OSError: It does not answer.

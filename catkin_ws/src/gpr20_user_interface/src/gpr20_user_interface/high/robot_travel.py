@@ -1,4 +1,4 @@
-"""What the robot can do, from the parameters of its nodes."""
+"""Limits and figures of the robot, from the parameters of its nodes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from xmlrpc.client import Error as XmlRpcError
 import rospy
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import positive_number
 from gpr20_common.mid.records import record_from
 from gpr20_survey.axes.axis_id import AxisId
@@ -23,27 +24,33 @@ FIELDS = ("min_coord", "max_coord", "step_size")
 
 
 def read_axis_limits() -> AxisLimits:
-    """Read the limits of the three axes and what else is fixed, or why it is not known."""
+    """Read the limits of the three axes and the figures of the robot, or why they are unknown."""
     try:
         groups = {axis_id: _group(f"{axis_id.value}_axis/axis_driver") for axis_id in AxisId}
         control = _group("main_control")
         time_scale = rospy.get_param("time_scale", 1.0)
         simulated = rospy.get_param("simulated", False)
     except (rospy.ROSException, XmlRpcError, OSError) as error:
-        return AxisLimits(None, f"the ROS master does not answer: {error}", master_alive=False)
+        reason = Message("the ROS master does not answer", details=error)
+        return AxisLimits(None, reason, master_alive=False)
     travels: List[Travel] = []
     for axis_id, group in groups.items():
         values = [_number(group, field) for field in FIELDS]
         if not all(math.isfinite(value) for value in values):
             name = rospy.resolve_name(f"{axis_id.value}_axis/axis_driver")
-            return AxisLimits(None, f"{name} has no parameters {', '.join(FIELDS)}")
+            details = f"{name} has no parameters {', '.join(FIELDS)}"
+            reason = Message("the limits of the axes are not known", details=details)
+            return AxisLimits(None, reason)
         travels.append(Travel(*values))
     try:
         axes = {axis_id: _record(AxisParameters, group) for axis_id, group in groups.items()}
         config = RobotConfig(axes, bool(simulated), positive_number("time_scale", time_scale))
         figures = RobotFigures(config, _record(SurveySettings, control))
-    except (Gpr20Error, TypeError) as error:
-        return AxisLimits(RobotTravel(*travels), str(error))
+    except Gpr20Error as error:
+        return AxisLimits(RobotTravel(*travels), error.message)
+    except TypeError as error:
+        reason = Message("the parameters of the robot are incomplete", details=error)
+        return AxisLimits(RobotTravel(*travels), reason)
     return AxisLimits(RobotTravel(*travels), figures=figures)
 
 

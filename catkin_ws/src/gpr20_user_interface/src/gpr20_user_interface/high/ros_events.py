@@ -1,4 +1,4 @@
-"""Events from topics and services, until nobody wants them any more."""
+"""Events from topics and services, until the client is closed."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class RosEvents:
 
     def __init__(self, listener: Callable[[Any], None]) -> None:
         self._listener = listener
-        self._telling = threading.Lock()
+        self._emitting = threading.Lock()
         self._closed = False
         self._subscribers: List[rospy.Subscriber] = []
 
     def close(self) -> None:
-        """Tell the listener nothing more, whatever is still on its way."""
-        with self._telling:
+        """Call the listener no more, even if messages are in flight."""
+        with self._emitting:
             self._closed = True
         for subscriber in self._subscribers:
             subscriber.unregister()
@@ -32,25 +32,25 @@ class RosEvents:
     def _subscribe(
         self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
     ) -> None:
-        """Tell an event for each message of a topic; `queue_size` None lets any number wait."""
+        """Emit an event for each message of a topic; `queue_size` None: any number may wait."""
         self._subscribe_raw(
-            name, message_class, lambda message: self._tell(convert(message)), queue_size
+            name, message_class, lambda message: self._emit(convert(message)), queue_size
         )
 
     def _subscribe_raw(
-        self, name: str, message_class: Any, heard: Callable[[Any], None], queue_size: Any
+        self, name: str, message_class: Any, received: Callable[[Any], None], queue_size: Any
     ) -> None:
-        """Call a function for each message of a topic; it may `_tell` as often as it likes."""
+        """Call a function for each message of a topic; it may `_emit` any number of events."""
         self._subscribers.append(
-            rospy.Subscriber(name, message_class, heard, queue_size=queue_size)
+            rospy.Subscriber(name, message_class, received, queue_size=queue_size)
         )
 
-    def _tell(self, event: Any) -> None:
-        with self._telling:
+    def _emit(self, event: Any) -> None:
+        with self._emitting:
             if not self._closed:
                 self._listener(event)
 
 
 def in_background(work: Callable[[], None]) -> None:
-    """Do something in a thread that, if it never ends, does not keep the process alive."""
+    """Work in a daemon thread: if it never ends, the process still can."""
     threading.Thread(target=work, daemon=True).start()

@@ -2,64 +2,81 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import sys
 from typing import Callable, Dict
 
 import rospy
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.low.clock import Clock
-from gpr20_survey.plan.survey_parameters import RobotTravel, problems
+from gpr20_common.message import Message
+from gpr20_survey.plan.survey_parameters import RobotTravel, check
 from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
-from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay
+from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay, terminal_line
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL, Request, StopRequested
-from gpr20_user_interface.mid.survey_arguments import Bar, Options, parse_arguments
+from gpr20_user_interface.mid.survey_arguments import (
+    Bar,
+    Options,
+    parse_arguments,
+    terminal_language,
+)
 from gpr20_user_interface.mid.survey_follower import ExitStatus, Limits, Mode, SurveyFollower
 from gpr20_user_interface.mid.survey_session import SurveySession, outcome_lines
 
 
 def main() -> int:
-    """Run a survey as the command line says; return the exit status."""
-    options = parse_arguments(rospy.myargv()[1:])
+    """Run a survey as the command line asks; return the exit status."""
+    arguments = rospy.myargv()[1:]
+    catalogue = read_catalogue(terminal_language(arguments, os.environ))
+    options = parse_arguments(arguments, catalogue)
     # Unlike that of queue.Queue its put() may be interrupted by a signal that puts, too.
     events: queue.SimpleQueue = queue.SimpleQueue()
     try:
         with StopSignals(lambda name: events.put(StopRequested(name))) as signals:
-            return _run(options, events, signals)
+            return _run(options, events, signals, catalogue)
     except SecondStopSignal:
-        print("\nleft at once, without waiting: the robot may still run", file=sys.stderr)
+        left = catalogue.tr("Ended at once, without waiting: the robot may still move.")
+        print(f"\n{left}", file=sys.stderr)
         leave_now(ExitStatus.STOPPED)
 
 
-def _run(options: Options, events: queue.SimpleQueue, signals: StopSignals) -> int:
+def _run(
+    options: Options, events: queue.SimpleQueue, signals: StopSignals, catalogue: Catalogue
+) -> int:
     try:
         # What can be refused at once needs no robot.
         _check(options, DOCUMENTED_TRAVEL)
         join_graph("run_survey", options.wait_s, lambda: signals.received, Clock())
         _check(options, read_axis_limits().travel or DOCUMENTED_TRAVEL)
     except Gpr20Error as error:
-        print(f"run_survey: {error}", file=sys.stderr)
+        print(f"run_survey: {terminal_line(error.message, catalogue)}", file=sys.stderr)
         status = ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED
         if isinstance(error, MasterUnavailableError):
-            # Nobody to take leave of; rospy would wait for the master once more.
+            # At once: the exit handlers of rospy would wait for the master.
             leave_now(status)
         return status
-    return _follow(options, events)
+    return _follow(options, events, catalogue)
 
 
 def _check(options: Options, travel: RobotTravel) -> None:
-    found = problems(options.parameters, travel) if options.mode is Mode.START else []
-    if found:
-        raise ParametersRefusedError("refused: " + "; ".join(found))
+    if options.mode is not Mode.START:
+        return
+    try:
+        check(options.parameters, travel)
+    except InvalidValueError as error:
+        raise ParametersRefusedError(Message("refused: {reason}", reason=error.message)) from error
 
 
-def _follow(options: Options, events: queue.SimpleQueue) -> int:
+def _follow(options: Options, events: queue.SimpleQueue, catalogue: Catalogue) -> int:
     client = ControlClient(events.put)
     requests: Dict[Request, Callable[[], None]] = {
         Request.START: lambda: client.start_survey(options.parameters),
@@ -68,18 +85,20 @@ def _follow(options: Options, events: queue.SimpleQueue) -> int:
     }
     limits = Limits(wait_s=options.wait_s)
     follower = SurveyFollower(options.mode, options.on_pause, limits, Clock())
-    session = SurveySession(
-        follower, events, lambda request: requests[request](), _display(options.bar)
-    )
+    display = _display(options.bar, catalogue)
+    session = SurveySession(follower, events, lambda request: requests[request](), display)
     client.listen()
     outcome = session.run()
     client.close()
-    lines = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
+    messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
+    lines = [terminal_line(message, catalogue) for message in messages]
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
     return outcome.status
 
 
-def _display(bar: Bar) -> Display:
+def _display(bar: Bar, catalogue: Catalogue) -> Display:
     wanted = sys.stdout.isatty() if bar is Bar.AUTO else bar is Bar.ALWAYS
-    return BarDisplay(TerminalBar(sys.stdout)) if wanted else PlainDisplay(sys.stdout)
+    if wanted:
+        return BarDisplay(TerminalBar(sys.stdout), catalogue)
+    return PlainDisplay(sys.stdout, catalogue)

@@ -1,4 +1,4 @@
-"""The storage's topics and services, and the plan and coverage of a survey, as events."""
+"""The storage's topics and services, and plan and coverage of a survey, as events."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.message import Message
 from gpr20_msgs.msg import SurveyCoverage
 from gpr20_msgs.srv import ListSurveys, ReadSurvey, ReadTraces
 from gpr20_survey.errors import TraceRefusedError
@@ -22,12 +24,12 @@ READ_TIMEOUT_S = 20.0
 SURVEYS_PER_PAGE = 20
 # A page is converted at once in the window's process and must not make it stutter.
 TRACES_PER_PAGE = 50
-# Beyond this a window that is too slow loses traces; it reads them again from the storage.
+# A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
 
 
 class StorageClient(RosEvents):
-    """Tells a listener everything about traces; asks the storage without waiting."""
+    """Passes everything about traces to a listener; asks the storage without waiting."""
 
     def __init__(self, listener: Callable[[TraceEvent], None]) -> None:
         super().__init__(listener)
@@ -50,7 +52,7 @@ class StorageClient(RosEvents):
         )
 
     def read_survey(self, folder: str) -> None:
-        """Ask what a past survey was to measure."""
+        """Ask for the plan of a past survey."""
         self._ask(
             lambda: self._survey.call(READ_TIMEOUT_S, survey=folder),
             lambda response: conversions.survey_read(folder, response),
@@ -74,15 +76,17 @@ class StorageClient(RosEvents):
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:
-            self._tell(trace)
+            self._emit(trace)
 
     def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
-        in_background(lambda: self._tell(self._answer(call, convert)))
+        in_background(lambda: self._emit(self._answer(call, convert)))
 
     @staticmethod
     def _answer(call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> TraceEvent:
         try:
             response = call()
         except ServiceUnavailableError as error:
-            return ReadingFailed(str(error))
-        return convert(response) if response.success else ReadingFailed(response.message)
+            return ReadingFailed(
+                Message("the storage does not answer; check that it is running", details=error)
+            )
+        return convert(response) if response.success else ReadingFailed(message_from(response))

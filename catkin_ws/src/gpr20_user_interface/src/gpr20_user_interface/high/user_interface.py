@@ -1,4 +1,4 @@
-"""The window: a client of main_control that may come and go without touching the survey."""
+"""The window: a client of the main control that may start and end during a survey."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QApplication
 
+from gpr20_common.catalogue import Language, language_from_code
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph
@@ -25,7 +27,7 @@ from gpr20_user_interface.mid.survey_preview import CostEstimator
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.main_window import MainWindow
-from gpr20_user_interface.views.translation import Language, Languages, language_from_code
+from gpr20_user_interface.views.translation import Languages
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
@@ -37,17 +39,17 @@ EXIT_BY_SIGNAL = 130
 class EventSignal(QObject):
     """Carries events from ROS's threads into that of the window."""
 
-    told = pyqtSignal(object)
+    event_came = pyqtSignal(object)
     # ROS asks this node to end.
     shut_down = pyqtSignal()
 
-    # Methods, not the signals' own emit: a signal does not keep its object alive, and threads
-    # of ROS may outlive everybody else who does.
-    def tell(self, event: object) -> None:
+    # Methods, not the signals' own emit: a signal does not hold a reference to its object, and
+    # threads of ROS may outlive every other reference.
+    def emit_event(self, event: object) -> None:
         """Emit an event."""
-        self.told.emit(event)
+        self.event_came.emit(event)
 
-    def tell_shut_down(self) -> None:
+    def emit_shut_down(self) -> None:
         """Emit that ROS asks this node to end."""
         self.shut_down.emit()
 
@@ -57,19 +59,19 @@ class UserInterface:
 
     def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
         self.signal = EventSignal()
-        self.control = ControlClient(self.signal.tell)
-        self.storage = StorageClient(self.signal.tell)
+        self.control = ControlClient(self.signal.emit_event)
+        self.storage = StorageClient(self.signal.emit_event)
         self.window = MainWindow(
-            WindowPresenter(model, self.control, CostEstimator(self.signal.tell)),
-            TracePresenter(self.storage, lambda text: rospy.logwarn("not shown: %s", text)),
+            WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
+            TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
             profiles,
             languages,
         )
-        _connect_queued(self.signal.told, self.window.on_event)
+        _connect_queued(self.signal.event_came, self.window.on_event)
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""
-        rospy.on_shutdown(self.signal.tell_shut_down)
+        rospy.on_shutdown(self.signal.emit_shut_down)
         self.control.listen()
         self.control.listen_to_robot()
         self.storage.listen()
@@ -77,18 +79,19 @@ class UserInterface:
         self.window.show()
 
     def end(self) -> None:
-        """Let go of the graph; a survey that runs is not touched."""
+        """Leave the graph; a survey that runs continues."""
         self.window.end()
         self.storage.close()
         self.control.close()
 
     def health(self) -> Health:
-        """Return what this node says of itself."""
-        # The snapshot is immutable: safe to look at from ROS's threads.
+        """Return the health of this node."""
+        # The snapshot is immutable: safe to read from ROS's threads.
         snapshot = self.window.survey.snapshot
         if snapshot.control_alive:
-            return OK, "shows main_control", {}
-        return WARN, "main_control is not heard", {"silent_s": snapshot.control_silent_s}
+            return OK, Message("in contact with the main control"), {}
+        values = {"silent_s": snapshot.control_silent_s}
+        return WARN, Message("no contact with the main control"), values
 
 
 def main() -> int:
@@ -104,7 +107,7 @@ def main() -> int:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
             print(f"user_interface: {error}", file=sys.stderr)
-            # Nobody to take leave of; rospy would wait for the master once more.
+            # At once: the exit handlers of rospy would wait for the master.
             leave_now(EXIT_NO_MASTER)
         try:
             return _show(application)
@@ -119,12 +122,12 @@ def _show(application: QApplication) -> int:
     folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
     interface = UserInterface(SurveyModel(Clock()), languages, Profiles(ProfileFolder(folder)))
     _connect_queued(interface.signal.shut_down, application.quit)
-    # First: what is made while ROS ends this node would not notice it.
+    # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
     status = application.exec_()
     interface.end()
-    # While the objects that it tells still exist.
+    # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")
     del diagnostics
     return status

@@ -10,10 +10,12 @@ from typing import Any, List, Mapping
 import yaml
 
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_user_interface.errors import ProfileError
 
 SUFFIX = ".yaml"
-# A profile has some hundred bytes; what is far larger is something else.
+# A profile has some hundred bytes; a far larger file is something else.
 MAX_BYTES = 65536
 
 
@@ -31,11 +33,15 @@ class ProfileFolder:
         """
         try:
             found = self._folder.glob(f"*{SUFFIX}")
-            # The window would wait for a pipe for ever.
+            # Reading a pipe would block the window.
             return sorted(path.stem for path in found if path.is_file())
         except OSError as error:
             raise ProfileError(
-                f"the profiles in {self._folder} cannot be listed: {error}"
+                Message(
+                    "the profiles in {folder} cannot be listed: {reason}",
+                    folder=self._folder,
+                    reason=os_reason(error),
+                )
             ) from error
 
     def read(self, name: str) -> Any:
@@ -47,13 +53,13 @@ class ProfileFolder:
         path = self._path(name)
         try:
             return read_yaml(path, MAX_BYTES)
-        except (OSError, YamlFileError) as error:
-            raise ProfileError(
-                f"the profile {path} cannot be read: {error}; save it again"
-            ) from error
+        except YamlFileError as error:
+            raise _unreadable(path, error.message) from error
+        except OSError as error:
+            raise _unreadable(path, os_reason(error)) from error
 
     def write(self, name: str, values: Mapping[str, Any]) -> None:
-        """Write a file; a power cut leaves the former one or the new one.
+        """Write a file; after a power cut it is the former one or the new one.
 
         Raises:
             ProfileError: It cannot be written.
@@ -72,8 +78,12 @@ class ProfileFolder:
                 raise
         except OSError as error:
             raise ProfileError(
-                f"the profile {self._path(name)} cannot be written: {error}; free space on the "
-                "disk, or let the parameter `profiles` name another folder"
+                Message(
+                    "the profile {path} cannot be written: {reason}; free space on the disk, or "
+                    "set another folder with the parameter `profiles`",
+                    path=self._path(name),
+                    reason=os_reason(error),
+                )
             ) from error
 
     def remove(self, name: str) -> None:
@@ -86,8 +96,20 @@ class ProfileFolder:
             self._path(name).unlink()
         except OSError as error:
             raise ProfileError(
-                f"the profile {self._path(name)} cannot be deleted: {error}"
+                Message(
+                    "the profile {path} cannot be deleted: {reason}",
+                    path=self._path(name),
+                    reason=os_reason(error),
+                )
             ) from error
 
     def _path(self, name: str) -> Path:
         return self._folder / f"{name}{SUFFIX}"
+
+
+def _unreadable(path: Path, reason: Message) -> ProfileError:
+    return ProfileError(
+        Message(
+            "the profile {path} cannot be read: {reason}; save it again", path=path, reason=reason
+        )
+    )

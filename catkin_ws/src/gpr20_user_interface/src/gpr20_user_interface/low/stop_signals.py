@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as the operator's wish to stop."""
+"""Ctrl-C and SIGTERM as requests to stop."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
 
 
 class SecondStopSignal(BaseException):
-    """The operator asked again: leave at once.
+    """A second signal: leave at once.
 
-    Not an Exception, so that nothing on the way mistakes it for a failure it can handle.
+    Not an Exception, so that no handler of failures catches it.
     """
 
 
@@ -23,7 +23,7 @@ def _raise_second() -> None:
 
 
 class StopSignals:
-    """While entered, the first signal is told to one callable, each further one to another.
+    """While entered, the first signal calls one callable, each further one another.
 
     Both are called in the main thread between any two steps of the program: they may set a
     flag, use `queue.SimpleQueue.put` or raise, but not wait for a lock.
@@ -43,7 +43,7 @@ class StopSignals:
 
     @property
     def received(self) -> bool:
-        """Whether a stop was asked for."""
+        """Whether there was a signal."""
         return self._count > 0
 
     def __enter__(self) -> StopSignals:
@@ -64,7 +64,7 @@ class StopSignals:
 
 
 def leave_now(status: int) -> NoReturn:
-    """End the process without the farewells of its libraries, which may wait for the network."""
+    """End the process without the exit handlers of libraries, which may wait for the network."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)

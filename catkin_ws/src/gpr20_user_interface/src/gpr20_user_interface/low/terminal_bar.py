@@ -7,7 +7,7 @@ from typing import Optional, TextIO
 
 from tqdm import tqdm
 
-# tqdm estimates the remaining time itself; whoever is followed knows it better.
+# Without the remaining time as tqdm estimates it: the main control knows it better.
 BAR_FORMAT = "{desc}{percentage:3.0f}% |{bar}| {n_fmt}/{total_fmt}{postfix}"
 
 
@@ -42,5 +42,5 @@ class TerminalBar:
 
 
 def _columns() -> int:
-    # Some terminals tell no width; tqdm would take that for zero and drop the bar's format.
+    # Some terminals report no width; tqdm would take that for zero and drop the bar's format.
     return shutil.get_terminal_size().columns

@@ -1,10 +1,12 @@
-"""Progress on a terminal: as lines for a log or a pipe, as a bar for somebody who looks."""
+"""Progress on a terminal: as lines for a log or a pipe, as a bar for a person."""
 
 from __future__ import annotations
 
 import math
 from typing import Optional, Protocol, TextIO, Tuple
 
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import BETWEEN_SENTENCES, Message
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.events import ControlState, Progress
 
@@ -28,28 +30,40 @@ def time_text(time_s: float) -> str:
     return ":".join(f"{number}{unit}" for number, unit in zip(time_parts(time_s), "dhms"))
 
 
-def remaining_text(progress: Progress) -> str:
+def remaining(progress: Progress) -> Message:
     """Return the remaining time and its basis: the plan, or the points taken so far."""
-    basis = "plan" if progress.visited_points == 0 else "measured"
-    return f"{time_text(progress.remaining_s)} remaining ({basis})"
+    time = time_text(progress.remaining_s)
+    if progress.visited_points == 0:
+        return Message("{time} remaining (by the plan)", time=time)
+    return Message("{time} remaining (measured)", time=time)
 
 
-def progress_line(progress: Progress) -> str:
-    """Return one line with everything that `control_survey_data` says."""
-    return (
-        f"{progress.completion_percent:5.1f} %  {progress.visited_points}/{progress.total_points} "
-        f"traces  {remaining_text(progress)}"
+def progress_line(progress: Progress) -> Message:
+    """Return one line with everything that `control_survey_data` contains."""
+    return Message(
+        "{percent:5.1f} %  {visited}/{total} traces  {remaining}",
+        percent=progress.completion_percent,
+        visited=progress.visited_points,
+        total=progress.total_points,
+        remaining=remaining(progress),
     )
+
+
+def terminal_line(message: Message, catalogue: Catalogue) -> str:
+    """Return a message as a terminal shows it: the sentence and, in brackets, its details."""
+    sentence = catalogue.text(message)
+    details = BETWEEN_SENTENCES.join(message.all_details)
+    return f"{sentence} ({details})" if details else sentence
 
 
 class Display(Protocol):
     """Where the operator looks."""
 
-    def note(self, text: str) -> None:
+    def note(self, message: Message) -> None:
         """Show a sentence."""
 
     def show(self, progress: Progress, state: Optional[ControlState]) -> None:
-        """Show how far the survey is, and what main_control does if that is known."""
+        """Show the progress of the survey, and its state if that is known."""
 
     def close(self) -> None:
         """Leave the terminal ready for plain lines."""
@@ -58,24 +72,25 @@ class Display(Protocol):
 class PlainDisplay:
     """Writes sentences and a line per five percent of progress."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: TextIO, catalogue: Catalogue) -> None:
         self._stream = stream
+        self._catalogue = catalogue
         self._shown: Optional[Progress] = None
 
-    def note(self, text: str) -> None:
+    def note(self, message: Message) -> None:
         """Write a sentence."""
-        self._stream.write(text + "\n")
-        # A reader of a pipe wants to see it when it happens.
+        self._stream.write(terminal_line(message, self._catalogue) + "\n")
+        # So that the reader of a pipe sees it when it happens.
         self._stream.flush()
 
     def show(self, progress: Progress, _state: Optional[ControlState]) -> None:
-        """Write how far the survey is, if that has changed enough."""
+        """Write the progress, if it has changed enough."""
         if self._shown is None or self._is_step(progress, self._shown):
             self._shown = progress
             self.note(progress_line(progress))
 
     def close(self) -> None:
-        """Nothing to put right: every line is complete."""
+        """Nothing to do: every line is complete."""
 
     @staticmethod
     def _is_step(progress: Progress, shown: Progress) -> bool:
@@ -87,21 +102,24 @@ class PlainDisplay:
 class BarDisplay:
     """Shows the progress as a bar and writes sentences above it."""
 
-    def __init__(self, bar: TerminalBar) -> None:
+    def __init__(self, bar: TerminalBar, catalogue: Catalogue) -> None:
         self._bar = bar
+        self._catalogue = catalogue
 
-    def note(self, text: str) -> None:
+    def note(self, message: Message) -> None:
         """Write a sentence above the bar."""
-        self._bar.write(text)
+        self._bar.write(terminal_line(message, self._catalogue))
 
     def show(self, progress: Progress, state: Optional[ControlState]) -> None:
         """Move the bar, behind the state of the survey."""
         before = ""
         if state is not None:
-            before = ("SIMULATED " if state.simulated else "") + f"{state.code.name} "
+            title = self._catalogue.text(state.code.label)
+            simulated = self._catalogue.tr("SIMULATED")
+            before = f"{simulated} {title} " if state.simulated else f"{title} "
         done, total = progress.visited_points, progress.total_points
-        self._bar.show(done, total, before, remaining_text(progress))
+        self._bar.show(done, total, before, self._catalogue.text(remaining(progress)))
 
     def close(self) -> None:
-        """Leave the bar as it is; what follows are plain lines."""
+        """Leave the bar as it is; the lines after it are plain."""
         self._bar.close()

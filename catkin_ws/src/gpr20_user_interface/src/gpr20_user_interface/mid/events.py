@@ -1,4 +1,4 @@
-"""What main_control says about a survey, and what it is asked for."""
+"""What the main control reports about a survey, and the requests to it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import Mapping, Optional, Union
 
+from gpr20_common.message import Message
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
@@ -18,7 +19,7 @@ from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
 # The limits of the documented system, for as long as the axes' own are not known:
-# main_control, which knows them, refuses what lies between the two.
+# the main control, which knows them, refuses what lies between the two.
 DOCUMENTED_TRAVEL = RobotTravel(
     x=Travel(MIN_COORDINATE_MM, MAX_COORDINATE_MM, 0.01),
     y=Travel(MIN_COORDINATE_MM, MAX_COORDINATE_MM, 0.01),
@@ -31,7 +32,7 @@ class ControlState:
     """One message of `control_status`."""
 
     code: SurveyState
-    message: str
+    message: Message
     survey_id: str
     simulated: bool
 
@@ -66,11 +67,11 @@ class CurrentPosition(Position):
 
 
 class TargetPosition(Position):
-    """Where the three axes go; all three are -1 while no survey runs."""
+    """Where the three axes move to; all three are -1 while no survey runs."""
 
     @property
     def is_none(self) -> bool:
-        """Whether this says that there is no target."""
+        """Whether there is no target."""
         return self.x_mm == self.y_mm == self.z_deg == -1.0
 
 
@@ -83,7 +84,7 @@ class MeasuredHeight:
 
 @dataclass(frozen=True)
 class RobotFigures:
-    """What the estimate of a survey's time and size rests on."""
+    """What the estimate of a survey's time and size is based on."""
 
     config: RobotConfig
     settings: SurveySettings
@@ -91,30 +92,30 @@ class RobotFigures:
 
 @dataclass(frozen=True)
 class AxisLimits:
-    """What the axes say they can do; without a travel the reason says why it is not known.
+    """The limits of the axes, as far as they are known.
 
     Attributes:
         travel: Ranges and steps; None if they are not known.
-        reason: Why something is not known.
+        reason: Why something is not known; None if all is.
         figures: Everything else about the robot; None if it is not known.
         master_alive: Whether the ROS master answered.
     """
 
     travel: Optional[RobotTravel]
-    reason: str = ""
+    reason: Optional[Message] = None
     figures: Optional[RobotFigures] = None
     master_alive: bool = True
 
 
 @dataclass(frozen=True)
 class ControlParameters:
-    """The parameters that main_control holds: of the survey that runs, or of the next."""
+    """The parameters of the survey that runs, or of the next one."""
 
     parameters: SurveyParameters
 
 
 class HealthLevel(enum.IntEnum):
-    """How a part of the robot is; the values are those of diagnostic_msgs/DiagnosticStatus."""
+    """Health of a part of the robot; the values are those of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -124,16 +125,16 @@ class HealthLevel(enum.IntEnum):
 
 @dataclass(frozen=True)
 class NodeHealth:
-    """What a node says of itself on /diagnostics, once a second."""
+    """What a node reports about itself on /diagnostics, once a second."""
 
     name: str
     level: HealthLevel
-    message: str
+    message: Message
     values: Mapping[str, str]
 
 
 class Request(enum.Enum):
-    """What main_control can be asked for."""
+    """What the main control can be asked for."""
 
     START = "start"
     STOP = "stop"
@@ -143,7 +144,7 @@ class Request(enum.Enum):
 
 @dataclass(frozen=True)
 class Accepted:
-    """main_control accepted the parameters; what the survey will be."""
+    """The main control accepted the parameters: size and duration of the survey."""
 
     total_points: int
     estimated_s: float
@@ -151,22 +152,22 @@ class Accepted:
 
 @dataclass(frozen=True)
 class Answer:
-    """How a request ended: what main_control answered, or that it did not."""
+    """How a request ended: the answer of the main control, or that there was none."""
 
     request: Request
     success: bool
-    message: str
+    message: Message
     survey_id: str = ""
 
 
 @dataclass(frozen=True)
 class StopRequested:
-    """The operator wants the survey stopped."""
+    """The operator wants to stop the survey; `signal` is the name of the key or signal."""
 
-    reason: str
+    signal: str
 
 
-# Everything that can happen to somebody who follows a survey.
+# Everything that can happen while a survey is followed.
 Event = Union[
     ControlState,
     Progress,

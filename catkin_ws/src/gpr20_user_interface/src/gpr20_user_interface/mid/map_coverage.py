@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
-from typing import Dict, Iterable, Tuple
+from dataclasses import dataclass, field
+from typing import Iterable, Mapping, Optional, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
 from gpr20_user_interface.errors import SurveyNotReadableError
@@ -32,16 +33,16 @@ class CoverageRuns:
         planned: Number of planned traces.
         starts: Place in the plan at which each run begins, ascending from 0.
         states: State of the traces of each run.
-        failures: "index: reason".
-        verdict: One sentence.
+        failures: Why traces failed, by their place in the plan.
+        verdict: One sentence; None if there is none.
     """
 
     survey_id: str
     planned: int
     starts: Tuple[int, ...]
     states: Tuple[int, ...]
-    failures: Tuple[str, ...] = ()
-    verdict: str = ""
+    failures: Mapping[int, Message] = field(default_factory=dict)
+    verdict: Optional[Message] = None
 
     def trace_states(self) -> np.ndarray:
         """Return the state of every planned trace (uint8, shape `planned`).
@@ -51,7 +52,11 @@ class CoverageRuns:
         """
         if not 0 <= self.planned <= MAX_TRACES:
             raise SurveyNotReadableError(
-                f"the coverage has {self.planned} traces; a survey has at most {MAX_TRACES}"
+                Message(
+                    "the coverage has {planned} traces; a survey has at most {limit}",
+                    planned=self.planned,
+                    limit=MAX_TRACES,
+                )
             )
         bounds = np.array([*self.starts, self.planned], np.int64)
         known = {int(state) for state in SampleState}
@@ -62,19 +67,13 @@ class CoverageRuns:
             or not known.issuperset(self.states)
         ):
             raise SurveyNotReadableError(
-                f"the coverage of survey {self.survey_id[:40]} is not a sequence of runs from 0 "
-                f"to {self.planned}"
+                Message(
+                    "the coverage of survey {survey} is not a sequence of runs from 0 to {planned}",
+                    survey=self.survey_id[:40],
+                    planned=self.planned,
+                )
             )
         return np.repeat(np.array(self.states, np.uint8), np.diff(bounds))
-
-    def reasons(self) -> Dict[int, str]:
-        """Return why traces failed, by their place in the plan."""
-        found = {}
-        for text in self.failures:
-            index, separator, reason = text.partition(": ")
-            if separator and index.isdigit():
-                found[int(index)] = reason
-        return found
 
 
 def coverage_of_stored(survey_id: str, planned: int, stored: Iterable[int]) -> CoverageRuns:

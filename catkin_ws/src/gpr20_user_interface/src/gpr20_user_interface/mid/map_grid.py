@@ -8,6 +8,7 @@ from typing import Optional, Tuple
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.recorded_plan import recorded_plan
@@ -38,7 +39,7 @@ class SurveyGrid:
     Args:
         survey_id: UUID.
         parameters: What the survey measures.
-        travel: What the axes can do; coordinates lie on motor steps.
+        travel: Limits of the axes; coordinates lie on motor steps.
         simulated: The data show no real ground.
     """
 
@@ -87,7 +88,11 @@ class SurveyGrid:
         """
         if not 0 <= index < self.planned:
             raise SurveyNotReadableError(
-                f"trace {index} was not planned; the plan has {self.planned} traces"
+                Message(
+                    "trace {index} was not planned; the plan has {planned} traces",
+                    index=index,
+                    planned=self.planned,
+                )
             )
         row, column, polarization = self.cells(np.array([index]))
         return Cell(Stop(int(row[0]), int(column[0])), int(polarization[0]))
@@ -107,7 +112,7 @@ class SurveyGrid:
         return None if row is None or column is None else Stop(row, column)
 
     def holds(self, cell: Cell, x_mm: float, y_mm: float, z_deg: float) -> bool:
-        """Say whether a place is that of a cell, to half a motor step."""
+        """Return whether a place is that of a cell, to half a motor step."""
         planned = (
             (self.xs_mm[cell.stop.column], x_mm, self.travel.x.step),
             (self.ys_mm[cell.stop.row], y_mm, self.travel.y.step),
@@ -125,10 +130,12 @@ def grid_from_description(text: str) -> SurveyGrid:
     try:
         values = parse_object(text, "survey.json", MAX_FILE_BYTES)
         if not isinstance(values.get("survey_id"), str):
-            raise InvalidValueError("it does not name a survey")
+            raise InvalidValueError(Message("survey.json has no survey id"))
         parameters, travel = recorded_plan(values)
     except (InvalidValueError, SurveyRefusedError) as error:
-        raise SurveyNotReadableError(f"the survey's plan cannot be read: {error}") from error
+        raise SurveyNotReadableError(
+            Message("the survey's plan cannot be read: {reason}", reason=error.message)
+        ) from error
     # Data of unknown origin are never shown as those of real ground.
     simulated = values.get("simulated") is not False
     return SurveyGrid(values["survey_id"], parameters, travel, simulated)

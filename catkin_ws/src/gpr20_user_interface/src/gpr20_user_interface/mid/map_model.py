@@ -1,18 +1,19 @@
-"""What the map shows: the planned stops, what became of each, where the antennas are."""
+"""What the map shows: the planned stops, the state of each, and where the antennas are."""
 
 from __future__ import annotations
 
-from typing import Dict, Optional, Tuple
+from typing import Dict, Mapping, Optional, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState, stop_states
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
 
 
 class MapModel:
-    """Joins the plan of a survey and its coverage, in whichever order they come.
+    """Joins the plan of a survey and its coverage, whichever comes first.
 
     Attributes:
         grid: The plan; None before it is known.
@@ -24,7 +25,7 @@ class MapModel:
         self._coverage: Optional[CoverageRuns] = None
         self._traces = np.zeros(0, np.uint8)
         self._stops = np.zeros((0, 0), np.uint8)
-        self._reasons: Dict[int, str] = {}
+        self._reasons: Mapping[int, Message] = {}
         self.current: Optional[Stop] = None
         self.revision = 0
 
@@ -39,9 +40,9 @@ class MapModel:
         return self._stops if self._covers() else None
 
     @property
-    def verdict(self) -> str:
-        """The coverage in one sentence of main_control; empty if it said none."""
-        return self._coverage.verdict if self._coverage and self._covers() else ""
+    def verdict(self) -> Optional[Message]:
+        """The coverage in one sentence; None if there is none."""
+        return self._coverage.verdict if self._coverage and self._covers() else None
 
     def set_grid(self, grid: Optional[SurveyGrid]) -> None:
         """Take another plan."""
@@ -57,11 +58,11 @@ class MapModel:
         """
         traces = coverage.trace_states()
         self._coverage, self._traces = coverage, traces
-        self._reasons = coverage.reasons()
+        self._reasons = coverage.failures
         self._combine()
 
     def set_target(self, place_mm: Optional[Tuple[float, float]]) -> None:
-        """Note where the antennas are sent (X, Y); None: nowhere."""
+        """Note where the antennas move to (X, Y); None: nowhere."""
         self.current = None
         if self.grid is not None and place_mm is not None:
             self.current = self.grid.nearest_stop(*place_mm)
@@ -77,7 +78,7 @@ class MapModel:
         """Return the state of a stop; None while it is not known."""
         return StopState(int(self._stops[stop.row, stop.column])) if self._covers() else None
 
-    def reasons_at(self, stop: Stop) -> Tuple[str, ...]:
+    def reasons_at(self, stop: Stop) -> Tuple[Message, ...]:
         """Return why traces of a stop failed."""
         if self.grid is None:
             return ()
@@ -86,7 +87,7 @@ class MapModel:
         return tuple(self._reasons[index] for index in indices if index in self._reasons)
 
     def next_problem(self, after: Optional[Stop]) -> Optional[Stop]:
-        """Return the next stop, row by row, that is not done; None if all are."""
+        """Return the next unfinished stop, row by row; None if all are done."""
         if not self._covers():
             return None
         problems = np.flatnonzero(self._stops.ravel() != StopState.DONE)
@@ -113,6 +114,10 @@ class MapModel:
             planned = len(self._traces)
             self._coverage = None
             raise SurveyNotReadableError(
-                f"the coverage has {planned} traces, the plan of the survey {self.grid.planned}"
+                Message(
+                    "the coverage has {found} traces; the plan of the survey has {planned}",
+                    found=planned,
+                    planned=self.grid.planned,
+                )
             )
         self._stops = stop_states(self.grid, self._traces)

@@ -1,4 +1,4 @@
-"""The parameters of a survey as texts in fields, and what is wrong with them."""
+"""The parameters of a survey as texts in fields, and their checks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Callable, Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import (
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,
@@ -23,7 +25,7 @@ from gpr20_survey.plan.survey_parameters import (
 
 ADDRESS = "vna_address"
 ROTATIONS = "polarizations_deg"
-# The arrows stop here; main_control's own limit is that of the whole survey.
+# The arrows stop here; the checks limit the size of the whole survey.
 MAX_GRID_POINTS = 9999
 HERTZ_PER_MEGAHERTZ = 1.0e6
 MEGAHERTZ_EXPONENT = 6
@@ -35,24 +37,28 @@ def hertz_from_megahertz(text: str) -> float:
     A product of floats would be off by a fraction of a hertz for many inputs.
 
     Raises:
-        ValueError: The text is not a number.
+        InvalidValueError: The text is not a number.
     """
     try:
         return float(Decimal(text.strip()).scaleb(MEGAHERTZ_EXPONENT))
     except ArithmeticError:
-        raise ValueError(f"'{text}' is not a number of MHz, such as 600 or 5999.5") from None
+        raise InvalidValueError(
+            Message("'{text}' is not a number of MHz, such as 600 or 5999.5", text=text)
+        ) from None
 
 
 def rotations_from_text(text: str) -> Tuple[float, ...]:
     """Return the rotations [deg] of a list with commas, such as "0, 90".
 
     Raises:
-        ValueError: A part of the list is not a number.
+        InvalidValueError: A part of the list is not a number.
     """
     try:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
-        raise ValueError(f"'{text}' is not a list of rotations in degrees, such as 0,90") from None
+        raise InvalidValueError(
+            Message("'{text}' is not a list of rotations in degrees, such as 0,90", text=text)
+        ) from None
 
 
 def megahertz_text(frequency_hz: float) -> str:
@@ -68,7 +74,7 @@ def rotations_text(rotations_deg: Iterable[float]) -> str:
 def _whole_number(text: str) -> int:
     # Not int() alone: it accepts digits of other scripts, underscores and signs.
     if not (text.strip().isascii() and text.strip().isdigit()):
-        raise ValueError(f"'{text}' is not a whole number")
+        raise InvalidValueError(Message("'{text}' is not a whole number", text=text))
     return int(text)
 
 
@@ -76,9 +82,9 @@ def _number(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise ValueError(f"'{text}' is not a number") from None
+        value = math.nan
     if not math.isfinite(value):
-        raise ValueError(f"'{text}' is not a number")
+        raise InvalidValueError(Message("'{text}' is not a number", text=text))
     return value
 
 
@@ -93,7 +99,7 @@ class Field:
     Attributes:
         name: Field of SurveyParameters.
         default: Text that the field starts with.
-        read: Makes the parameter's value from the text, or raises ValueError.
+        read: Makes the parameter's value from the text, or raises InvalidValueError.
         write: Makes the text from a value.
         rules: Rules that are about this field.
     """
@@ -136,11 +142,11 @@ FIELDS_BY_NAME: Dict[str, Field] = {field.name: field for field in FIELDS}
 
 @dataclass(frozen=True)
 class FormCheck:
-    """What the texts of the form amount to.
+    """The result of the checks of the form.
 
     Attributes:
         parameters: None if a text cannot be read or a value is not allowed.
-        unreadable: Fields whose text is not what it should be at all.
+        unreadable: Fields whose text is no value of their kind.
         broken: Rules that the readable values break.
     """
 
@@ -164,10 +170,10 @@ def check_form(texts: Mapping[str, str], travel: RobotTravel) -> FormCheck:
     for field in FIELDS:
         try:
             values[field.name] = field.read(texts[field.name])
-        except ValueError:
+        except InvalidValueError:
             unreadable.append(field.name)
     candidate = dataclasses.replace(default_parameters(), **values)
-    # A field that cannot be read stands in with its default, which must not be judged, nor
+    # A field that cannot be read is replaced by its default, which must not be judged, nor
     # what follows from it.
     if unreadable:
         unjudged = frozenset().union(*(FIELDS_BY_NAME[name].rules for name in unreadable))
@@ -207,7 +213,7 @@ def limits(name: str, travel: RobotTravel) -> Tuple[float, float]:
 
 
 def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
-    """Return the text of a number after an arrow: changed, but never led out of its bounds.
+    """Return the text of a number after an arrow, changed within its bounds.
 
     A text that is no finite number is replaced by the lower bound.
     """

@@ -1,14 +1,16 @@
-"""The list of past surveys: what became of each and what can be done with it."""
+"""The list of past surveys: how each ended and what can be done with it."""
 
 from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, Optional, Tuple
+
+from gpr20_common.message import Message
 
 
 class Verdict(enum.Enum):
-    """What became of a survey, in one word."""
+    """How a survey ended, in one word."""
 
     COMPLETE = "complete"
     INCOMPLETE = "incomplete"
@@ -18,7 +20,12 @@ class Verdict(enum.Enum):
 
 @dataclass(frozen=True)
 class PastSurvey:
-    """One survey of the data folder; see gpr20_msgs/SurveySummary."""
+    """One survey of the data folder; see gpr20_msgs/SurveySummary.
+
+    Attributes:
+        verdict: On the coverage; None if there is none.
+        problem: Why survey.json cannot be read; None if it can.
+    """
 
     folder: str
     survey_id: str
@@ -26,14 +33,14 @@ class PastSurvey:
     outcome: str
     stored_traces: int
     planned_traces: int
-    verdict: str
+    verdict: Optional[Message]
     complete: bool
     simulated: bool
-    problem: str
+    problem: Optional[Message]
 
     @property
     def day_and_time(self) -> str:
-        """When it started [UTC], as "2026-11-21 05:10"; by its folder if nothing else tells."""
+        """When it started [UTC], as "2026-11-21 05:10"; from its folder if it is not recorded."""
         name = self.folder
         if len(self.started) >= 16:
             return self.started[:16].replace("T", " ")
@@ -41,26 +48,26 @@ class PastSurvey:
 
 
 class PastSurveys:
-    """Collects the pages of the list; knows which survey is on its way.
+    """Collects the pages of the list; knows which survey is running.
 
     Attributes:
         revision: Changes with everything that a view shows of this.
-        outdated: Whether the list should be asked for again, if somebody looks at it.
-        problem: Why the list or a survey cannot be read; empty if it can.
-        more: Whether older ones are left.
+        outdated: Whether the list should be requested again when it is visible.
+        problem: Why the list or a survey cannot be read; None if it can.
+        more: Whether there are older ones.
     """
 
     def __init__(self) -> None:
         self.revision = 0
         self.outdated = False
-        self.problem = ""
+        self.problem: Optional[Message] = None
         self._surveys: List[PastSurvey] = []
         self.more = False
         self._running_id = ""
 
     @property
     def surveys(self) -> Tuple[PastSurvey, ...]:
-        """The surveys heard of so far, the newest first."""
+        """The surveys of the pages so far, the newest first."""
         return tuple(self._surveys)
 
     @property
@@ -69,33 +76,33 @@ class PastSurveys:
         return self._surveys[-1].folder if self._surveys else ""
 
     def take(self, before: str, surveys: Tuple[PastSurvey, ...], more: bool) -> None:
-        """Take a page; the first one begins the list again."""
-        self._change(problem="")
+        """Add a page; the first one replaces the list."""
+        self._change(problem=None)
         if not before:
             self._surveys = []
         elif before != self.next_before:
-            return  # the list was begun again meanwhile
+            return  # the list was replaced meanwhile
         self._surveys.extend(surveys)
         self.more = more
 
     def set_running(self, survey_id: str) -> None:
-        """Note which survey is on its way; empty: none."""
+        """Note which survey is running; empty: none."""
         if survey_id != self._running_id:
             self._running_id = survey_id
             self.set_outdated()
 
     def set_outdated(self) -> None:
-        """Note that the surveys are others now, or in another state."""
+        """Note that the surveys have changed."""
         self.outdated = True
-        self._change(problem="")
+        self._change(problem=None)
 
-    def set_problem(self, reason: str) -> None:
+    def set_problem(self, reason: Message) -> None:
         """Note why the list or a survey cannot be read."""
         self._change(problem=reason)
 
     def verdict(self, survey: PastSurvey) -> Verdict:
-        """Return what became of a survey; only one with every trace stored is complete."""
-        if survey.problem:
+        """Return how a survey ended; only one with every trace stored is complete."""
+        if survey.problem is not None:
             return Verdict.UNREADABLE
         if self._running_id and survey.survey_id == self._running_id:
             return Verdict.RUNNING
@@ -107,8 +114,8 @@ class PastSurveys:
 
     def can_open(self, survey: PastSurvey) -> bool:
         """Whether there is something to show."""
-        return not survey.problem and survey.stored_traces > 0
+        return survey.problem is None and survey.stored_traces > 0
 
-    def _change(self, problem: str) -> None:
+    def _change(self, problem: Optional[Message]) -> None:
         self.problem = problem
         self.revision += 1

@@ -1,4 +1,4 @@
-"""Parameters of a survey that are kept under a name."""
+"""Parameters of a survey that are stored under a name."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import re
 from typing import Any, Dict, List
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 
 MAX_NAME_LENGTH = 32
-# Nothing that means something to a path: neither slash nor a dot.
+# Nothing with a meaning in a path: neither slash nor dot.
 NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9 _-]{{0,{MAX_NAME_LENGTH - 1}}}")
 
 
@@ -30,8 +31,12 @@ def check_name(name: str) -> str:
     """
     if not is_name(name):
         raise ProfileError(
-            f"{name[:64]!r} cannot be the name of a profile; allowed are 1 to {MAX_NAME_LENGTH} "
-            "letters, digits, blanks, - and _, with a letter or digit first and no blank last"
+            Message(
+                "{name} is no name for a profile; use 1 to {most} letters, digits, blanks, - and "
+                "_, beginning with a letter or digit and without a blank at the end",
+                name=repr(name[:64]),
+                most=MAX_NAME_LENGTH,
+            )
         )
     return name
 
@@ -58,12 +63,14 @@ class Profiles:
         """
         values = self._folder.read(check_name(name))
         try:
-            return record_from(SurveyParameters, values, f"profile {name}")
+            return record_from(SurveyParameters, values, f"{name}.yaml")
         except InvalidValueError as error:
-            raise ProfileError(f"{error}; save it again") from error
+            raise ProfileError(
+                Message("{reason}; save the profile again", reason=error.message)
+            ) from error
 
     def save(self, name: str, parameters: SurveyParameters) -> None:
-        """Keep parameters under a name, in place of those that were there.
+        """Store parameters under a name; they replace those that were there.
 
         Raises:
             ProfileError: The name is not allowed, or they cannot be written.
@@ -73,9 +80,9 @@ class Profiles:
         self._folder.write(check_name(name), values)
 
     def remove(self, name: str) -> None:
-        """Forget a profile.
+        """Delete a profile.
 
         Raises:
-            ProfileError: It cannot be removed.
+            ProfileError: It cannot be deleted.
         """
         self._folder.remove(check_name(name))

@@ -6,6 +6,7 @@ from typing import Dict, Optional
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import is_stored
@@ -15,17 +16,17 @@ from gpr20_user_interface.mid.radar_processing import FrequencyToDelay
 MAX_VOLUME_BYTES = 256 << 20
 BYTES_PER_SAMPLE = 8  # complex64
 MAX_SAMPLES = 1024
-# Fewer traces have too much of a target in their mean to take it out of them.
+# The mean of fewer traces contains too much of a target to be subtracted.
 MIN_BACKGROUND_TRACES = 8
 
 
 class RadarModel:
-    """Takes traces in any order, each as often as it comes, and keeps their echoes.
+    """Takes traces in any order, also repeated ones, and stores their echoes.
 
-    Of a trace nothing else is kept: single precision and a few delays are enough for a picture.
+    Nothing else of a trace is stored: single precision and a few delays are enough for a picture.
     The echoes of all planned traces have their place from the start, but memory is used only
     for those that are there. If the plan is so large that they would need more than `max_bytes`,
-    fewer delays are kept of each.
+    fewer delays of each are stored.
 
     Attributes:
         grid: The plan of the survey that is shown.
@@ -49,7 +50,7 @@ class RadarModel:
         self._echoes = np.zeros((*shape, 0), np.complex64)
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self.latest: Optional[Cell] = None
-        self.given_up: Dict[int, str] = {}
+        self.given_up: Dict[int, Message] = {}
         self.revision += 1
 
     @property
@@ -61,16 +62,20 @@ class RadarModel:
         """Take a trace.
 
         Raises:
-            SurveyNotReadableError: It does not belong where it says; it is not shown.
+            SurveyNotReadableError: It does not belong to its place in the plan; it is not shown.
         """
         if self.grid is None or trace.survey_id != self.grid.survey_id:
             raise SurveyNotReadableError(
-                f"trace {trace.index} belongs to survey {trace.survey_id[:40]}, another is shown"
+                Message(
+                    "trace {index} belongs to survey {survey}; another survey is shown",
+                    index=trace.index,
+                    survey=trace.survey_id[:40],
+                )
             )
         try:
             cell = self._checked_cell(self.grid, trace)
         except SurveyNotReadableError as error:
-            self.give_up(trace.index, str(error))
+            self.give_up(trace.index, error.message)
             raise
         transform = self.transform or self._begin_volume(trace)
         echoes = transform.transform(trace.s21_real + 1j * trace.s21_imag)
@@ -85,8 +90,8 @@ class RadarModel:
         self.latest = cell
         self.revision += 1
 
-    def give_up(self, index: int, reason: str) -> None:
-        """Note that a stored trace cannot be shown; it is not asked for again."""
+    def give_up(self, index: int, reason: Message) -> None:
+        """Note that a stored trace cannot be shown; it is not requested again."""
         self.given_up[index] = reason
         self.revision += 1
 
@@ -105,7 +110,7 @@ class RadarModel:
         return absent[~np.isin(absent, given_up)]
 
     def has(self, cell: Cell) -> bool:
-        """Say whether the trace of a cell is here."""
+        """Return whether the trace of a cell is here."""
         place = (cell.polarization, cell.stop.row, cell.stop.column)
         return bool(self._present[place])
 
@@ -144,12 +149,21 @@ class RadarModel:
         if not grid.holds(cell, *place):
             x_mm, y_mm, z_deg = place
             raise SurveyNotReadableError(
-                f"trace {trace.index} was taken at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g} deg, "
-                "which is not its place in the plan"
+                Message(
+                    "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this "
+                    "is not its place in the plan",
+                    index=trace.index,
+                    x_mm=x_mm,
+                    y_mm=y_mm,
+                    z_deg=z_deg,
+                )
             )
         if self.transform is not None and not self.transform.fits(trace.frequency_hz):
             raise SurveyNotReadableError(
-                f"trace {trace.index} has other frequencies than the survey's first trace"
+                Message(
+                    "the frequencies of trace {index} differ from those of the first trace",
+                    index=trace.index,
+                )
             )
         return cell
 

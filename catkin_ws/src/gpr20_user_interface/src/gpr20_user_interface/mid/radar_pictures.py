@@ -20,7 +20,7 @@ from gpr20_user_interface.mid.radar_processing import (
 )
 
 DEPTH_STEP_M = 0.005
-# So much above the surface is shown too: its echo tells whether the height is right.
+# So much above the surface is shown too: its echo shows whether the height is right.
 ABOVE_SURFACE_M = 0.05
 MAX_DEPTH_M = 0.5
 
@@ -169,16 +169,16 @@ def _over_second_axis(
     settings: RadarSettings,
 ) -> Tuple[np.ndarray, np.ndarray, Axis]:
     """Return echoes (n x places) over depth [mm], or over delay [ns] while no height is known."""
-    kept = _without_background(model, polarization, echoes, settings)
+    shown = _without_background(model, polarization, echoes, settings)
     depths = depths_m(model, settings.permittivity) if settings.in_depth else None
     if depths is None:
         delays_s = transform.delays_s
-        gained = kept * gain_factor(settings.gain_db_per_ns, delays_s)
+        gained = shown * gain_factor(settings.gain_db_per_ns, delays_s)
         return gained, delays_s * 1e9, Axis.DELAY_NS
     delays_s = np.asarray(
         delay_of_depth(depths[np.newaxis], heights_m[:, np.newaxis], settings.permittivity)
     )
-    found = echoes_at(kept, transform.step_s, delays_s)
+    found = echoes_at(shown, transform.step_s, delays_s)
     gained = found * gain_factor(settings.gain_db_per_ns, delays_s)
     return gained, depths * 1000.0, Axis.DEPTH_MM
 

@@ -31,7 +31,7 @@ class FrequencyToDelay:
 
     Args:
         frequency_hz: Ascending frequencies [Hz], at least two.
-        max_samples: How many delays to keep at most.
+        max_samples: Largest number of delays.
     """
 
     def __init__(self, frequency_hz: np.ndarray, max_samples: int) -> None:
@@ -54,7 +54,7 @@ class FrequencyToDelay:
         return np.arange(self.samples) * self.step_s
 
     def fits(self, frequency_hz: np.ndarray) -> bool:
-        """Say whether a sweep has the frequencies of this transform."""
+        """Return whether a sweep has the frequencies of this transform."""
         return len(frequency_hz) == len(self._frequency_hz) and bool(
             np.allclose(frequency_hz, self._frequency_hz, rtol=1e-9, atol=0.0)
         )
@@ -88,7 +88,7 @@ def echoes_at(echoes: np.ndarray, step_s: float, delays_s: np.ndarray) -> np.nda
     Args:
         echoes: Complex samples, shape (n, samples).
         step_s: Delay between two samples [s].
-        delays_s: Delays to look at, shape (n, m) [s].
+        delays_s: Delays of the result, shape (n, m) [s].
     """
     place = delays_s / step_s
     last = echoes.shape[1] - 1

@@ -1,4 +1,4 @@
-"""How the parts of the robot are, and what the operator must know before anything else."""
+"""Health of the nodes, and the alarms."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, verbatim
 from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
 
-# Nodes report once a second; a report that is this old [s] tells of a node that hangs or is gone.
+# Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
 STALE_S = 4.0
 # In the order in which the window lists them.
 EXPECTED_NODES = (
@@ -21,7 +22,7 @@ EXPECTED_NODES = (
     "z_axis/axis_driver",
     "height_sensor",
 )
-# Listed while it is heard.
+# Listed once it has reported.
 SIMULATOR = "simulator"
 ANALYZER = "vna_acquisition"
 STORAGE = "vna_processing"
@@ -32,24 +33,24 @@ CALIBRATION = "calibration"
 
 @dataclass(frozen=True)
 class HealthReport:
-    """How every node is.
+    """Health of every node.
 
     Attributes:
-        nodes: In the order to be shown; a node that is not heard is STALE.
+        nodes: In the order to be shown; a node that does not report is STALE.
     """
 
     nodes: Tuple[NodeHealth, ...] = ()
 
     def node(self, name: str) -> Optional[NodeHealth]:
-        """Return what is known of a node; None if nobody expects it."""
+        """Return the health of a node; None if it is not listed."""
         return next((node for node in self.nodes if node.name == name), None)
 
     @property
-    def analyzer_trouble(self) -> str:
-        """What the VNA's node says is wrong, in its words; empty if nothing."""
+    def analyzer_fault(self) -> Optional[Message]:
+        """The fault that the VNA driver reports; None if there is none."""
         analyzer = self.node(ANALYZER)
         if analyzer is None or analyzer.level is not HealthLevel.ERROR:
-            return ""
+            return None
         return analyzer.message
 
     @property
@@ -62,7 +63,7 @@ class HealthReport:
 
     @property
     def calibration(self) -> str:
-        """Calibration of the VNA when it was last asked; empty if that is not known now."""
+        """Calibration of the VNA when it was last read; empty if that is not known now."""
         return self._value(ANALYZER, CALIBRATION)
 
     def _value(self, name: str, key: str) -> str:
@@ -72,52 +73,79 @@ class HealthReport:
         return node.values.get(key, "")
 
 
-class HealthBook:
-    """Keeps the last report of each node."""
+class HealthTracker:
+    """Remembers the last report of each node."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._heard: Dict[str, Tuple[NodeHealth, float]] = {}
+        self._reports: Dict[str, Tuple[NodeHealth, float]] = {}
 
     def note(self, health: NodeHealth) -> None:
-        """Take note of a report; clients of the robot are no parts of it."""
+        """Take a report; those of nodes that are not listed are ignored."""
         if health.name in EXPECTED_NODES or health.name == SIMULATOR:
-            self._heard[health.name] = health, self._clock.now_s()
+            self._reports[health.name] = health, self._clock.now_s()
 
     def report(self) -> HealthReport:
-        """Return how every node is now."""
-        simulator = [SIMULATOR] if SIMULATOR in self._heard else []
+        """Return the health of every node now."""
+        simulator = [SIMULATOR] if SIMULATOR in self._reports else []
         return HealthReport(tuple(self._node(name) for name in (*EXPECTED_NODES, *simulator)))
 
     def _node(self, name: str) -> NodeHealth:
-        if name not in self._heard:
-            return NodeHealth(name, HealthLevel.STALE, "", {})
-        health, heard_s = self._heard[name]
-        if self._clock.now_s() - heard_s <= STALE_S:
+        if name not in self._reports:
+            return NodeHealth(name, HealthLevel.STALE, verbatim(""), {})
+        health, received_s = self._reports[name]
+        if self._clock.now_s() - received_s <= STALE_S:
             return health
         return NodeHealth(name, HealthLevel.STALE, health.message, health.values)
 
 
 class AlarmKind(enum.Enum):
-    """What is wrong with the way to the robot."""
+    """What keeps the window from the robot, or the robot from the survey."""
 
     MASTER_GONE = "master gone"
-    CONTROL_NEVER_HEARD = "control never heard"
-    CONTROL_SILENT = "control silent"
+    NO_CONTROL = "no control"
+    CONTROL_LOST = "control lost"
     SURVEY_INTERRUPTED = "survey interrupted"
-    ANALYZER_GONE = "analyzer gone"
+    ANALYZER_FAULT = "analyzer fault"
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm, with what is known about it.
+    """An alarm.
 
     Attributes:
         kind: What is wrong.
-        silent_s: For how long nothing has been heard [s]; 0 if that says nothing.
-        detail: What the robot itself says, in its own words.
+        silent_s: Time without contact with the main control [s]; 0 for other alarms.
+        reason: The fault that a node reports; None for other alarms.
     """
 
     kind: AlarmKind
     silent_s: float = 0.0
-    detail: str = ""
+    reason: Optional[Message] = None
+
+    @property
+    def message(self) -> Message:
+        """The alarm in a sentence."""
+        if self.kind is AlarmKind.CONTROL_LOST:
+            return Message(
+                "No contact with the main control for {seconds} s: the robot may still move. "
+                "Waiting for it.",
+                seconds=int(self.silent_s),
+            )
+        if self.kind is AlarmKind.ANALYZER_FAULT and self.reason is not None:
+            return Message("VNA fault: {reason}", reason=self.reason)
+        return _ALARMS[self.kind]
+
+
+_ALARMS: Dict[AlarmKind, Message] = {
+    AlarmKind.MASTER_GONE: Message(
+        "The ROS master does not answer: the robot may still move. Waiting for it."
+    ),
+    AlarmKind.NO_CONTROL: Message(
+        "No contact with the main control. Start it with: roslaunch gpr20 survey.launch"
+    ),
+    AlarmKind.SURVEY_INTERRUPTED: Message(
+        "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEYS."
+    ),
+    AlarmKind.ANALYZER_FAULT: Message("VNA fault"),
+}

@@ -6,6 +6,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_grid import SurveyGrid
@@ -17,8 +18,8 @@ from gpr20_user_interface.mid.trace_events import TracesRead
 class ShownSurvey:
     """A MapModel and a RadarModel of the same survey.
 
-    What the coverage calls stored and the radar lacks is read from the storage: the traces from
-    before this window was started, and those that the topic lost.
+    Traces that the coverage lists as stored and the radar lacks are read from the storage: those
+    from before this window was started, and those that the topic lost.
     """
 
     def __init__(self) -> None:
@@ -33,10 +34,10 @@ class ShownSurvey:
         return "" if grid is None else grid.survey_id
 
     def begin(self, grid: SurveyGrid) -> None:
-        """Show the survey of a plan; nothing is forgotten if it is shown already.
+        """Show the survey of a plan; one that is shown already stays as it is.
 
         Raises:
-            SurveyNotReadableError: What is known of its coverage contradicts the plan.
+            SurveyNotReadableError: Its coverage contradicts the plan.
         """
         if grid.survey_id == self.survey_id and grid.parameters == self._parameters():
             return
@@ -48,39 +49,37 @@ class ShownSurvey:
         """Take a trace, if it is one of this survey.
 
         Raises:
-            SurveyNotReadableError: It does not belong where it says.
+            SurveyNotReadableError: It does not belong to its place in the plan.
         """
         if trace.survey_id == self.survey_id:
             self.radar.add(trace)
 
-    def take_page(self, page: TracesRead) -> Tuple[str, ...]:
-        """Take traces that were read; return what was wrong with some of them."""
+    def take_page(self, page: TracesRead) -> Tuple[Message, ...]:
+        """Take traces that were read; return why some of them cannot be shown."""
         if page.survey != self.survey_id:
             return ()
         problems = []
-        for text in page.unreadable:
-            index, _separator, reason = text.partition(": ")
-            if index.isdigit():
-                self.radar.give_up(int(index), reason)
-                problems.append(text)
+        for index, reason in page.unreadable.items():
+            self.radar.give_up(index, reason)
+            problems.append(_about(index, reason))
         for trace in page.traces:
             try:
                 self.radar.add(trace)
             except SurveyNotReadableError as error:
-                problems.append(str(error))
-        # Whatever the answer was, the same place is not asked for for ever.
+                problems.append(error.message)
+        # Whatever the answer was, the same place is not requested again and again.
         if page.first_index in self._absent():
-            reason = "the storage has no file of it"
+            reason = Message("the storage has no file of this trace")
             self.radar.give_up(page.first_index, reason)
-            problems.append(f"{page.first_index}: {reason}")
+            problems.append(_about(page.first_index, reason))
         self._lacking = None
         return tuple(problems)
 
     def next_page(self) -> Optional[int]:
-        """Return the place in the plan from which traces should be read; None: all are here.
+        """Return the place in the plan from which to read traces; None: all are here.
 
-        A trace that was stored just now is on its way on the topic: it is asked for only if it
-        lacks at two calls in a row.
+        A trace that was stored just now may still come on the topic: it is requested only if it
+        is missing at two calls in a row.
         """
         absent = self._absent()
         before, self._lacking = self._lacking, int(absent[0]) if absent.size else None
@@ -92,3 +91,7 @@ class ShownSurvey:
 
     def _parameters(self) -> object:
         return None if self.map.grid is None else self.map.grid.parameters
+
+
+def _about(index: int, reason: Message) -> Message:
+    return Message("trace {index}: {reason}", index=index, reason=reason)

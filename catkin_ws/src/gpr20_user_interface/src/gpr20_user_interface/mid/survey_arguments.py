@@ -6,39 +6,43 @@ import argparse
 import enum
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, List, Optional, Sequence
+from typing import Any, Callable, List, Mapping, Optional, Sequence
 
+from gpr20_common.catalogue import Catalogue, Language, language_from_environment
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.parameter_form import FIELDS, Field
+from gpr20_user_interface.mid.parameter_form import FIELDS
 from gpr20_user_interface.mid.survey_follower import Mode, OnPause
 
-DESCRIPTION = """\
-Run a survey without a window: set its parameters, start it and follow it to its end.
-Ctrl-C stops the survey and waits until main_control says that it has stopped."""
+DESCRIPTION = Message(
+    "Run a survey without a window: set its parameters, start it and follow it to its end.\n"
+    "Ctrl-C stops the survey and waits for the confirmation of the main control."
+)
+EXIT_STATUS = Message(
+    "exit status:\n"
+    "    0  the survey finished: every planned trace is stored\n"
+    "    1  it was refused or could not be started\n"
+    "    2  the command line is wrong\n"
+    "    3  it failed, another client stopped it, or contact with the main control was lost\n"
+    "    4  it is paused and stays so (--on-pause exit)\n"
+    "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
+)
 
-EXIT_STATUS = """\
-exit status:
-    0  the survey finished: every planned trace is stored
-    1  it was refused or could not be started
-    2  the command line is wrong
-    3  it failed, was stopped by somebody else, or main_control was lost
-    4  it is paused and was left so (--on-pause exit)
-  130  it was stopped by Ctrl-C or by SIGTERM; after a second one it may still run
-"""
-
+DEFAULT_WAIT_S = 15.0
 _METAVARS = {"address": "A.B.C.D", "hz": "MHZ", "mm": "MM", "deg": "DEG,DEG"}
-_HELP = {
-    "vna_address": "address of the network analyzer",
-    "start_frequency_hz": "start of the sweep",
-    "stop_frequency_hz": "stop of the sweep",
-    "frequency_points": "points of the sweep",
-    "x_start_mm": "start of the area along x",
-    "x_stop_mm": "stop of the area along x",
-    "x_points": "stops along x",
-    "y_start_mm": "start of the area along y",
-    "y_stop_mm": "stop of the area along y",
-    "y_points": "stops along y",
-    "polarizations_deg": "rotations measured at each stop",
+_HELP: Mapping[str, Message] = {
+    "vna_address": Message("address of the network analyzer"),
+    "start_frequency_hz": Message("start of the sweep"),
+    "stop_frequency_hz": Message("stop of the sweep"),
+    "frequency_points": Message("points of the sweep"),
+    "x_start_mm": Message("start of the area along x"),
+    "x_stop_mm": Message("stop of the area along x"),
+    "x_points": Message("stops along x"),
+    "y_start_mm": Message("start of the area along y"),
+    "y_stop_mm": Message("stop of the area along y"),
+    "y_points": Message("stops along y"),
+    "polarizations_deg": Message("antenna rotations measured at each stop"),
 }
 
 
@@ -52,7 +56,7 @@ class Bar(enum.Enum):
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line asks for."""
+    """The command line."""
 
     mode: Mode
     resume_id: str
@@ -62,30 +66,44 @@ class Options:
     bar: Bar
 
 
-def parse_arguments(arguments: Sequence[str]) -> Options:
+def terminal_language(arguments: Sequence[str], environment: Mapping[str, str]) -> Language:
+    """Return the language that the command line names, else that of the environment.
+
+    Read before everything else, so that the help is in this language too.
+    """
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--language", nargs="?")
+    code = parser.parse_known_args(arguments)[0].language
+    named = (language for language in Language if language.value == code)
+    return next(named, language_from_environment(environment))
+
+
+def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     """Read the command line.
 
     Args:
         arguments: Without the program's name and without ROS remappings.
+        catalogue: Language of the help and of the messages.
 
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
     """
     parser = argparse.ArgumentParser(
         prog="run_survey",
-        description=DESCRIPTION,
-        epilog=EXIT_STATUS,
+        description=catalogue.text(DESCRIPTION),
+        epilog=catalogue.text(EXIT_STATUS),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parameters = _add_parameters(parser.add_argument_group("what to measure"))
-    _add_conduct(parser.add_argument_group("how to run it"))
+    group = parser.add_argument_group(catalogue.tr("what to measure"))
+    parameters = _add_parameters(group, catalogue)
+    _add_run_options(parser.add_argument_group(catalogue.tr("how to run it")), catalogue)
     given = parser.parse_args(arguments)
     mode = _mode(given.attach, given.resume)
     if mode is not Mode.START:
-        _refuse_parameters(parser, parameters, arguments, mode)
+        _refuse_parameters(parser, parameters, arguments, mode, catalogue)
     return Options(
         mode=mode,
-        # Folders are told with their path; the control knows where they are.
+        # Folders may be given with their path; the main control knows where they are.
         resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
         parameters=SurveyParameters(**{field.name: getattr(given, field.name) for field in FIELDS}),
         wait_s=given.wait,
@@ -105,80 +123,100 @@ def _refuse_parameters(
     parameters: List[argparse.Action],
     arguments: Sequence[str],
     mode: Mode,
+    catalogue: Catalogue,
 ) -> None:
-    """End with a message if parameters were given that a survey which exists cannot take."""
-    # Defaults are not put over what is there already.
+    """End with a message if parameters are given for a survey that exists already."""
+    # Values that are there already are not replaced by defaults.
     given = argparse.Namespace(**{one.dest: None for one in parameters})
     parser.parse_args(arguments, given)
     named = [one.option_strings[0] for one in parameters if getattr(given, one.dest) is not None]
     if named:
-        option = "--attach" if mode is Mode.ATTACH else "--resume"
         parser.error(
-            f"{', '.join(named)} cannot be given with {option}: that survey keeps the "
-            "parameters with which it was begun"
+            catalogue.tr(
+                "{options} cannot be given with {mode}: that survey has its own parameters",
+                options=", ".join(named),
+                mode="--attach" if mode is Mode.ATTACH else "--resume",
+            )
         )
 
 
-def _add_parameters(group: argparse._ArgumentGroup) -> List[argparse.Action]:
+def _add_parameters(group: argparse._ArgumentGroup, catalogue: Catalogue) -> List[argparse.Action]:
     return [
         group.add_argument(
             "--" + field.name.replace("_hz", "_mhz").replace("_", "-"),
             dest=field.name,
-            type=_reader(field),
+            type=_reader(field.read, catalogue),
             # argparse converts a default that is a string like an argument.
             default=field.default,
             metavar=_METAVARS.get(field.name.rsplit("_", 1)[-1], "N"),
-            help=_HELP[field.name] + " (default %(default)s)",
+            help=catalogue.tr(
+                "{meaning} (default {default})", meaning=_HELP[field.name], default=field.default
+            ),
         )
         for field in FIELDS
     ]
 
 
-def _reader(field: Field) -> Callable[[str], Any]:
-    def read(text: str) -> Any:
+def _reader(read: Callable[[str], Any], catalogue: Catalogue) -> Callable[[str], Any]:
+    def read_argument(text: str) -> Any:
         try:
-            return field.read(text)
-        except ValueError as error:
+            return read(text)
+        except InvalidValueError as error:
             # argparse shows the text of this error, but not that of a ValueError.
-            raise argparse.ArgumentTypeError(str(error)) from None
+            raise argparse.ArgumentTypeError(catalogue.text(error.message)) from None
 
-    return read
+    return read_argument
 
 
-def _add_conduct(group: argparse._ArgumentGroup) -> None:
+def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> None:
+    tr = catalogue.tr
     which = group.add_mutually_exclusive_group()
     which.add_argument(
         "--attach",
         action="store_true",
-        help="follow the survey that runs now, whoever started it; "
-        "Ctrl-C stops that survey, a closed terminal leaves it running",
+        help=tr(
+            "follow the survey that runs now; Ctrl-C stops it, a closed terminal leaves it running"
+        ),
     )
     which.add_argument(
         "--resume",
         nargs="?",
         const="",
         metavar="SURVEY",
-        help="go on with the paused survey, or with the one of this id or folder, and follow it",
+        help=tr("resume the paused survey, or the one with this id or folder, and follow it"),
     )
     group.add_argument(
         "--on-pause",
         choices=[choice.value for choice in OnPause],
         default=OnPause.EXIT.value,
-        help="when the survey pauses: leave it paused and exit with status 4, "
-        "or wait until somebody resumes it (default %(default)s)",
+        help=tr(
+            "when the survey pauses: leave it paused and exit with status 4, or wait until it is "
+            "resumed (default {default})",
+            default=OnPause.EXIT.value,
+        ),
     )
     group.add_argument(
         "--wait",
-        type=_seconds,
-        default=15.0,
+        type=_reader(_seconds, catalogue),
+        default=DEFAULT_WAIT_S,
         metavar="S",
-        help="seconds to wait for main_control (default %(default)g)",
+        help=tr(
+            "seconds to wait for the main control (default {default:g})", default=DEFAULT_WAIT_S
+        ),
     )
     group.add_argument(
         "--bar",
         choices=[choice.value for choice in Bar],
         default=Bar.AUTO.value,
-        help="progress bar, or plain lines; auto: a bar on a terminal (default %(default)s)",
+        help=tr(
+            "progress bar or plain lines; auto: a bar on a terminal (default {default})",
+            default=Bar.AUTO.value,
+        ),
+    )
+    group.add_argument(
+        "--language",
+        choices=[language.value for language in Language],
+        help=tr("language of the messages (default: that of the terminal)"),
     )
 
 
@@ -188,5 +226,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         seconds = math.nan
     if not (math.isfinite(seconds) and seconds > 0.0):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds above zero")
+        raise InvalidValueError(
+            Message("'{text}' is not a number of seconds above zero", text=text)
+        )
     return seconds

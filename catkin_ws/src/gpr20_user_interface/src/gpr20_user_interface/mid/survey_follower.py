@@ -1,12 +1,13 @@
-"""Bring one survey from the wish to its outcome, by what main_control says."""
+"""Follow one survey from the request to its end, by the status of the main control."""
 
 from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import (
     Answer,
@@ -22,7 +23,7 @@ class Mode(enum.Enum):
     """Which survey is followed."""
 
     START = "start a new one"
-    RESUME = "go on with a paused one"
+    RESUME = "resume a paused one"
     ATTACH = "follow the running one"
 
 
@@ -45,21 +46,21 @@ class ExitStatus(enum.IntEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """How it ended, in a number and in words."""
+    """How it ended: a number for the shell and a sentence."""
 
     status: ExitStatus
-    message: str
+    message: Message
 
 
 @dataclass(frozen=True)
 class Limits:
     """How long the follower waits [s]."""
 
-    # For the first word of main_control.
+    # For the first status of the main control.
     wait_s: float = 15.0
-    # main_control speaks at 2 Hz: ten messages have to be lost.
+    # The main control publishes at 2 Hz: ten messages have to be lost.
     silence_s: float = 5.0
-    # For a first word about the survey that was started.
+    # For the first status of the survey that was started.
     begin_s: float = 10.0
     # For axes to ramp down, a sweep to end and pending traces to be stored.
     stop_s: float = 60.0
@@ -68,7 +69,7 @@ class Limits:
 
 
 class _Phase(enum.Enum):
-    WAITING = "for the first word of main_control"
+    WAITING = "for the first status of the main control"
     REQUESTED = "for the answer to start or resume"
     FOLLOWING = "for the end of the survey"
     ENDED = "for nothing"
@@ -92,19 +93,19 @@ class SurveyFollower:
         self._clock = clock
         self._phase = _Phase.WAITING
         self.outcome: Optional[Outcome] = None
-        # The last word of main_control since something was asked of it; a latched one from
-        # before says nothing about this survey.
+        # The last status since the request; a latched one from before it is about another
+        # survey.
         self._state: Optional[ControlState] = None
         self.survey_id = ""
         self._seen = False
         self._stop_wanted_s: Optional[float] = None
         self._stop_due_s: Optional[float] = None
-        self._stop_message = ""
+        self._stop_refusal: Optional[Message] = None
         now_s = clock.now_s()
-        self._began_s = self._heard_s = self._ticked_s = now_s
+        self._began_s = self._received_s = self._ticked_s = now_s
 
     def concerns(self, event: Event) -> bool:
-        """Return whether a word of main_control is about this survey."""
+        """Return whether an event is about this survey."""
         if isinstance(event, ControlState) and not self.survey_id:
             return event is self._state and event.code in RUNNING
         if isinstance(event, (ControlState, Progress)):
@@ -112,29 +113,29 @@ class SurveyFollower:
         return True
 
     def handle(self, event: Event) -> List[Request]:
-        """Take note of an event; return what main_control has to be asked for now."""
+        """Take an event; return the requests to send to the main control now."""
         if self._phase is _Phase.ENDED:
             return []
         if isinstance(event, (ControlState, Progress)):
-            self._heard_s = self._clock.now_s()
+            self._received_s = self._clock.now_s()
         if isinstance(event, ControlState):
-            return self._heard(event)
+            return self._take_state(event)
         if isinstance(event, Answer):
             return self._answered(event)
         if isinstance(event, StopRequested):
-            return self._stop_wished()
+            return self._request_stop()
         return []
 
     def tick(self) -> List[Request]:
-        """Take note of the time; return what main_control has to be asked for now."""
+        """Check the time limits; return the requests to send to the main control now."""
         now_s = self._clock.now_s()
         if now_s - self._ticked_s > self._limits.silence_s / 2:
-            # This process itself was held up and has not listened.
-            self._heard_s = now_s
+            # This process itself was suspended and has received nothing.
+            self._received_s = now_s
         self._ticked_s = now_s
         if self._phase is _Phase.WAITING and now_s - self._began_s > self._limits.wait_s:
             self._end(ExitStatus.REFUSED, _not_there(self._limits.wait_s))
-        elif self._phase is _Phase.FOLLOWING and now_s - self._heard_s > self._limits.silence_s:
+        elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._limits.silence_s:
             self._end(ExitStatus.FAILED, _lost(self._limits.silence_s))
         elif self._stop_wanted_s is not None:
             return self._tick_stop(now_s, now_s - self._stop_wanted_s)
@@ -146,27 +147,31 @@ class SurveyFollower:
         if waited_s > self._limits.begin_s:
             self._end(
                 ExitStatus.FAILED,
-                f"main_control accepted the survey but said nothing about it for "
-                f"{self._limits.begin_s:g} s; look at the topic control_status",
+                Message(
+                    "The main control accepted the survey but has not reported on it for "
+                    "{limit_s:g} s. Check that it is running.",
+                    limit_s=self._limits.begin_s,
+                    details="topic control_status",
+                ),
             )
 
     def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
         if waited_s > self._limits.stop_s:
-            message = _stop_not_confirmed(self._limits.stop_s, self._stop_message)
+            message = _stop_not_confirmed(self._limits.stop_s, self._stop_refusal)
             self._end(ExitStatus.FAILED, message)
         elif self._stop_due_s is not None and now_s >= self._stop_due_s:
             return self._ask_stop()
         return []
 
-    def _heard(self, state: ControlState) -> List[Request]:
+    def _take_state(self, state: ControlState) -> List[Request]:
         if self._phase is _Phase.WAITING:
-            return self._first_word(state)
+            return self._take_first_state(state)
         self._state = state
         if self._phase is _Phase.FOLLOWING:
             self._follow(state)
         return []
 
-    def _first_word(self, state: ControlState) -> List[Request]:
+    def _take_first_state(self, state: ControlState) -> List[Request]:
         self._began_s = self._clock.now_s()
         if self._mode is not Mode.ATTACH:
             self._phase = _Phase.REQUESTED
@@ -174,7 +179,11 @@ class SurveyFollower:
         if state.code not in RUNNING:
             self._end(
                 ExitStatus.REFUSED,
-                f"no survey runs: main_control is {state.code.name} ({state.message})",
+                Message(
+                    "No survey is running. The main control is {state}: {message}",
+                    state=state.code.label,
+                    message=state.message,
+                ),
             )
             return []
         self._begin(state.survey_id, state)
@@ -182,7 +191,7 @@ class SurveyFollower:
 
     def _answered(self, answer: Answer) -> List[Request]:
         if answer.request is Request.STOP:
-            self._stop_message = "" if answer.success else answer.message
+            self._stop_refusal = None if answer.success else answer.message
             if not answer.success:
                 self._stop_due_s = self._clock.now_s() + self._limits.stop_retry_s
             return []
@@ -191,7 +200,7 @@ class SurveyFollower:
         if not answer.success:
             self._end(*self._refusal(answer))
             return []
-        # A resumed survey is known by the next word about it.
+        # The id of a resumed survey comes with its next status.
         self._begin(answer.survey_id, self._state)
         # A stop that was asked for before the start may have found nothing to stop.
         return self._ask_stop() if self._stopping and self._phase is not _Phase.ENDED else []
@@ -200,16 +209,17 @@ class SurveyFollower:
     def _stopping(self) -> bool:
         return self._stop_wanted_s is not None
 
-    def _refusal(self, answer: Answer) -> tuple:
+    def _refusal(self, answer: Answer) -> Tuple[ExitStatus, Message]:
         if self._stopping:
-            return ExitStatus.STOPPED, f"the survey was not started: {answer.message}"
+            message = Message("The survey was not started: {reason}", reason=answer.message)
+            return ExitStatus.STOPPED, message
         return ExitStatus.REFUSED, answer.message
 
     def _begin(self, survey_id: str, state: Optional[ControlState]) -> None:
         self._phase = _Phase.FOLLOWING
         self.survey_id = survey_id
         self._state = state
-        self._began_s = self._heard_s = self._clock.now_s()
+        self._began_s = self._received_s = self._clock.now_s()
         if state is not None:
             self._follow(state)
 
@@ -217,7 +227,7 @@ class SurveyFollower:
         if not self.survey_id and state.code in RUNNING | ENDED:
             self.survey_id = state.survey_id
         if state.survey_id != self.survey_id:
-            # Before the first word about our survey, this one is from before it began.
+            # Before the first status of our survey, this one is from before it began.
             if self._seen:
                 self._end(ExitStatus.FAILED, _replaced(self.survey_id, state))
             return
@@ -238,9 +248,9 @@ class SurveyFollower:
             return ExitStatus.STOPPED
         return ExitStatus.FAILED
 
-    def _stop_wished(self) -> List[Request]:
+    def _request_stop(self) -> List[Request]:
         if self._phase is _Phase.WAITING:
-            self._end(ExitStatus.STOPPED, "nothing was started")
+            self._end(ExitStatus.STOPPED, Message("Nothing was started."))
             return []
         if not self._stopping:
             self._stop_wanted_s = self._clock.now_s()
@@ -250,36 +260,50 @@ class SurveyFollower:
         self._stop_due_s = None
         return [Request.STOP]
 
-    def _end(self, status: ExitStatus, message: str) -> None:
+    def _end(self, status: ExitStatus, message: Message) -> None:
         self._phase = _Phase.ENDED
         self.outcome = Outcome(status, message)
 
 
-def _not_there(wait_s: float) -> str:
-    return (
-        f"main_control was not heard within {wait_s:g} s; start it with "
-        "`roslaunch gpr20 survey.launch`, or, if it runs, check ROS_MASTER_URI and the namespace"
+def _not_there(wait_s: float) -> Message:
+    return Message(
+        "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
+        "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
+        limit_s=wait_s,
     )
 
 
-def _lost(silence_s: float) -> str:
-    return (
-        f"main_control has not been heard for {silence_s:g} s; the robot may still move. Look at "
-        "its node; follow the survey again with `rosrun gpr20_user_interface run_survey --attach`"
+def _lost(silence_s: float) -> Message:
+    return Message(
+        "No contact with the main control for {limit_s:g} s. The robot may still move. Check that "
+        "the main control is running, then follow the survey again with `rosrun "
+        "gpr20_user_interface run_survey --attach`.",
+        limit_s=silence_s,
     )
 
 
-def _stop_not_confirmed(stop_s: float, refusal: str) -> str:
-    reason = f" (last answer to stop_survey: {refusal})" if refusal else ""
-    return (
-        f"main_control has not said within {stop_s:g} s that the survey has stopped{reason}; "
-        "the robot may still run: switch it off if people are near it"
+def _stop_not_confirmed(stop_s: float, refusal: Optional[Message]) -> Message:
+    if refusal is None:
+        return Message(
+            "The main control did not confirm within {limit_s:g} s that the survey has stopped. "
+            "The robot may still move: switch it off if people are near it.",
+            limit_s=stop_s,
+        )
+    return Message(
+        "The main control did not confirm within {limit_s:g} s that the survey has stopped; its "
+        "last answer to the stop request: {answer}. The robot may still move: switch it off if "
+        "people are near it.",
+        limit_s=stop_s,
+        answer=refusal,
     )
 
 
-def _replaced(survey_id: str, state: ControlState) -> str:
-    return (
-        f"main_control does not know survey {survey_id} any more: it is {state.code.name} "
-        f"({state.message}); it may have been started anew. What was measured is in the "
-        "survey's folder"
+def _replaced(survey_id: str, state: ControlState) -> Message:
+    return Message(
+        "The main control no longer knows survey {survey}; it may have been restarted. The "
+        "traces measured so far are in the survey's folder. The main control is {state}: "
+        "{message}",
+        survey=survey_id,
+        state=state.code.label,
+        message=state.message,
     )

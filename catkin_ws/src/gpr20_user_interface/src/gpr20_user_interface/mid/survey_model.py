@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import FrozenSet, Generic, Optional, Set, TypeVar
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import (
@@ -23,25 +24,25 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthBook, HealthReport
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport, HealthTracker
 
-# main_control speaks at 2 Hz.
+# The main control publishes at 2 Hz.
 CONTROL_SILENCE_S = 3.0
-# Beyond this a coordinate or a height is not what is the case now.
+# A coordinate or height that is older than this [s] is not shown.
 STALE_S = 3.0
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """A request that came to nothing, and why."""
+    """A request that was refused or failed, and why."""
 
     request: Request
-    reason: str
+    reason: Message
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Everything that the window shows at one moment; None is not known now."""
+    """Everything that the window shows at one moment; None: not known now."""
 
     control_alive: bool
     control_silent_s: Optional[float]
@@ -52,7 +53,7 @@ class Snapshot:
     height_m: Optional[float]
     pending: FrozenSet[Request]
     travel: Optional[RobotTravel]
-    # The parameters of the survey that runs, whoever started it.
+    # The parameters of the survey that runs, also of one that another client started.
     survey_parameters: Optional[SurveyParameters] = None
     figures: Optional[RobotFigures] = None
     health: HealthReport = field(default_factory=HealthReport)
@@ -61,17 +62,17 @@ class Snapshot:
 
     @property
     def running(self) -> bool:
-        """Whether, by the last word of main_control, a survey exists that has not ended."""
+        """Whether, by the last status, a survey exists that has not ended."""
         return self.state is not None and self.state.code in RUNNING
 
     @property
     def simulated(self) -> bool:
-        """Whether main_control said that the robot is simulated."""
+        """Whether the robot is simulated."""
         return self.state is not None and self.state.simulated
 
     @property
     def fields_locked(self) -> bool:
-        """Whether the parameters are those of a survey that is on its way."""
+        """Whether the parameters are those of a survey in progress."""
         return self.running or Request.START in self.pending
 
     @property
@@ -83,26 +84,26 @@ class Snapshot:
     def can_stop(self) -> bool:
         """Whether there may be something to stop; a stop that is pending may be repeated.
 
-        A main_control that is silent may be driving the robot; so may one that is heard while
-        the master, and with it the rest of the robot, cannot be asked.
+        The robot may move although there is no contact with the main control, or with the master
+        and so with the rest of the robot.
         """
         asked = self.fields_locked or Request.RESUME in self.pending
         return asked or not self.control_alive or not self.master_alive
 
     @property
     def paused(self) -> bool:
-        """Whether the survey is held."""
+        """Whether the survey is paused."""
         return self.state is not None and self.state.code is SurveyState.PAUSED
 
     @property
     def can_pause(self) -> bool:
-        """Whether a survey is measuring and nobody here has asked to hold it."""
+        """Whether a survey is measuring and no request is pending."""
         measuring = self.state is not None and self.state.code is SurveyState.SURVEYING
         return measuring and self.control_alive and not self.pending
 
     @property
     def can_resume(self) -> bool:
-        """Whether a survey is paused and nobody here has asked to go on."""
+        """Whether a survey is paused and no request is pending."""
         return self.paused and self.control_alive and not self.pending
 
 
@@ -115,14 +116,14 @@ class _Latest(Generic[Value]):
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._value: Optional[Value] = None
-        self._heard_s = -math.inf
+        self._received_s = -math.inf
 
     def set(self, value: Value) -> None:
         self._value = value
-        self._heard_s = self._clock.now_s()
+        self._received_s = self._clock.now_s()
 
     def fresh(self) -> Optional[Value]:
-        return self._value if self._clock.now_s() - self._heard_s <= STALE_S else None
+        return self._value if self._clock.now_s() - self._received_s <= STALE_S else None
 
 
 class SurveyModel:
@@ -130,7 +131,7 @@ class SurveyModel:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._heard_s: Optional[float] = None
+        self._received_s: Optional[float] = None
         self._state: Optional[ControlState] = None
         self._progress: Optional[Progress] = None
         self._current: _Latest[CurrentPosition] = _Latest(clock)
@@ -139,21 +140,21 @@ class SurveyModel:
         self._pending: Set[Request] = set()
         self._limits = AxisLimits(None)
         self._parameters: Optional[SurveyParameters] = None
-        self._health = HealthBook(clock)
+        self._health = HealthTracker(clock)
         self._started_id = ""
         self._started_s = -math.inf
         self._interrupted = False
         self._outcome = RequestOutcome()
 
     def request_sent(self, request: Request) -> None:
-        """Take note that main_control was asked and has not answered yet."""
+        """Note that a request was sent to the main control and is not answered yet."""
         self._pending.add(request)
         self._outcome.asked(request)
 
     def handle(self, event: object) -> Optional[Refusal]:
-        """Take note of an event; return the request that came to nothing with it."""
+        """Take an event; return the request that it shows to have failed."""
         if isinstance(event, (ControlState, Progress)):
-            self._heard_s = self._clock.now_s()
+            self._received_s = self._clock.now_s()
         if isinstance(event, ControlState):
             self._note_state(event)
             failed = self._outcome.failed_request(event)
@@ -182,7 +183,7 @@ class SurveyModel:
 
     def snapshot(self) -> Snapshot:
         """Return what is known now."""
-        silent_s = None if self._heard_s is None else self._clock.now_s() - self._heard_s
+        silent_s = None if self._received_s is None else self._clock.now_s() - self._received_s
         health = self._health.report()
         return Snapshot(
             control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
@@ -206,25 +207,25 @@ class SurveyModel:
         if not self._limits.master_alive:
             return Alarm(AlarmKind.MASTER_GONE, silent_s or 0.0)
         if silent_s is None:
-            return Alarm(AlarmKind.CONTROL_NEVER_HEARD)
+            return Alarm(AlarmKind.NO_CONTROL)
         if silent_s > CONTROL_SILENCE_S:
-            return Alarm(AlarmKind.CONTROL_SILENT, silent_s)
+            return Alarm(AlarmKind.CONTROL_LOST, silent_s)
         if self._interrupted:
             return Alarm(AlarmKind.SURVEY_INTERRUPTED)
-        if health.analyzer_trouble:
-            return Alarm(AlarmKind.ANALYZER_GONE, detail=health.analyzer_trouble)
+        if health.analyzer_fault is not None:
+            return Alarm(AlarmKind.ANALYZER_FAULT, reason=health.analyzer_fault)
         return None
 
     def _note_state(self, state: ControlState) -> None:
         if state.code in RUNNING:
             self._interrupted = False
         elif self._state is not None and self._state.code in RUNNING and state.code not in ENDED:
-            # No survey leads back to IDLE: main_control was started anew and knows of none.
+            # No survey leads back to IDLE: the main control was restarted and has none.
             self._interrupted = True
         self._state = state
 
     def _note_limits(self, limits: AxisLimits) -> None:
-        # What was known stays true while the master is away.
+        # What was known remains true while the master is away.
         self._limits = limits if limits.master_alive else replace(self._limits, master_alive=False)
 
     def _running_parameters(self) -> Optional[SurveyParameters]:
@@ -240,7 +241,7 @@ class SurveyModel:
 
     def _beginning(self) -> Set[Request]:
         # The answer to START may come before the first status of its survey: START stays
-        # locked until then, but not for ever.
+        # locked until then, but not without a limit.
         recent = self._clock.now_s() - self._started_s <= CONTROL_SILENCE_S
         known = self._state is not None and self._state.survey_id == self._started_id
         return {Request.START} if recent and not known else set()

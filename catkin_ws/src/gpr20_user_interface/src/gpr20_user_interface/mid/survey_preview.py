@@ -1,4 +1,4 @@
-"""What a survey with given parameters will be, before it starts."""
+"""Figures of a survey with given parameters, before it starts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 @dataclass(frozen=True)
 class SurveyPreview:
-    """What a survey will be.
+    """Figures of a survey.
 
     Attributes:
         stops: Number of places.
@@ -23,7 +23,7 @@ class SurveyPreview:
         y_spacing_mm: Distance of two lines [mm].
         frequency_step_hz: Distance of two frequencies [Hz].
         unambiguous_range_m: Range beyond which echoes fold back [m], in air.
-        range_resolution_m: Distance at which two echoes part [m], in air.
+        range_resolution_m: Smallest distance of two separate echoes [m], in air.
         cost: Time and disk space; None while the robot's own figures are not known.
     """
 
@@ -40,7 +40,7 @@ class SurveyPreview:
 def preview(parameters: SurveyParameters) -> SurveyPreview:
     """Return what follows from the parameters alone; they must have passed the checks.
 
-    A stepped-frequency radar ranges unambiguously to c / (2 df) and parts echoes by c / (2 B).
+    A stepped-frequency radar ranges unambiguously to c / (2 df) and resolves echoes by c / (2 B).
     In soil both are shorter by the square root of its relative permittivity.
     """
     p = parameters
@@ -59,19 +59,19 @@ def preview(parameters: SurveyParameters) -> SurveyPreview:
 
 @dataclass(frozen=True)
 class CostEstimated:
-    """What a survey with given parameters costs."""
+    """Time and disk space of a survey with given parameters."""
 
     parameters: SurveyParameters
     cost: SurveyCost
 
 
 class CostEstimator:
-    """Answers the newest question beside the window's thread: a large survey takes seconds.
+    """Estimates beside the window's thread: a large survey takes seconds.
 
-    Questions that were overtaken are left out.
+    Only the newest request counts.
 
     Args:
-        listener: Told each CostEstimated, from a thread of this class.
+        listener: Called with each CostEstimated, from a thread of this class.
     """
 
     def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
@@ -82,12 +82,12 @@ class CostEstimator:
         self._closed = False
 
     def close(self) -> None:
-        """Answer nothing more, whatever is still being estimated."""
+        """Call the listener no more, even if an estimate is in progress."""
         with self._lock:
             self._closed = True
 
     def ask(self, parameters: SurveyParameters, figures: RobotFigures) -> None:
-        """Estimate; the answer is told to the listener."""
+        """Estimate; the listener gets the result."""
         with self._lock:
             self._wanted = parameters, figures
             if self._working:

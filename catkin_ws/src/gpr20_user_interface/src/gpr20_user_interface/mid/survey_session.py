@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 from typing import Callable, List, Optional
 
+from gpr20_common.message import Message
 from gpr20_user_interface.mid.displays import Display, time_text
 from gpr20_user_interface.mid.events import (
     Accepted,
@@ -18,39 +19,35 @@ from gpr20_user_interface.mid.events import (
 from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
 
 TICK_S = 0.2
-# Words of main_control, or ticks, that the progress of a finished survey may be behind its end.
-LAST_WORDS = 20
+# Messages, or ticks, by which the progress of a finished survey may lag behind its end.
+LAST_EVENTS = 20
 
-SIMULATED = "SIMULATED robot: these data show no real ground"
+SIMULATED = Message("SIMULATED robot: these data show no real ground.")
 
 _HEADLINES = {
-    ExitStatus.FINISHED: "survey finished",
-    ExitStatus.REFUSED: "no survey was run",
-    ExitStatus.FAILED: "survey NOT finished",
-    ExitStatus.PAUSED: "survey PAUSED and left so",
-    ExitStatus.STOPPED: "survey stopped",
+    ExitStatus.FINISHED: Message("Survey finished."),
+    ExitStatus.REFUSED: Message("No survey was run."),
+    ExitStatus.FAILED: Message("Survey NOT finished."),
+    ExitStatus.PAUSED: Message("Survey PAUSED; it stays paused."),
+    ExitStatus.STOPPED: Message("Survey stopped."),
 }
-_RESUME_HINT = (
-    "resume it with `rosrun gpr20_user_interface run_survey --resume`, "
-    "or end it with `rosservice call stop_survey` (in the robot's namespace)"
-)
-_LATER_HINT = (
-    "measure what is missing, when no survey runs, with "
-    "`rosrun gpr20_user_interface run_survey --resume {}`"
+_RESUME_HINT = Message(
+    "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with `rosservice "
+    "call stop_survey` in the robot's namespace."
 )
 
 
 class SurveySession:
-    """Carries events to the follower, its requests to main_control and the news to the display.
+    """Carries events to the follower and the display, and requests to the main control.
 
     Args:
-        follower: Knows what an event means for the survey.
-        events: What happens, in its order.
-        send: Asks main_control without waiting; its answers come as events.
-        display: Where the operator looks.
+        follower: Decides what an event means for the survey.
+        events: In the order in which they happen.
+        send: Sends a request without waiting; its answer comes as an event.
+        display: The terminal.
 
     Attributes:
-        simulated: Whether main_control said that the robot is simulated.
+        simulated: Whether the robot is simulated.
         stored: Whether a trace of the survey is stored, so that it can be resumed.
     """
 
@@ -71,7 +68,7 @@ class SurveySession:
         self.stored = False
 
     def run(self) -> Outcome:
-        """Return how the survey ended, when it has."""
+        """Return when the survey has ended: how it ended."""
         try:
             while self._follower.outcome is None:
                 event = self._next_event()
@@ -94,7 +91,7 @@ class SurveySession:
 
     def _show_last_progress(self) -> None:
         """Show the last trace too: progress and end are different topics and come in any order."""
-        for _ in range(LAST_WORDS):
+        for _ in range(LAST_EVENTS):
             if self._progress is not None and self._progress.is_complete:
                 return
             event = self._next_event()
@@ -110,7 +107,9 @@ class SurveySession:
         if state == self._state:
             return
         self._state = state
-        self._display.note(f"{state.code.name}: {state.message}")
+        self._display.note(
+            Message("{state}: {message}", state=state.code.label, message=state.message)
+        )
         if self._progress is not None:
             self._display.show(self._progress, state)
 
@@ -125,21 +124,25 @@ class SurveySession:
         elif isinstance(event, Progress):
             self._show_progress(event)
         elif isinstance(event, Accepted):
-            self._display.note(_accepted_text(event))
+            self._display.note(_accepted(event))
         elif isinstance(event, StopRequested):
-            self._display.note(f"{event.reason}: asking main_control to stop the survey")
+            self._display.note(Message("{signal}: stopping the survey.", signal=event.signal))
         elif isinstance(event, Answer) and event.request is Request.STOP and not event.success:
-            self._display.note(f"stop not accepted: {event.message}")
+            self._display.note(Message("Stop not accepted: {reason}", reason=event.message))
 
 
-def _accepted_text(plan: Accepted) -> str:
-    return f"parameters accepted: {plan.total_points} traces, about {time_text(plan.estimated_s)}"
+def _accepted(plan: Accepted) -> Message:
+    return Message(
+        "Parameters accepted: {traces} traces, about {time}.",
+        traces=plan.total_points,
+        time=time_text(plan.estimated_s),
+    )
 
 
 def outcome_lines(
     outcome: Outcome, survey_id: str, simulated: bool, stored: bool = False
-) -> List[str]:
-    """Return the last words of the client.
+) -> List[Message]:
+    """Return the last lines of the client.
 
     Args:
         outcome: How it ended.
@@ -149,11 +152,17 @@ def outcome_lines(
     """
     lines = [_HEADLINES[outcome.status], outcome.message]
     if survey_id:
-        lines.append(f"survey id: {survey_id}")
+        lines.append(Message("Survey id: {survey}", survey=survey_id))
     if outcome.status is ExitStatus.PAUSED:
         lines.append(_RESUME_HINT)
     elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored:
-        lines.append(_LATER_HINT.format(survey_id))
+        lines.append(
+            Message(
+                "Measure the missing traces, while no other survey runs, with `rosrun "
+                "gpr20_user_interface run_survey --resume {survey}`.",
+                survey=survey_id,
+            )
+        )
     if simulated:
         lines.append(SIMULATED)
     return lines

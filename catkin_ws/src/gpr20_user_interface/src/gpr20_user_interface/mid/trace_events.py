@@ -1,10 +1,11 @@
-"""What is told of the traces of surveys, running and past, beside Trace and CoverageRuns."""
+"""Events about the traces of surveys, running and past, besides Trace and CoverageRuns."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Iterable, Tuple, Union
+from typing import Iterable, Mapping, Tuple, Union
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
@@ -21,7 +22,7 @@ class SurveyDescribed:
 
 @dataclass(frozen=True)
 class SurveyRead:
-    """What was to be measured in a past survey, and what of it is stored."""
+    """The plan of a past survey, and which of its traces are stored."""
 
     folder: str
     text: str
@@ -30,12 +31,16 @@ class SurveyRead:
 
 @dataclass(frozen=True)
 class TracesRead:
-    """Stored traces that were asked for, in the order of the plan."""
+    """Stored traces that were requested, in the order of the plan.
+
+    Attributes:
+        unreadable: Why traces cannot be read, by their place in the plan.
+    """
 
     survey: str
     first_index: int
     traces: Tuple[Trace, ...]
-    unreadable: Tuple[str, ...]
+    unreadable: Mapping[int, Message]
 
 
 @dataclass(frozen=True)
@@ -49,9 +54,9 @@ class SurveysListed:
 
 @dataclass(frozen=True)
 class ReadingFailed:
-    """Something that was asked for cannot be read now."""
+    """Something that was requested cannot be read now."""
 
-    reason: str
+    reason: Message
 
 
 TraceEvent = Union[
@@ -60,7 +65,10 @@ TraceEvent = Union[
 
 
 def page_of_traces(
-    survey: str, first_index: int, messages: Iterable[Tuple[int, bytes]], unreadable: Iterable[str]
+    survey: str,
+    first_index: int,
+    messages: Iterable[Tuple[int, bytes]],
+    unreadable: Mapping[int, Message],
 ) -> TracesRead:
     """Return the traces of serialized messages; one that is not allowed is unreadable.
 
@@ -68,12 +76,12 @@ def page_of_traces(
         survey: Its id.
         first_index: Place in the plan at which the page begins.
         messages: Place in the plan and message of each trace.
-        unreadable: "index: reason" of what the storage could not read.
+        unreadable: Why the storage cannot read traces, by their place in the plan.
     """
-    traces, refused = [], list(unreadable)
+    traces, refused = [], dict(unreadable)
     for index, data in messages:
         try:
             traces.append(trace_message.decode(data))
         except TraceRefusedError as error:
-            refused.append(f"{index}: {error}")
-    return TracesRead(survey, first_index, tuple(traces), tuple(refused))
+            refused[index] = error.message
+    return TracesRead(survey, first_index, tuple(traces), refused)

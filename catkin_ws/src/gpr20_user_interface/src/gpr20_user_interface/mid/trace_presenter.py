@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Optional, Protocol, Tuple
 
+from gpr20_common.message import Message
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, coverage_of_stored
@@ -19,39 +20,39 @@ from gpr20_user_interface.mid.trace_events import (
     TracesRead,
 )
 
-# How long a page that was asked for may be on its way, in refreshes, before it is asked for again.
+# How long to wait for a page, in refreshes, before it is requested again.
 RETRY_REFRESHES = 80
 
 
 class TraceSource(Protocol):
-    """The storage, asked without waiting; what it answers comes as events."""
+    """Requests to the storage, without waiting; the answers come as events."""
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""
 
     def read_survey(self, folder: str) -> None:
-        """Ask what a past survey was to measure."""
+        """Ask for the plan of a past survey."""
 
     def read_traces(self, survey: str, first_index: int) -> None:
         """Ask for a page of stored traces of a survey, by its id."""
 
 
 class TracePresenter:
-    """Collects what the storage and main_control say of traces. Belongs to one thread.
+    """Collects what the storage and the main control report about traces. Belongs to one thread.
 
     Args:
         source: The storage.
-        report: Told what is wrong with a trace or a survey that cannot be shown.
+        report: Called with the reason why a trace or a survey cannot be shown.
 
     Attributes:
-        live: The survey that runs, or ran last.
+        live: The survey that runs or ran last.
         past: The list of past surveys.
-        carriage_mm: Where the antennas are on the map (X, Y); None if that is not known, or not
-            of interest because a past survey is shown.
+        carriage_mm: Where the antennas are on the map (X, Y); None if that is not known, or if a
+            past survey is shown.
         opened_folder: The folder of the past survey that is shown; empty: the one that runs.
     """
 
-    def __init__(self, source: TraceSource, report: Callable[[str], None]) -> None:
+    def __init__(self, source: TraceSource, report: Callable[[Message], None]) -> None:
         self.source = source
         self.live = ShownSurvey()
         self.past = PastSurveys()
@@ -68,14 +69,14 @@ class TracePresenter:
         return self._opened or self.live
 
     def on_event(self, event: object) -> None:
-        """Take note of what the storage or main_control says of traces."""
+        """Take an event about traces."""
         try:
             self._take(event)
         except SurveyNotReadableError as error:
-            self._report(str(error))
+            self._report(error.message)
 
     def note_state(self, snapshot: Snapshot) -> None:
-        """Take note of where the antennas are and whether a survey is on its way."""
+        """Note where the antennas are and whether a survey is running."""
         target, current = snapshot.target, snapshot.current
         self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
         self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
@@ -83,12 +84,12 @@ class TracePresenter:
         self.past.set_running(running)
 
     def show_live(self) -> None:
-        """Show the survey that runs; the past one is forgotten."""
+        """Show the survey that runs, and drop the past one."""
         self._opened, self.opened_folder = None, ""
         self._waiting = 0
 
     def refresh(self) -> None:
-        """Take the newest coverage and ask for the traces that lack."""
+        """Take the newest coverage and request the missing traces."""
         self._take_newest_coverage()
         self._ask_for_traces()
 
@@ -113,8 +114,8 @@ class TracePresenter:
 
     def _take_newest_coverage(self) -> None:
         # Here and not when it comes, once per trace: working out the states of all stops takes
-        # milliseconds. Coverage and plan are told by two nodes: either may come first, and for
-        # a moment they speak of different surveys.
+        # milliseconds. Coverage and plan come from two nodes: either may come first, and for
+        # a moment they belong to different surveys.
         coverage = self._coverage
         if coverage is None or coverage.survey_id != self.live.survey_id:
             return
@@ -122,7 +123,7 @@ class TracePresenter:
         try:
             self.live.map.set_coverage(coverage)
         except SurveyNotReadableError as error:
-            self._report(str(error))
+            self._report(error.message)
 
     def _open(self, survey: SurveyRead) -> None:
         grid = grid_from_description(survey.text)

@@ -1,4 +1,4 @@
-"""Between main_control and the window: what is shown of the survey, and what the operator asks."""
+"""Between the main control and the window: the survey that runs, and the operator's requests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gpr20_user_interface.mid.survey_preview import (
 
 
 class SurveyControl(Protocol):
-    """main_control, asked without waiting; what it answers comes as events."""
+    """Requests to the main control, without waiting; the answers come as events."""
 
     def start_survey(self, parameters: SurveyParameters) -> None:
         """Ask to accept the parameters and to start."""
@@ -26,17 +26,17 @@ class SurveyControl(Protocol):
         """Ask to stop."""
 
     def pause_survey(self) -> None:
-        """Ask to hold the survey."""
+        """Ask to pause the survey."""
 
     def resume_survey(self, survey_id: str = "") -> None:
-        """Ask to go on with the paused survey, or with one by its id or its folder's name."""
+        """Ask to resume the paused survey, or one by its id or the name of its folder."""
 
     def read_axis_limits(self) -> None:
-        """Read what the axes can do."""
+        """Read the limits of the axes."""
 
 
 class WindowPresenter:
-    """Carries events to the model and wishes to main_control. Belongs to one thread.
+    """Carries events to the model and requests to the main control. Belongs to one thread.
 
     Attributes:
         snapshot: What the window shows now.
@@ -54,7 +54,7 @@ class WindowPresenter:
         self.snapshot = model.snapshot()
 
     def on_event(self, event: object) -> Optional[Refusal]:
-        """Take note of an event; return what the operator must be told at once."""
+        """Take an event; return what the operator must see at once."""
         if isinstance(event, CostEstimated):
             if self.preview is not None and event.parameters == self._parameters:
                 self.preview = replace(self.preview, cost=event.cost)
@@ -76,7 +76,7 @@ class WindowPresenter:
             self._estimator.ask(parameters, self.snapshot.figures)
 
     def read_axis_limits(self) -> None:
-        """Ask what the axes can do, and by that whether the master answers."""
+        """Read the limits of the axes; this shows, too, whether the master answers."""
         self._control.read_axis_limits()
 
     def start(self, parameters: SurveyParameters) -> None:
@@ -90,15 +90,15 @@ class WindowPresenter:
         self._control.stop_survey()
 
     def pause(self) -> None:
-        """Ask to hold the survey."""
+        """Ask to pause the survey."""
         self._model.request_sent(Request.PAUSE)
         self._control.pause_survey()
 
     def resume(self, folder: str = "") -> None:
-        """Ask to go on with the paused survey, or with one that has ended early."""
+        """Ask to resume the paused survey, or one that ended early."""
         self._model.request_sent(Request.RESUME)
         self._control.resume_survey(folder)
 
     def end(self) -> None:
-        """Let go of what is still being estimated."""
+        """Drop the estimate that is in progress."""
         self._estimator.close()

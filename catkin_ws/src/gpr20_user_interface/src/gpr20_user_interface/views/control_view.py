@@ -19,6 +19,12 @@ from PyQt5.QtWidgets import (
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
+from gpr20_user_interface.mid.field_messages import (
+    allowed_values,
+    corrections,
+    field_problems,
+    field_title,
+)
 from gpr20_user_interface.mid.parameter_form import (
     FormCheck,
     check_form,
@@ -30,14 +36,8 @@ from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.key_pad import Judge
 from gpr20_user_interface.views.parameter_form_view import ParameterFormView, TouchEdit
 from gpr20_user_interface.views.preview_panel import PreviewPanel
-from gpr20_user_interface.views.problem_text import (
-    allowed_text,
-    field_problems,
-    field_title,
-    wrong_texts,
-)
 from gpr20_user_interface.views.style import COMMAND_PX
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 STEPS = (1, 10, 100)
 SIDE_WIDTH_PX = 166
@@ -45,7 +45,7 @@ SIDE_WIDTH_PX = 166
 
 @dataclass(frozen=True)
 class PadRequest:
-    """A field that wants keys: what they are told, and where the text goes."""
+    """A field that needs keys: their texts, and where the entry goes."""
 
     title: str
     hint: str
@@ -85,7 +85,7 @@ class ControlView(TranslatedWidget):
 
     @property
     def parameters(self) -> Optional[SurveyParameters]:
-        """What the fields say; None while they are wrong."""
+        """The values of the fields; None while they are wrong."""
         return self._check.parameters
 
     def step_button(self, step: int) -> QPushButton:
@@ -177,13 +177,14 @@ class ControlView(TranslatedWidget):
 
     def _on_tap(self, edit: TouchEdit) -> None:
         name = self.form.name_of(edit)
-        hint = allowed_text(name, self._travel)
+        hint = shown_text(allowed_values(name, self._travel))
 
         def judge(text: str) -> str:
             check = check_form(self.form.texts_with(edit, text), self._travel)
-            return wrong_texts(check, self._travel).get(name, "")
+            correction = corrections(check, self._travel).get(name)
+            return "" if correction is None else shown_text(correction)
 
-        self.pad_wanted.emit(PadRequest(field_title(name), hint, edit, judge))
+        self.pad_wanted.emit(PadRequest(shown_text(field_title(name)), hint, edit, judge))
 
     def _on_start(self) -> None:
         if self._check.parameters is not None:
@@ -201,7 +202,8 @@ class ControlView(TranslatedWidget):
         self.parameters_changed.emit(self._check.parameters)
 
     def _show_problems(self) -> None:
-        by_field = field_problems(self._check, self._travel)
+        problems = field_problems(self._check, self._travel)
+        by_field = {name: shown_text(problem) for name, problem in problems.items()}
         self.form.show_problems(by_field)
         text = "\n".join(by_field.values())
         if text != self.problems.toPlainText():

@@ -1,18 +1,20 @@
-"""How the nodes, the VNA and the disk are."""
+"""Health of the nodes, the VNA and the disk."""
 
 from __future__ import annotations
 
-from typing import Dict, List
+from typing import Dict, List, Optional
 
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import QGridLayout, QLabel, QTextEdit
 
 from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
+from gpr20_user_interface.mid.notices import node_text
 from gpr20_user_interface.mid.robot_health import HealthReport
-from gpr20_user_interface.views.robot_text import robot_text
+from gpr20_user_interface.mid.titles import level_title, node_title
 from gpr20_user_interface.views.style import set_look
 from gpr20_user_interface.views.top_bar import ElidedLabel
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 UNKNOWN = "—"
 LOOKS: Dict[HealthLevel, str] = {
@@ -21,21 +23,26 @@ LOOKS: Dict[HealthLevel, str] = {
     HealthLevel.ERROR: "bad",
     HealthLevel.STALE: "bad",
 }
-# A node that is gone says nothing: its line tells it all.
-TOLD_IN_FULL = (HealthLevel.WARN, HealthLevel.ERROR)
+# The line of a node that does not report has no more text.
+SHOWN_IN_FULL = (HealthLevel.WARN, HealthLevel.ERROR)
 FIRST_ROW = 2
+# As high as eight lines can be, so that a finger hits one.
+ROW_PX = 28
 # Below everything: takes the room that is left.
 LAST_ROW = 100
 MEGABYTES_PER_GIGABYTE = 1000.0
 
 
 class HealthPanel(TranslatedWidget):
-    """One line per node: its name, how it is, and its own words."""
+    """One line per node: its name, its health, and its message; a touch opens all of it."""
+
+    # Carries the NodeHealth that was touched.
+    node_touched = pyqtSignal(object)
 
     def __init__(self) -> None:
         super().__init__()
         self._report = HealthReport()
-        self._rows: List[_Row] = []
+        self._rows: List[HealthRow] = []
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
         self._grid.setHorizontalSpacing(6)
@@ -48,7 +55,7 @@ class HealthPanel(TranslatedWidget):
         self._grid.addWidget(self._disk, 0, 1, 1, 2)
         self._grid.addWidget(self._calibration_title, 1, 0)
         self._grid.addWidget(self._calibration, 1, 1, 1, 2)
-        # A line has no room for a long sentence; what is wrong, or cut, is read to its end here.
+        # A line has no room for a long sentence; warnings, faults and cut lines are shown here.
         self._details = QTextEdit()
         self._details.setReadOnly(True)
         self._details.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -56,13 +63,17 @@ class HealthPanel(TranslatedWidget):
         self.retranslate()
 
     def texts(self, node: str) -> str:
-        """Return the level and the words that are shown for a node."""
-        row = next(row for row in self._rows if row.node == node)
-        return f"{row.level.text()}: {row.words.whole}"
+        """Return the level and the message that are shown for a node."""
+        row = self.row(node)
+        return f"{row.level.text()}: {row.message.whole}"
+
+    def row(self, node: str) -> HealthRow:
+        """Return the line of a node."""
+        return next(row for row in self._rows if row.node is not None and row.node.name == node)
 
     @property
     def details(self) -> str:
-        """The whole sentences of the nodes that have trouble, or whose line is cut."""
+        """The whole messages of nodes with a warning or fault, or whose line is cut."""
         return self._details.toPlainText()
 
     @property
@@ -82,16 +93,21 @@ class HealthPanel(TranslatedWidget):
         self.show_health(self._report)
 
     def show_health(self, report: HealthReport) -> None:
-        """Show how everything is."""
+        """Show the health of everything."""
         self._report = report
-        for node in report.nodes[len(self._rows) :]:
-            self._rows.append(_Row(len(self._rows), node.name, self._grid))
+        while len(self._rows) < len(report.nodes):
+            self._rows.append(HealthRow(len(self._rows), self._grid))
         for row, node in zip(self._rows, report.nodes):
-            row.show(node, self._level_text(node.level), self._words(node))
-        details = "\n".join(
-            f"{_short_name(node)}: {self._words(node)}"
+            row.show(node)
+        in_full = [
+            node
             for row, node in zip(self._rows, report.nodes)
-            if node.level in TOLD_IN_FULL or row.words.is_cut
+            if node.level in SHOWN_IN_FULL or row.message.is_cut
+        ]
+        details = "\n".join(
+            f"{shown_text(node_title(node.name))}: {shown_text(node_text(node))}"
+            # Faults first: the message of the main control, a warning, is the status as well.
+            for node in sorted(in_full, key=lambda node: node.level, reverse=True)
         )
         if details != self.details:
             self._details.setPlainText(details)
@@ -105,42 +121,47 @@ class HealthPanel(TranslatedWidget):
         texts = {
             "NONE": self.tr("none"),
             "HIGH": self.tr("high accuracy"),
-            "MODERATE_POWER": self.tr("moderate: other power level"),
-            "MODERATE_TEMPERATURE": self.tr("moderate: temperature"),
-            "LOW": self.tr("low: temperature"),
+            "MODERATE_POWER": self.tr("moderate: power level changed"),
+            "MODERATE_TEMPERATURE": self.tr("moderate: temperature changed"),
+            "LOW": self.tr("low: temperature changed"),
         }
         return texts.get(status, status or UNKNOWN)
 
-    def _words(self, node: NodeHealth) -> str:
-        if node.level is HealthLevel.STALE:
-            return self.tr("not heard")
-        return robot_text(node.message)
-
-    def _level_text(self, level: HealthLevel) -> str:
-        return {
-            HealthLevel.OK: self.tr("OK"),
-            HealthLevel.WARN: self.tr("LOOK"),
-            HealthLevel.ERROR: self.tr("FAULT"),
-            HealthLevel.STALE: self.tr("GONE"),
-        }[level]
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        """Qt: a finger or a mouse button leaves the list; the lines are its labels."""
+        super().mouseReleaseEvent(event)
+        for row in self._rows:
+            if row.node is not None and row.top <= event.pos().y() <= row.bottom:
+                self.node_touched.emit(row.node)
+                return
 
 
-def _short_name(node: NodeHealth) -> str:
-    return node.name.replace("/axis_driver", "")
+class HealthRow:
+    """The line of a node: its name, its health, and its message."""
 
-
-class _Row:
-    def __init__(self, number: int, node: str, grid: QGridLayout) -> None:
-        self.node = node
-        self.name, self.level, self.words = QLabel(), QLabel(), ElidedLabel()
+    def __init__(self, number: int, grid: QGridLayout) -> None:
+        self.node: Optional[NodeHealth] = None
+        self.name, self.level, self.message = QLabel(), QLabel(), ElidedLabel()
         self.level.setAlignment(Qt.AlignmentFlag.AlignCenter)
         row = FIRST_ROW + number
-        for column, label in enumerate((self.name, self.level, self.words)):
+        grid.setRowMinimumHeight(row, ROW_PX)
+        for column, label in enumerate((self.name, self.level, self.message)):
             grid.addWidget(label, row, column)
 
-    def show(self, node: NodeHealth, level: str, words: str) -> None:
-        self.node = node.name
-        self.name.setText(_short_name(node))
-        self.level.setText(level)
+    @property
+    def top(self) -> int:
+        """Upper edge in the panel [px]."""
+        return self.level.geometry().top()
+
+    @property
+    def bottom(self) -> int:
+        """Lower edge in the panel [px]."""
+        return self.level.geometry().bottom()
+
+    def show(self, node: NodeHealth) -> None:
+        """Show the health of a node."""
+        self.node = node
+        self.name.setText(shown_text(node_title(node.name)))
+        self.level.setText(shown_text(level_title(node.level)))
         set_look(self.level, "level", LOOKS[node.level])
-        self.words.show_text(words)
+        self.message.show_text(shown_text(node_text(node)))

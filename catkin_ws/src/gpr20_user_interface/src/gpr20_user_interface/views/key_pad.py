@@ -14,7 +14,7 @@ DIGITS = ("789", "456", "123", "-0.", ", ")
 LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
 MAX_LENGTH = 40
 
-# Tells what is allowed in place of a wrong text; empty if the text is right.
+# Returns what is allowed instead of a wrong text; empty if the text is right.
 Judge = Callable[[str], str]
 
 
@@ -52,14 +52,14 @@ class KeyPad(Overlay):
         judge: Judge,
         strict: bool,
     ) -> None:
-        """Open with a text, all of it marked: the first key replaces it.
+        """Open with a text, all of it selected: the first key replaces it.
 
         Args:
-            deliver: Told the text when it is accepted.
+            deliver: Called with the text when it is accepted.
             title: What is asked for.
             hint: What is allowed.
-            text: What stands there at first.
-            judge: Tells what is allowed in place of a wrong text, while it is written.
+            text: The text at first.
+            judge: Returns what is allowed instead of a wrong text, while it is written.
             strict: Whether a wrong text cannot be accepted.
         """
         self._deliver = deliver
@@ -102,7 +102,7 @@ class KeyPad(Overlay):
 
     def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
         button = new_button(act, text)
-        # The text keeps the focus, and with it the mark.
+        # The focus, and with it the selection, stays in the text.
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         return button
 

@@ -8,8 +8,15 @@ from typing import Callable, Dict, Optional
 from PyQt5.QtCore import QTimer
 from PyQt5.QtWidgets import QTabWidget, QVBoxLayout, QWidget
 
+from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import Answer
+from gpr20_user_interface.mid.notices import (
+    Refused,
+    node_notice,
+    refusal_notice,
+    state_notice,
+)
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -17,7 +24,7 @@ from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.control_view import ControlView, PadRequest
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
 from gpr20_user_interface.views.map_view import MapView
-from gpr20_user_interface.views.notice import Notice, NoticeKind
+from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.profiles_view import ProfilesView
 from gpr20_user_interface.views.radar_view import RadarView
@@ -28,12 +35,12 @@ from gpr20_user_interface.views.translation import Languages, TranslatedWidget
 
 WIDTH_PX = 800
 HEIGHT_PX = 480
-# Topics come at up to 50 Hz; nobody reads figures that change more often than this.
+# Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
 # A trace must be seen within a second; drawing more often than this costs a core and shows no more.
 DRAW_MS = 250
-# A robot may be started, or restarted with other limits, after the window; and whether the
-# master answers is seen by it.
+# A robot may be started, or restarted with other limits, after the window; this also shows
+# whether the master answers.
 LIMITS_MS = 2000
 
 
@@ -48,12 +55,12 @@ class TabName(enum.Enum):
 
 
 class MainWindow(TranslatedWidget):
-    """Shows what its presenters know and tells them what the operator wants.
+    """Shows what its presenters hold and passes the operator's requests to them.
 
     Args:
-        survey: Knows the survey that runs, and asks main_control.
-        traces: Knows the traces, and asks the storage.
-        profiles: Parameters that are kept under a name.
+        survey: The survey that runs, and the requests to the main control.
+        traces: The traces, and the requests to the storage.
+        profiles: Parameters that are stored under a name.
         languages: Languages of the window.
     """
 
@@ -87,7 +94,7 @@ class MainWindow(TranslatedWidget):
         }
         self.number_pad = KeyPad(self, DIGITS)
         self.profiles = ProfilesView(self, profiles)
-        self.notice = Notice(self)
+        self.notice = NoticeView(self)
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
@@ -99,7 +106,7 @@ class MainWindow(TranslatedWidget):
         self.resize(WIDTH_PX, HEIGHT_PX)
 
     def begin(self) -> None:
-        """Keep the window up to date from now on."""
+        """Refresh the window from now on."""
         self.survey.read_axis_limits()
         self.refresh()
         self._on_parameters(self.control.parameters)
@@ -113,10 +120,10 @@ class MainWindow(TranslatedWidget):
         self.survey.end()
 
     def on_event(self, event: object) -> None:
-        """Take note of an event; tell the operator at once what was refused."""
+        """Take an event; show a refusal at once."""
         refusal = self.survey.on_event(event)
         if refusal is not None:
-            self.notice.show_notice(NoticeKind[refusal.request.name], refusal.reason)
+            self._show_refusal(Refused[refusal.request.name], refusal.reason)
         if isinstance(event, Answer):
             self.refresh()
         self.traces.on_event(event)
@@ -133,7 +140,7 @@ class MainWindow(TranslatedWidget):
         self.control.preview.show_preview(self.survey.preview)
 
     def draw(self) -> None:
-        """Ask for the traces that lack and draw what is new."""
+        """Request the missing traces and draw what is new."""
         self.traces.refresh()
         self.map.refresh()
         self.radar.refresh()
@@ -144,7 +151,7 @@ class MainWindow(TranslatedWidget):
         self.control.refresh(snapshot)
         self.status.refresh(snapshot)
         if snapshot.fields_locked:
-            # What was being entered would stand in the fields in place of the survey's parameters.
+            # An entry would replace the survey's parameters in the fields.
             for overlay in (self.number_pad, self.profiles.name_pad, self.profiles):
                 overlay.hide()
 
@@ -164,7 +171,7 @@ class MainWindow(TranslatedWidget):
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
-        # The language that a touch leads to, in its own words.
+        # The language that a touch changes to, by its own name.
         self.language_button.setText(self._languages.language.next.own_name)
 
     def _lay_out(self) -> None:
@@ -192,14 +199,21 @@ class MainWindow(TranslatedWidget):
         control.pad_wanted.connect(self._on_pad_wanted)
         control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
         self.profiles.loaded.connect(control.show_parameters)
-        self.profiles.failed.connect(
-            lambda reason: self.notice.show_notice(NoticeKind.PROFILE, reason)
+        self.profiles.failed.connect(lambda reason: self._show_refusal(Refused.PROFILE, reason))
+        self.status.message.touched.connect(
+            lambda state: self.notice.show_notice(state_notice(state))
+        )
+        self.status.health.node_touched.connect(
+            lambda node: self.notice.show_notice(node_notice(node))
         )
         self.past.page_requested.connect(self.traces.source.list_surveys)
         self.past.open_requested.connect(self.traces.source.read_survey)
         self.past.resume_requested.connect(lambda folder: self._ask(lambda: survey.resume(folder)))
         # The operator has seen enough of a past survey.
         self.radar.back.clicked.connect(self._on_back_to_live)
+
+    def _show_refusal(self, refused: Refused, reason: Message) -> None:
+        self.notice.show_notice(refusal_notice(refused, reason))
 
     def _ask(self, ask: Callable[[], None]) -> None:
         ask()
@@ -210,7 +224,7 @@ class MainWindow(TranslatedWidget):
         self.control.preview.show_preview(self.survey.preview)
 
     def _on_pad_wanted(self, request: PadRequest) -> None:
-        # A wrong value may stand while another field is corrected; START stays locked.
+        # A wrong value may remain while another field is corrected; START stays locked.
         self.number_pad.ask(
             request.edit.setText,
             request.title,

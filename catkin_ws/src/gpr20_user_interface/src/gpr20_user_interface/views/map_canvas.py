@@ -131,7 +131,7 @@ class MapCanvas(TranslatedWidget):
         painter.drawRect(area)
 
     def _stop_picture(self) -> Optional[QImage]:
-        """Return one pixel per stop, the highest Y first; made anew only after a change."""
+        """Return one pixel per stop, the highest Y first; made again only after a change."""
         state = (self._model, self._model.revision)
         if self._picture_of != state:
             self._picture_of = state

@@ -1,4 +1,4 @@
-"""The MAP tab: the drawing, what the colours mean, the stop that was touched and its trace."""
+"""The MAP tab: the drawing, its legend, the stop that was touched and its trace."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan
 from gpr20_user_interface.views.map_canvas import MapCanvas
 from gpr20_user_interface.views.plots import CurvePlot
-from gpr20_user_interface.views.robot_text import robot_text
 from gpr20_user_interface.views.style import STOP_COLOURS, new_button
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 PANEL_WIDTH_PX = 290
 SWATCH_PX = 16
@@ -68,7 +67,7 @@ class MapView(TranslatedWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Draw again if something has changed and somebody can see it."""
+        """Draw again if something has changed and the tab is visible."""
         model, radar = self._model, self._radar
         state = (
             *(model, model.revision, model.current, model.verdict),
@@ -85,7 +84,7 @@ class MapView(TranslatedWidget):
         self._show_stop()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
-        """Draw what came while nobody could see it."""
+        """Draw what came while the tab was hidden."""
         super().showEvent(event)
         self.refresh()
 
@@ -102,7 +101,8 @@ class MapView(TranslatedWidget):
         for state, label in self.legend.items():
             number = "—" if counts is None else str(counts[state])
             label.setText(f"{self._name(state)}: {number}")
-        self.verdict.setText(robot_text(self._model.verdict))
+        verdict = self._model.verdict
+        self.verdict.setText("" if verdict is None else shown_text(verdict))
         self.next_problem.setEnabled(self._model.next_problem(None) is not None)
 
     def _show_stop(self) -> None:
@@ -119,11 +119,11 @@ class MapView(TranslatedWidget):
         text = self.tr("X {x:g} mm, Y {y:g} mm: {state}").format(
             x=round(float(x_mm), 2), y=round(float(y_mm), 2), state=words
         )
-        reasons = self._model.reasons_at(cell.stop)
+        reasons = [shown_text(reason) for reason in self._model.reasons_at(cell.stop)]
         has_trace = self._radar.grid is not None and self._radar.has(cell)
         if not has_trace:
-            reasons = (*reasons, self._why_no_trace(grid.index(cell)))
-        self.stop_text.setText("\n".join([text, *map(robot_text, reasons)]))
+            reasons.append(self._why_no_trace(grid.index(cell)))
+        self.stop_text.setText("\n".join([text, *reasons]))
         rotation_deg = grid.rotations_deg[cell.polarization]
         self.polarization.setText(self.tr("Antenna {rotation:g}°").format(rotation=rotation_deg))
         curve = a_scan(self._radar, cell, RadarSettings()) if has_trace else None
@@ -133,7 +133,7 @@ class MapView(TranslatedWidget):
 
     def _why_no_trace(self, index: int) -> str:
         given_up = self._radar.given_up.get(index)
-        return given_up if given_up else self.tr("no trace to show")
+        return self.tr("no trace to show") if given_up is None else shown_text(given_up)
 
     def _on_next_problem(self) -> None:
         after = None if self.selected is None else self.selected.stop
@@ -158,7 +158,7 @@ class MapView(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
-        self.next_problem.setText(self.tr("Next not done"))
+        self.next_problem.setText(self.tr("Next\nunfinished stop"))
         self._label_plot(Axis.DEPTH_MM)
         self._drawn = ()
         self._show_legend()

@@ -33,7 +33,7 @@ ROWS = (
 
 
 class TouchEdit(QLineEdit):
-    """A line that tells when it is tapped; a keyboard can write in it as usual."""
+    """A line that reports a tap; a keyboard can write in it as usual."""
 
     tapped = pyqtSignal()
 
@@ -88,7 +88,7 @@ class NumberField(QWidget):
 
 
 class ParameterFormView(TranslatedWidget):
-    """Shows the parameters as texts and tells when one changes."""
+    """Shows the parameters as texts and reports changes."""
 
     changed = pyqtSignal()
     # Carries the parameter's name and +1 or -1.

@@ -1,4 +1,4 @@
-"""The list of past surveys: what became of each, go on with one, look at one."""
+"""The list of past surveys: how each ended; resume one, look at one."""
 
 from __future__ import annotations
 
@@ -17,15 +17,14 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
-from gpr20_user_interface.views.robot_text import robot_text
 from gpr20_user_interface.views.style import TOUCH_PX, new_button
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 WHEN, VERDICT, TRACES = range(3)
 
 
 class PastSurveysView(TranslatedWidget):
-    """Shows PastSurveys and tells what the operator wants."""
+    """Shows PastSurveys and emits the operator's requests."""
 
     # Empty: the first page. Else the folder before which the next page begins.
     page_requested = pyqtSignal(str)
@@ -56,7 +55,7 @@ class PastSurveysView(TranslatedWidget):
         return self._shown[rows.pop()] if rows and max(rows) < len(self._shown) else None
 
     def refresh(self) -> None:
-        """Show the list as it is now, if it has changed; somebody who looks at it wants it new."""
+        """Show the list if it has changed; request it again if it is visible and outdated."""
         if self._surveys.outdated and self.isVisible():
             self._ask_again()
         if self._surveys.revision != self._revision:
@@ -79,7 +78,7 @@ class PastSurveysView(TranslatedWidget):
         self._show_choice()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
-        """Ask for the list again whenever somebody wants to see it."""
+        """Request the list whenever the tab is opened."""
         super().showEvent(event)
         self._ask_again()
 
@@ -88,7 +87,7 @@ class PastSurveysView(TranslatedWidget):
         texts = {
             WHEN: survey.day_and_time,
             VERDICT: self._word(survey),
-            TRACES: "—" if survey.problem else counted,
+            TRACES: counted if survey.problem is None else "—",
         }
         for column, text in texts.items():
             self.table.setItem(row, column, QTableWidgetItem(text))
@@ -100,15 +99,17 @@ class PastSurveysView(TranslatedWidget):
             Verdict.RUNNING: self.tr("running"),
             Verdict.UNREADABLE: self.tr("CANNOT BE READ"),
         }[self._surveys.verdict(survey)]
-        return f"{word} ({self.tr('simulated')})" if survey.simulated else word
+        # Not inside an f-string, where xgettext finds no text.
+        simulated = self.tr("simulated")
+        return f"{word} ({simulated})" if survey.simulated else word
 
     def _show_choice(self) -> None:
         chosen = self.chosen
         self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
         self.older.setEnabled(self._surveys.more)
-        if self._surveys.problem:
-            text = robot_text(self._surveys.problem)
+        if self._surveys.problem is not None:
+            text = shown_text(self._surveys.problem)
         elif chosen is None:
             text = self.tr("Touch a survey.")
         else:
@@ -117,9 +118,11 @@ class PastSurveysView(TranslatedWidget):
 
     def _sentence(self, survey: PastSurvey) -> str:
         if self._surveys.verdict(survey) is Verdict.RUNNING:
-            return self.tr("It is on its way.")
-        told = robot_text(survey.problem) or robot_text(survey.verdict)
-        return told or self.tr("It has not ended properly.")
+            return self.tr("Survey in progress.")
+        message = survey.problem or survey.verdict
+        return (
+            self.tr("The survey did not end properly.") if message is None else shown_text(message)
+        )
 
     def _on_open(self) -> None:
         if self.chosen is not None:

@@ -27,7 +27,7 @@ class FixedPlot(pyqtgraph.PlotWidget):
     """A plot with a title and two axes; the second one may point down.
 
     Attributes:
-        has_numbers: Whether the axes say where something lies.
+        has_numbers: Whether the axes have numbers.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""What the survey will be, before it starts."""
+"""Figures of the survey, before it starts."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class PreviewPanel(TranslatedWidget):
         self.show_preview(self._preview)
 
     def show_preview(self, preview: Optional[SurveyPreview]) -> None:
-        """Show what the survey will be; None while the parameters are wrong."""
+        """Show the figures; None while the parameters are wrong."""
         self._preview = preview
         texts = (UNKNOWN,) * len(self._figures) if preview is None else self._texts(preview)
         for label, text in zip(self._figures, texts):

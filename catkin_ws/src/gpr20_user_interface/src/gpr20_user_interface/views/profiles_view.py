@@ -16,12 +16,12 @@ from gpr20_user_interface.views.style import new_button
 
 
 class ProfilesView(Overlay):
-    """Shows the profiles and does with them what the operator wants."""
+    """Loads, saves and deletes profiles."""
 
     # Carries the SurveyParameters of a profile.
     loaded = pyqtSignal(object)
-    # Carries the reason why a profile cannot be used.
-    failed = pyqtSignal(str)
+    # Carries the reason, a Message, why a profile cannot be used.
+    failed = pyqtSignal(object)
 
     def __init__(self, window: QWidget, profiles: Profiles) -> None:
         super().__init__(window)
@@ -50,7 +50,7 @@ class ProfilesView(Overlay):
         """Open with the names of all profiles.
 
         Args:
-            parameters: What the fields hold and can be saved; None: nothing that can.
+            parameters: What can be saved: the values of the fields; None: they are wrong.
         """
         self._parameters = parameters
         self._try(self._list)
@@ -95,7 +95,7 @@ class ProfilesView(Overlay):
         taken = self._profiles.names()
         hint = self.tr(
             "a new name of at most {most} letters a to z, digits, blanks, - and _; "
-            "first a letter or digit, no blank last"
+            "begin with a letter or digit, no blank at the end"
         ).format(most=MAX_NAME_LENGTH)
 
         def judge(name: str) -> str:
@@ -115,4 +115,4 @@ class ProfilesView(Overlay):
         try:
             act()
         except ProfileError as error:
-            self.failed.emit(str(error))
+            self.failed.emit(error.message)

@@ -1,4 +1,4 @@
-"""How the operator wants to see the echoes; nothing here changes the data."""
+"""How the echoes are shown; nothing here changes the data."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Stepper(QWidget):
         return self._label.text()
 
     def set_texts(self, title: str, pattern: str) -> None:
-        """Say what the number is; the pattern holds {value}."""
+        """Set title and pattern of the number; the pattern contains {value}."""
         self._title, self._pattern = title, pattern
         self._show()
 
@@ -69,7 +69,7 @@ class Stepper(QWidget):
 
 
 class RadarControls(TranslatedWidget):
-    """A row of buttons, each of which says what is shown now.
+    """A row of buttons, each labelled with what is shown now.
 
     Attributes:
         settings: What is chosen.
@@ -102,7 +102,7 @@ class RadarControls(TranslatedWidget):
         self.retranslate()
 
     def set_rotations(self, rotations_deg: Tuple[float, ...]) -> None:
-        """Say which antenna rotations there are to choose from."""
+        """Set the antenna rotations to choose from."""
         if rotations_deg != self._rotations_deg:
             self._rotations_deg = rotations_deg
             number = min(self.settings.polarization, len(rotations_deg) - 1)
@@ -134,5 +134,5 @@ class RadarControls(TranslatedWidget):
         self.axis.setText(self.tr("Axis\ndepth") if settings.in_depth else self.tr("Axis\ntime"))
         self.scale.setText(self.tr("Scale\ndB") if settings.in_db else self.tr("Scale\nlinear"))
         removed = self.tr("Background\nremoved")
-        kept = self.tr("Background\nkept")
-        self.background.setText(removed if settings.remove_background else kept)
+        included = self.tr("Background\nincluded")
+        self.background.setText(removed if settings.remove_background else included)

@@ -62,7 +62,7 @@ class RadarView(TranslatedWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Draw again if something has changed and somebody can see it."""
+        """Draw again if something has changed and the tab is visible."""
         state = (self._model, self._model.revision, self.controls.settings)
         if not self.isVisible() or state == self._drawn:
             return
@@ -74,7 +74,7 @@ class RadarView(TranslatedWidget):
         self._draw()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
-        """Draw what came while nobody could see it."""
+        """Draw what came while the tab was hidden."""
         super().showEvent(event)
         self.refresh()
 
@@ -121,11 +121,11 @@ class RadarView(TranslatedWidget):
             text = self.tr("cannot be shown: {count}")
             parts.append(text.format(count=len(model.given_up)))
         if model.count and depths_m(model, settings.permittivity) is None:
-            parts.append(self.tr("no height was measured: depth is not known"))
+            parts.append(self.tr("no height was measured: the depth is unknown"))
         if settings.remove_background and model.background(settings.polarization) is None:
-            text = self.tr("background is kept until there are {count} traces")
+            text = self.tr("background is not removed from fewer than {count} traces")
             parts.append(text.format(count=MIN_BACKGROUND_TRACES))
-        parts.append(self.tr("Grey was not measured. No echo does not mean no mine."))
+        parts.append(self.tr("Grey: not measured. No echo does not mean no mine."))
         self.note.setText(" · ".join(parts))
 
     def _bound_slider(self) -> None:

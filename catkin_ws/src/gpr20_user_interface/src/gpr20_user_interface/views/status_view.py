@@ -1,11 +1,12 @@
-"""The STATUS tab: what the robot does, how far it is, where its antennas are."""
+"""The STATUS tab: state, progress, positions and health."""
 
 from __future__ import annotations
 
 import math
 from typing import Dict, Optional, Tuple
 
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
@@ -16,12 +17,11 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_user_interface.mid.displays import time_parts
+from gpr20_user_interface.mid.displays import remaining
 from gpr20_user_interface.mid.events import ControlState, Position, Progress
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.health_panel import HealthPanel
-from gpr20_user_interface.views.robot_text import robot_text, state_title
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 UNKNOWN = "—"
 # The progress bar counts in thousandths.
@@ -29,23 +29,44 @@ FULL = 1000
 HEIGHT_COLUMN = 4
 
 
+class TouchText(QPlainTextEdit):
+    """A text of any length that reports a touch."""
+
+    touched = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setReadOnly(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        # A finger scrolls and touches; it selects nothing.
+        self.setTextInteractionFlags(Qt.TextInteractionFlag.NoTextInteraction)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        """Qt: a finger or a mouse button leaves the text."""
+        super().mouseReleaseEvent(event)
+        if self.viewport().rect().contains(event.pos()):
+            self.touched.emit()
+
+
 class MessagePanel(TranslatedWidget):
     """A title for the state and the message below it, however long."""
+
+    # Carries the ControlState whose message was touched.
+    touched = pyqtSignal(object)
 
     def __init__(self) -> None:
         super().__init__()
         self._shown: Optional[ControlState] = None
         self._title = QLabel(UNKNOWN)
         self._title.setObjectName("title")
-        self._message = QPlainTextEdit()
-        self._message.setObjectName("status_message")
-        self._message.setReadOnly(True)
-        self._message.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.text = TouchText()
+        self.text.setObjectName("status_message")
+        self.text.touched.connect(self._on_touched)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(2)
         layout.addWidget(self._title)
-        layout.addWidget(self._message)
+        layout.addWidget(self.text)
 
     @property
     def title(self) -> str:
@@ -55,21 +76,26 @@ class MessagePanel(TranslatedWidget):
     @property
     def message(self) -> str:
         """The message that is shown."""
-        return self._message.toPlainText()
+        return self.text.toPlainText()
 
     def show_state(self, state: Optional[ControlState]) -> None:
-        """Show what main_control said last; nothing if it never spoke."""
-        # Written only when it changes, so that whoever reads keeps the place.
+        """Show the last status; None: there was none yet."""
+        # Written only when it changes, so that a reader does not lose the place.
         if state != self._shown:
             self._shown = state
             self.retranslate()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        message = "" if self._shown is None else robot_text(self._shown.message)
-        if message != self._message.toPlainText():
-            self._message.setPlainText(message)
-        self._title.setText(UNKNOWN if self._shown is None else state_title(self._shown.code))
+        message = "" if self._shown is None else shown_text(self._shown.message)
+        if message != self.text.toPlainText():
+            self.text.setPlainText(message)
+        title = None if self._shown is None else self._shown.code.label
+        self._title.setText(UNKNOWN if title is None else shown_text(title))
+
+    def _on_touched(self) -> None:
+        if self._shown is not None:
+            self.touched.emit(self._shown)
 
 
 class ProgressPanel(TranslatedWidget):
@@ -91,7 +117,7 @@ class ProgressPanel(TranslatedWidget):
 
     @property
     def thousandths(self) -> int:
-        """How full the bar is."""
+        """The position of the bar."""
         return self._bar.value()
 
     @property
@@ -114,11 +140,8 @@ class ProgressPanel(TranslatedWidget):
             return
         # Rounded down: only a complete survey is shown as 100 %.
         self._bar.setValue(math.floor(progress.completion_percent * FULL / 100.0))
-        self._bar.setFormat(
-            self.tr("{percent} %").format(
-                percent=f"{math.floor(progress.completion_percent * 10.0) / 10.0:.1f}"
-            )
-        )
+        percent = math.floor(progress.completion_percent * 10.0) / 10.0
+        self._bar.setFormat(f"{percent:.1f} %")
         self._text.setText(
             self.tr("{visited} of {total} traces, {remaining} to go").format(
                 visited=progress.visited_points,
@@ -126,15 +149,7 @@ class ProgressPanel(TranslatedWidget):
                 remaining=progress.total_points - progress.visited_points,
             )
         )
-        self._remaining.setText(self._remaining_text(progress))
-
-    def _remaining_text(self, progress: Progress) -> str:
-        days, hours, minutes, seconds = time_parts(progress.remaining_s)
-        if progress.visited_points == 0:
-            text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (by the plan)")
-        else:
-            text = self.tr("{d}d:{h}h:{m}m:{s}s remaining (measured)")
-        return text.format(d=days, h=hours, m=minutes, s=seconds)
+        self._remaining.setText(shown_text(remaining(progress)))
 
 
 class PositionPanel(TranslatedWidget):
@@ -172,7 +187,7 @@ class PositionPanel(TranslatedWidget):
         return self._cells[row, column].text()
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Show where the axes are and go, and the height, as far as they are known now."""
+        """Show position, target and height, as far as they are known now."""
         self._show("current", snapshot.current)
         self._show("target", snapshot.target)
         height_m = snapshot.height_m
@@ -194,7 +209,7 @@ class PositionPanel(TranslatedWidget):
 
 
 class StatusView(QWidget):
-    """What the robot does, how far it is, and how its parts are."""
+    """State, progress and positions on the left, health on the right."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -20,7 +20,7 @@ BORDER_PX = 2
 # Colours that are lines and marks, not text.
 BORDER = "#555555"
 PAPER = "#ffffff"
-# Those of map and radar differ in brightness too, for whoever sees no colours.
+# Those of map and radar differ in brightness too, for people who see no colours.
 STOP_COLOURS: Dict[StopState, str] = {
     StopState.MISSING: "#d9d9d9",
     StopState.PARTLY: "#8ab8e6",
@@ -35,7 +35,7 @@ SURFACE_LINE = "#a80000"
 
 
 class ColourPair(NamedTuple):
-    """Text and what it stands on."""
+    """Text and its background."""
 
     ink: str
     ground: str
@@ -80,9 +80,9 @@ QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QLabel#simulated {{ {css(TextColours.SIMULATED)} font-weight: bold; padding: 4px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-size: {SMALL_TEXT_PX}px; font-weight: bold;
     padding: 0 6px; }}
-QLabel[level="good"] {{ {css(TextColours.GOOD)} }}
-QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} }}
-QLabel[level="bad"] {{ {css(TextColours.BAD)} }}
+QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 3px; }}
+QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 3px; }}
+QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 3px; }}
 QLabel[level="wrong"] {{ {css(TextColours.WRONG)} }}
 
 QTabWidget::pane {{ border: none; border-top: {BORDER_PX}px solid {BORDER}; }}
@@ -107,6 +107,7 @@ QLineEdit {{ min-height: {TOUCH_PX - 2 * BORDER_PX}px; border: {BORDER_PX}px sol
 QLineEdit[wrong="true"] {{ {css(TextColours.WRONG)} border-color: {TextColours.WRONG.value.ink}; }}
 QLineEdit:disabled {{ {css(TextColours.LOCKED)} }}
 QPlainTextEdit, QTextEdit {{ border: none; min-height: {TOUCH_PX}px; }}
+QTextEdit#details {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
 QListWidget {{ border: {BORDER_PX}px solid {BORDER}; }}
 QListWidget::item {{ min-height: {TOUCH_PX}px; }}
 QListWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
@@ -130,7 +131,7 @@ QFrame#sheet {{ border: {BORDER_PX}px solid {BORDER}; }}
 def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
     """Return a button that does something when it is clicked."""
     button = QPushButton(text)
-    # Not the function itself, which would be told whether the button is checked.
+    # Not the function itself, which would get whether the button is checked.
     button.clicked.connect(lambda: act())
     return button
 

@@ -1,4 +1,4 @@
-"""The top of the window, seen from every tab: state, alarms, STOP."""
+"""The top of the window, visible from every tab: state, alarms, STOP."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from PyQt5.QtCore import QSize, Qt
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
 
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.views.robot_text import robot_text, state_title
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 HEIGHT_PX = 64
 ALARM_LINES = 1.7
@@ -20,7 +18,7 @@ UNKNOWN = "—"
 
 
 class TopBar(TranslatedWidget):
-    """Says what the robot does, and stops it."""
+    """Shows the state of the robot, and stops it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -57,18 +55,18 @@ class TopBar(TranslatedWidget):
         """Show what is known now."""
         self._snapshot = snapshot
         self.title.setText(self._title(snapshot))
-        self.message.show_text("" if snapshot.state is None else robot_text(snapshot.state.message))
+        self.message.show_text("" if snapshot.state is None else shown_text(snapshot.state.message))
         self.simulated.setVisible(snapshot.simulated)
         self.alarm.setVisible(snapshot.alarm is not None)
         self.message.setVisible(snapshot.alarm is None)
         if snapshot.alarm is not None:
-            self._show_alarm(self._alarm_text(snapshot.alarm))
+            self._show_alarm(shown_text(snapshot.alarm.message))
         self.stop.setEnabled(snapshot.can_stop)
 
     def _title(self, snapshot: Snapshot) -> str:
         if snapshot.state is None:
             return UNKNOWN
-        title = state_title(snapshot.state.code)
+        title = shown_text(snapshot.state.code.label)
         if not snapshot.running or snapshot.progress is None:
             return title
         # Rounded down: only a complete survey is shown as 100 %.
@@ -76,31 +74,11 @@ class TopBar(TranslatedWidget):
         return f"{title}  {percent:.1f} %"
 
     def _show_alarm(self, text: str) -> None:
-        # Two lines, less what a line break inside a word may waste; STATUS tells the whole.
+        # Two lines, less what a line break may waste; STATUS shows the whole text.
         room_px = int(ALARM_LINES * self.alarm.width())
         metrics = self.alarm.fontMetrics()
         self.alarm.setText(metrics.elidedText(text, Qt.TextElideMode.ElideRight, room_px))
         self.alarm.setToolTip(text)
-
-    def _alarm_text(self, alarm: Alarm) -> str:
-        texts = {
-            AlarmKind.MASTER_GONE: self.tr(
-                "The ROS master does not answer: the robot may still move. Waiting for it."
-            ),
-            AlarmKind.CONTROL_NEVER_HEARD: self.tr(
-                "main_control is not heard. It starts with: roslaunch gpr20 survey.launch"
-            ),
-            AlarmKind.CONTROL_SILENT: self.tr(
-                "main_control not heard for {seconds} s: the robot may still move. Waiting for it."
-            ).format(seconds=int(alarm.silent_s)),
-            AlarmKind.SURVEY_INTERRUPTED: self.tr(
-                "main_control was started anew: the survey is INTERRUPTED. SURVEYS resumes it."
-            ),
-            AlarmKind.ANALYZER_GONE: self.tr("The VNA is in trouble: {detail}").format(
-                detail=robot_text(alarm.detail)
-            ),
-        }
-        return texts[alarm.kind]
 
     def _lay_out(self) -> None:
         words = QVBoxLayout()
@@ -115,7 +93,7 @@ class TopBar(TranslatedWidget):
 
 
 class ElidedLabel(QLabel):
-    """One line that ends with … where there is no room; the whole stands in the tool tip."""
+    """One line that ends with … where there is no room; the tool tip shows the whole text."""
 
     def __init__(self) -> None:
         super().__init__()

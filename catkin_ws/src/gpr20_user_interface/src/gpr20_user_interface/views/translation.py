@@ -2,52 +2,27 @@
 
 from __future__ import annotations
 
-import enum
-from typing import Dict, Optional, Tuple
+from typing import Optional
 
 from PyQt5.QtCore import QCoreApplication, QEvent, QTranslator
 from PyQt5.QtWidgets import QWidget
 
-from gpr20_user_interface.errors import LanguageError
-from gpr20_user_interface.low.translation_file import FOLDER, read_translations
+from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.message import Message
 
 
-class Language(enum.Enum):
-    """A language, by its ISO 639-1 code."""
-
-    ENGLISH = "en"
-    SPANISH = "es"
-
-    @property
-    def own_name(self) -> str:
-        """What its speakers call it."""
-        return _OWN_NAMES[self]
-
-    @property
-    def next(self) -> Language:
-        """The language that follows in a round through all."""
-        every = list(Language)
-        return every[(every.index(self) + 1) % len(every)]
-
-
-_OWN_NAMES = {Language.ENGLISH: "English", Language.SPANISH: "Español"}
-
-
-def language_from_code(code: str) -> Language:
-    """Return the language with a code.
-
-    Raises:
-        LanguageError: The window does not speak it.
-    """
-    try:
-        return Language(code)
-    except ValueError:
-        allowed = ", ".join(f"{one.value} ({one.own_name})" for one in Language)
-        raise LanguageError(f"language is {code!r}; it must be one of {allowed}") from None
+def shown_text(message: Message) -> str:
+    """Return the sentence of a message in the language of the application."""
+    # The translator ignores the context.
+    return message.sentence(lambda template: QCoreApplication.translate("Message", template))
 
 
 class TranslatedWidget(QWidget):
-    """A widget that writes its texts anew when the language changes."""
+    """A widget that writes its texts again when the language changes.
+
+    Its own texts are `self.tr("...")`, those that come from elsewhere `shown_text(message)`.
+    """
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
@@ -61,7 +36,7 @@ class TranslatedWidget(QWidget):
 
 
 class Languages:
-    """Puts a language on the application.
+    """Sets the language of the application.
 
     Attributes:
         language: The language now.
@@ -71,10 +46,10 @@ class Languages:
         """Begin with a language.
 
         Raises:
-            LanguageError: Its translations cannot be read.
+            InvalidValueError: Its catalogue cannot be read.
         """
         self._application = application
-        self._translator: Optional[_Translator] = None
+        self._translator: Optional[QTranslator] = None
         self.language = Language.ENGLISH
         self.use(language)
 
@@ -82,14 +57,12 @@ class Languages:
         """Change the language of every widget.
 
         Raises:
-            LanguageError: Its translations cannot be read.
+            InvalidValueError: Its catalogue cannot be read.
         """
-        translator = _translator(language)
+        translator = _CatalogueTranslator(read_catalogue(language))
         self.language = language
-        if self._translator is not None:
-            self._application.removeTranslator(self._translator)
-        if translator is not None:
-            self._application.installTranslator(translator)
+        self.close()
+        self._application.installTranslator(translator)
         self._translator = translator
 
     def use_next(self) -> None:
@@ -97,30 +70,24 @@ class Languages:
         self.use(self.language.next)
 
     def close(self) -> None:
-        """Leave the application without a translator of this object."""
+        """Remove the translator of this object from the application."""
         if self._translator is not None:
             self._application.removeTranslator(self._translator)
             self._translator = None
 
 
-class _Translator(QTranslator):
-    def __init__(self, messages: Dict[Tuple[str, str], str]) -> None:
+class _CatalogueTranslator(QTranslator):
+    """Looks texts up in the catalogue of all sentences, whatever their context."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
         super().__init__()
-        self._messages = messages
+        self._catalogue = catalogue
 
     def isEmpty(self) -> bool:  # noqa: N802
-        return not self._messages
+        # Qt would not ask an empty translator.
+        return False
 
-    def translate(  # type: ignore[override]
+    def translate(
         self, context: str, source: str, disambiguation: Optional[str] = None, n: int = -1
-    ) -> Optional[str]:
-        # None, which Qt's own declaration does not know, makes it take the source; an empty
-        # text would be shown as such, and STOP be a button without a word.
-        return self._messages.get((context, source))
-
-
-def _translator(language: Language) -> Optional[_Translator]:
-    # The texts in the code are the English ones.
-    if language is Language.ENGLISH:
-        return None
-    return _Translator(read_translations(FOLDER / f"{language.value}.ts"))
+    ) -> str:
+        return self._catalogue.template(source)

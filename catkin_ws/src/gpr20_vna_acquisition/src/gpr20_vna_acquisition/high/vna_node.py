@@ -7,18 +7,20 @@ from typing import Callable, Optional
 import rospy
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.ros_time import ros_time
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, verbatim
 from gpr20_msgs import srv
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-# Gives the TCP port of the core channel at an address, or None to ask the portmapper there.
+# Returns the TCP port of the core channel at an address, or None to ask the portmapper there.
 PortLookup = Callable[[str], Optional[int]]
 
 
@@ -41,10 +43,12 @@ class VNANode:
     def _connect(self, request: srv.ConnectionRequest) -> srv.ConnectionResponse:
         if not request.connect:
             self._driver.disconnect_from_vna()
-            return srv.ConnectionResponse(success=True, message="disconnected")
+            return srv.ConnectionResponse(success=True, **message_fields(Message("disconnected")))
         identity = self._driver.connect_to_vna(request.address)
-        message = f"connected to {identity} at {request.address}"
-        return srv.ConnectionResponse(success=True, message=message, identity=identity)
+        message = Message(
+            "connected to {identity} at {address}", identity=identity, address=request.address
+        )
+        return srv.ConnectionResponse(success=True, identity=identity, **message_fields(message))
 
     def _set_up(self, request: srv.FreqSweepSetupRequest) -> srv.FreqSweepSetupResponse:
         accepted = self._driver.set_up(
@@ -52,10 +56,10 @@ class VNANode:
         )
         return srv.FreqSweepSetupResponse(
             success=True,
-            message="the instrument confirmed every setting",
             start_frequency_hz=accepted.start_frequency_hz,
             stop_frequency_hz=accepted.stop_frequency_hz,
             points=accepted.points,
+            **message_fields(Message("the VNA confirmed every setting")),
         )
 
     def _get_freq(self, _request: srv.GetFreqRequest) -> srv.GetFreqResponse:
@@ -79,7 +83,10 @@ class VNANode:
         status = self._driver.check_calibration_status()
         refusal = self._driver.calibration_refusal(status)
         return srv.GetCalibrationStatusResponse(
-            success=True, message=refusal or status.name, status=int(status), accepted=not refusal
+            success=True,
+            status=int(status),
+            accepted=not refusal,
+            **message_fields(refusal or verbatim(status.name)),
         )
 
     def _health(self) -> diagnostics.Health:
@@ -93,24 +100,25 @@ class VNANode:
             "sweeps": state.sweeps,
             "repeated attempts": state.repeats,
             "last sweep [s]": f"{state.last_sweep_s:.6f}",
-            "last remarks": "; ".join(state.last_quality),
-            "last error": state.last_error,
+            "last remarks": "; ".join(map(str, state.last_quality)),
+            "last error": state.last_error or "",
         }
         if trouble:
             return diagnostics.ERROR, trouble, values
         if not state.address:
-            return diagnostics.WARN, "not connected", values
+            return diagnostics.WARN, Message("not connected"), values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0], values
-        return diagnostics.OK, f"connected to {state.identity}", values
+        connected = Message("connected to {identity}", identity=state.identity)
+        return diagnostics.OK, connected, values
 
 
 def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: str) -> VNANode:
-    """Build the node from the bottom up.
+    """Build the node and everything below it.
 
     Args:
         parameters: Parameters of the driver.
-        port_of: Tells where the VXI-11 core channel of an address listens.
+        port_of: Returns the port of the VXI-11 core channel at an address.
         hardware_id: What the diagnostics call the hardware.
     """
     limits = LinkLimits(parameters.connect_timeout_s, parameters.answer_timeout_s)

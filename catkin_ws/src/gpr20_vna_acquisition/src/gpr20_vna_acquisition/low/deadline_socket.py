@@ -1,4 +1,4 @@
-"""A TCP connection that is bounded in time and in what it takes in."""
+"""A TCP connection with limits of time and size."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ CHUNK_BYTES = 65536
 class DeadlineSocket:
     """The calls of a socket that python-vxi11's RPC client uses, bounded and complete.
 
-    A time limit of a plain socket starts again with every byte, so that a peer that drips
-    keeps its caller for ever. Here it covers everything until it is set again. And `recv`
-    returns all the bytes it was asked for: the RPC client takes a record header that comes
-    in two segments for the end of the stream.
+    The time limit of a plain socket restarts with every byte, so a peer that sends single
+    bytes can block its caller for ever. Here it covers everything until it is set again. And
+    `recv` returns all the bytes that were requested: the RPC client takes a record header that
+    arrives in two segments for the end of the stream.
     """
 
     def __init__(self, address: str, port: int, timeout_s: float, limit_bytes: int) -> None:
@@ -23,7 +23,7 @@ class DeadlineSocket:
         Args:
             address: Four decimal numbers.
             port: TCP port.
-            timeout_s: Time limit [s] for connecting and all that follows until set again.
+            timeout_s: Time limit [s] for connecting and everything until it is set again.
             limit_bytes: Most that is received [bytes] before the time limit is set again.
 
         Raises:
@@ -32,17 +32,17 @@ class DeadlineSocket:
         self._limit_bytes = limit_bytes
         self.settimeout(timeout_s)
         self._socket = socket.create_connection((address, port), timeout=timeout_s)
-        # Requests are small and each waits for its answer: nothing is won by gathering them.
+        # Requests are small and each waits for its answer: collecting them gains nothing.
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def settimeout(self, timeout_s: float) -> None:
-        """Allow everything from now on `timeout_s` [s] in all, and the full size again."""
+        """Restart both limits: `timeout_s` [s] in total from now on, and the full size."""
         self._timeout_s = timeout_s
         self._deadline_s = time.monotonic() + timeout_s
         self._remaining_bytes = self._limit_bytes
 
     def sendall(self, data: bytes) -> None:
-        """Send all of it, or raise OSError."""
+        """Send all data, or raise OSError."""
         self._socket.settimeout(self._remaining_s())
         self._socket.sendall(data)
 
@@ -50,7 +50,7 @@ class DeadlineSocket:
         """Return exactly `count` bytes, or fewer if the stream ends before them.
 
         Raises:
-            OSError: The time is over, or the peer sends more than was allowed.
+            OSError: The time limit is exceeded, or the peer sends more than allowed.
         """
         if count > self._remaining_bytes:
             raise OSError(

@@ -1,18 +1,21 @@
-"""The VXI-11 link to an instrument: python-vxi11 0.9 with its faults fenced in.
+"""The VXI-11 link to an instrument: python-vxi11 0.9 with its faults contained.
 
 The library connects without a time limit, raises exceptions of five families, cannot close
 a dead link, and reuses a stream that is out of step. Here a link has time limits from the
-first byte, raises `VnaConnectionError` alone, and after any failure is dead for good.
+first byte, raises only `VnaConnectionError`, and cannot be used again after a failure.
 """
 
 from __future__ import annotations
 
+import socket
 import struct
 from dataclasses import dataclass
 from typing import Any, Callable, Optional, TypeVar
 
 from vxi11 import rpc, vxi11
 
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
 
@@ -20,15 +23,15 @@ Answer = TypeVar("Answer")
 
 PORTMAPPER_PORT = 111
 DEVICE_NAME = "inst0"
-# VXI-11 rule B.6.3: a server takes at least so much at once.
+# VXI-11 rule B.6.3: a server accepts at least this much at once.
 SMALLEST_RECEIVE_SIZE_BYTES = 1024
-# The server's own time limit must end first, so that its error arrives before ours.
+# The server's own time limit must end first, so that its error arrives before this one.
 SERVER_MARGIN_S = 1.0
 # A block of 4001 complex numbers in ASCII with 20 characters each is 168 kB.
 LONGEST_ANSWER_BYTES = 1 << 20
 CLOSE_TIMEOUT_S = 0.5
 
-# All that python-vxi11 was seen to raise on lost, hanging and babbling peers.
+# What python-vxi11 raises for peers that are lost, hang or send garbage.
 LIBRARY_ERRORS = (
     vxi11.Vxi11Exception,
     rpc.RPCError,
@@ -48,7 +51,7 @@ class LinkLimits:
 
 
 class _Portmapper(rpc.TCPPortMapperClient):
-    """Asks the instrument which TCP port its VXI-11 core channel has."""
+    """Asks the instrument for the TCP port of its VXI-11 core channel."""
 
     def __init__(self, address: str, port: int, timeout_s: float) -> None:
         self._asked_port = port
@@ -62,7 +65,7 @@ class _Portmapper(rpc.TCPPortMapperClient):
 
 
 class _CoreChannel(vxi11.CoreClient):
-    """The core channel on a known port, connected with a time limit."""
+    """The core channel at a known port, connected with a time limit."""
 
     def __init__(self, address: str, port: int, timeout_s: float) -> None:
         self._timeout_s = timeout_s
@@ -74,7 +77,7 @@ class _CoreChannel(vxi11.CoreClient):
 
 
 class _Instrument(vxi11.Instrument):
-    """The library's client without its destructor, which would talk to a dead link."""
+    """The library's client without its destructor, which would use a dead link."""
 
     def __del__(self) -> None:
         pass
@@ -103,11 +106,11 @@ class Vxi11Transport:
 
     def ask(self, query: str) -> str:
         """Send a query and return its answer as text without white space around it."""
-        # Latin-1 takes every byte; some answers hold characters beyond ASCII.
+        # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
         return self.ask_raw(query).decode("latin-1").strip()
 
     def clear(self) -> None:
-        """Empty the instrument's input and output, where it supports that."""
+        """Empty the instrument's input and output buffers, if it supports that."""
         self._call("clearing the instrument", _clear)
 
     def close(self) -> None:
@@ -118,16 +121,27 @@ class Vxi11Transport:
 
     def _call(self, what: str, function: Callable[[Any], Answer]) -> Answer:
         if self._instrument is None:
-            raise VnaConnectionError(f"{what} failed: the link to {self._address} is closed")
+            raise VnaConnectionError(
+                Message(
+                    "the connection to the VNA at {address} is closed",
+                    address=self._address,
+                    details=what,
+                )
+            )
         try:
             self._instrument.client.sock.settimeout(self._limits.answer_s + SERVER_MARGIN_S)
             return function(self._instrument)
         except LIBRARY_ERRORS as error:
-            # A late answer would be taken for that of the next question, so the link ends.
+            # A late answer would be taken for that of the next query, so the link ends.
             self.close()
             raise VnaConnectionError(
-                f"{what} at {self._address} failed: {_reason(error)}; "
-                "check the VNA and its network cable"
+                Message(
+                    "communication with the VNA at {address} failed: {reason}; check the VNA and "
+                    "its network cable",
+                    address=self._address,
+                    reason=_reason(error),
+                    details=what,
+                )
             ) from error
 
 
@@ -152,7 +166,7 @@ def connect(
     instrument.timeout = limits.connect_s
     try:
         port = core_port or _mapped_port(address, portmapper_port, limits.connect_s)
-        # An instrument that has a client does not make one of its own, which would block.
+        # With a client given, the library does not make its own, which would block.
         instrument.client = _CoreChannel(address, port, limits.connect_s)
         instrument.open()
         _check_receive_size(instrument.max_recv_size)
@@ -160,8 +174,12 @@ def connect(
     except LIBRARY_ERRORS as error:
         _end(instrument)
         raise VnaConnectionError(
-            f"no connection to the VNA at {address}: {_reason(error)}; "
-            "check the address, the cable and that it is on"
+            Message(
+                "no connection to the VNA at {address} ({reason}); check its address, its network "
+                "cable and that it is switched on",
+                address=address,
+                reason=_reason(error),
+            )
         ) from error
     return Vxi11Transport(address, instrument, limits)
 
@@ -175,14 +193,14 @@ def _mapped_port(address: str, portmapper_port: int, timeout_s: float) -> int:
     finally:
         portmapper.close()
     if not 0 < port < 65536:
-        raise rpc.RPCError("its portmapper knows no VXI-11 core channel")
+        raise rpc.RPCError("the portmapper knows no VXI-11 core channel")
     return port
 
 
 def _check_receive_size(size_bytes: int) -> None:
     if size_bytes < SMALLEST_RECEIVE_SIZE_BYTES:
         raise rpc.RPCError(
-            f"it takes {size_bytes} bytes at once; VXI-11 demands at least "
+            f"the instrument accepts {size_bytes} bytes at once; VXI-11 requires at least "
             f"{SMALLEST_RECEIVE_SIZE_BYTES}"
         )
 
@@ -206,7 +224,7 @@ def _end(instrument: Any) -> None:
             client.sock.settimeout(CLOSE_TIMEOUT_S)
             client.destroy_link(link)
     except LIBRARY_ERRORS:
-        # The link is given up because it failed or is not needed: there is nothing to tell.
+        # The link failed already or is no longer needed: there is nothing to report.
         pass
     finally:
         client.close()
@@ -217,7 +235,16 @@ def _encoded(message: str) -> bytes:
     return message.encode("ascii")
 
 
-def _reason(error: BaseException) -> str:
+def _reason(error: BaseException) -> Message:
     if isinstance(error, EOFError):
-        return "the connection was closed by the other side"
-    return str(error) or type(error).__name__
+        return Message("the connection was closed by the other side")
+    own_timeout = isinstance(error, vxi11.Vxi11Exception) and error.err == vxi11.ERR_IO_TIMEOUT
+    if own_timeout or isinstance(error, socket.timeout):
+        return Message("no answer in time", details=error)
+    if isinstance(error, OSError) and error.errno is not None:
+        return os_reason(error)
+    if isinstance(error, vxi11.Vxi11Exception):
+        return Message("the VNA reports an error", details=error)
+    return Message(
+        "it does not answer as a VXI-11 instrument", details=f"{type(error).__name__}: {error}"
+    )

@@ -1,9 +1,9 @@
-"""Strict reading of the instrument's numbers and data blocks.
+"""Strict parsing of the instrument's numbers and data blocks.
 
 Block: `#`, one digit A, A digits that give the number X of bytes, X bytes of numbers
-(MS20xxC programming manual, `:CALCulate:DATA?` and `:FORMat`). The instrument pads X with
-zeros as it likes and may end an ASCII block with a comma and any answer with a newline;
-whether X counts those is not documented, so both are taken. Nothing else is.
+(MS20xxC programming manual, `:CALCulate:DATA?` and `:FORMat`). The instrument may pad X with
+zeros, end an ASCII block with a comma, and end any answer with a newline; whether X counts
+those is not documented, so both are accepted. Nothing else is.
 """
 
 from __future__ import annotations
@@ -15,18 +15,19 @@ from typing import Collection, Tuple
 
 import numpy as np
 
+from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaDataError
 
 _HEADER_START = b"#"
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NEWLINES = (b"", b"\n", b"\r\n")
 _ASCII_ENDINGS = _NEWLINES + (b",", b",\n", b",\r\n")
-# IEEE 754 single precision, little-endian, whatever the machine that runs this.
+# IEEE 754 single precision, little-endian on every computer.
 _REAL32 = np.dtype("<f4")
 
 
 class TransferFormat(enum.Enum):
-    """How numbers travel; the value is what `:FORMat` takes and answers."""
+    """How numbers are transferred; the value is the argument and the answer of `:FORMat`."""
 
     REAL32 = "REAL,32"
     ASCII = "ASC"
@@ -42,7 +43,9 @@ def number(answer: str) -> float:
     # float() alone would take 'nan', '1_0' and digits of other scripts as well.
     value = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(value):
-        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a number is expected")
+        raise VnaDataError(
+            Message("an answer of the VNA is not a number", details=repr(answer[:40]))
+        )
     return value
 
 
@@ -54,7 +57,9 @@ def whole_number(answer: str) -> int:
     """
     value = number(answer)
     if value != int(value):
-        raise VnaDataError(f"the instrument answers {answer[:40]!r} where a whole number must be")
+        raise VnaDataError(
+            Message("an answer of the VNA is not a whole number", details=repr(answer[:40]))
+        )
     return int(value)
 
 
@@ -77,7 +82,11 @@ def parse_numbers(answer: bytes, transfer: TransferFormat, count: int) -> np.nda
     finite = np.isfinite(numbers)
     if not finite.all():
         raise VnaDataError(
-            f"{count - int(finite.sum())} of {count} numbers of the instrument are not finite"
+            Message(
+                "{bad} of {count} numbers from the VNA are not finite",
+                bad=count - int(finite.sum()),
+                count=count,
+            )
         )
     return numbers
 
@@ -85,8 +94,8 @@ def parse_numbers(answer: bytes, transfer: TransferFormat, count: int) -> np.nda
 def parse_frequencies(answer: bytes, count: int) -> np.ndarray:
     """Return the frequencies [Hz] of a block in either format.
 
-    The manual does not say whether `:FORMat` governs this answer. The length tells: text
-    of a frequency with its comma is longer than four bytes.
+    The manual does not define whether `:FORMat` applies to this answer. The length shows it:
+    a frequency as text with its comma is longer than four bytes.
 
     Raises:
         VnaDataError: The answer is anything but a complete block of so many finite numbers.
@@ -98,19 +107,23 @@ def parse_frequencies(answer: bytes, count: int) -> np.ndarray:
 
 def _split(answer: bytes) -> Tuple[bytes, bytes]:
     if answer[:1] != _HEADER_START:
-        raise VnaDataError(f"a data block must begin with '#', this one does with {answer[:16]!r}")
-    width = _digits(answer[1:2], "header")
+        raise _invalid_header(f"begins with {answer[:16]!r} instead of '#'")
+    width = _digits(answer[1:2], "width")
     if width == 0:
-        raise VnaDataError("the data block has no length in its header")
+        raise _invalid_header("has no length")
     length_text = answer[2 : 2 + width]
     if len(length_text) < width:
-        raise VnaDataError(f"the data block ends within its header {answer[:16]!r}")
+        raise _invalid_header(f"is cut off: {answer[:16]!r}")
     start = 2 + width
     length = _digits(length_text, "length")
     payload = answer[start : start + length]
     if len(payload) < length:
         raise VnaDataError(
-            f"the data block is cut: {len(payload)} of {length} announced bytes arrived"
+            Message(
+                "the VNA's data are incomplete: {received} of {announced} bytes arrived",
+                received=len(payload),
+                announced=length,
+            )
         )
     return payload, answer[start + length :]
 
@@ -118,16 +131,25 @@ def _split(answer: bytes) -> Tuple[bytes, bytes]:
 def _digits(text: bytes, what: str) -> int:
     # isdigit() of bytes is true for the ASCII digits alone.
     if not text.isdigit():
-        raise VnaDataError(f"the {what} of the data block is {text!r}, not a number")
+        raise _invalid_header(f"has the {what} {text!r}, not a number")
     return int(text)
+
+
+def _invalid_header(fault: str) -> VnaDataError:
+    return VnaDataError(
+        Message("the VNA's data have an invalid header", details=f"the header {fault}")
+    )
 
 
 def _real32(payload: bytes, rest: bytes, count: int) -> np.ndarray:
     _check_ending(rest, _NEWLINES)
     if len(payload) != count * _REAL32.itemsize:
         raise VnaDataError(
-            f"the data block holds {len(payload)} bytes; {count} numbers of four bytes "
-            f"are {count * _REAL32.itemsize}"
+            Message(
+                "the VNA sent {received} bytes of data instead of {expected}",
+                received=len(payload),
+                expected=count * _REAL32.itemsize,
+            )
         )
     return np.frombuffer(payload, dtype=_REAL32).astype(np.float64)
 
@@ -143,10 +165,22 @@ def _ascii(payload: bytes, rest: bytes, count: int) -> np.ndarray:
         text = text[:-1]
     words = text.decode("latin-1").split(",") if text else []
     if len(words) != count:
-        raise VnaDataError(f"the data block holds {len(words)} numbers; {count} were measured")
+        raise VnaDataError(
+            Message(
+                "the VNA sent {received} numbers instead of {expected}",
+                received=len(words),
+                expected=count,
+            )
+        )
     return np.array([number(word) for word in words], dtype=np.float64)
 
 
 def _check_ending(rest: bytes, allowed: Collection[bytes]) -> None:
     if rest not in allowed:
-        raise VnaDataError(f"{len(rest)} bytes follow the data block: {rest[:16]!r}")
+        raise VnaDataError(
+            Message(
+                "the VNA sent {extra} unexpected bytes after its data",
+                extra=len(rest),
+                details=repr(rest[:16]),
+            )
+        )

@@ -1,9 +1,10 @@
-"""What one connected MS2026C can be told and asked."""
+"""The commands and queries of one connected MS2026C."""
 
 from __future__ import annotations
 
 from typing import Callable, List, Protocol, Sequence, Tuple
 
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -22,17 +23,17 @@ from gpr20_vna_acquisition.mid.block_parser import (
     whole_number,
 )
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.settings import Setting
+from gpr20_vna_acquisition.mid.settings import Setting, unquoted
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SWEEP_COMPLETE_BIT = 256
 IDENTITY_FIELDS = 4
-# Options stand behind the model, "MS2026C/2"; this one transforms traces to the time domain.
+# Options follow the model, "MS2026C/2"; this one transforms traces to the time domain.
 TIME_DOMAIN_OPTION = "2"
-# A start above the former stop may be refused until the new stop is there: say all twice.
+# A start above the previous stop may be refused until the new stop is set: send all twice.
 SETTING_PASSES = 2
 SETTING_POLL_S = 0.05
-# Looking more often than this loads the instrument and wins nothing.
+# Polling more often than this loads the instrument and gains nothing.
 SHORTEST_POLL_S = 0.0005
 POLL_FRACTION = 0.1
 
@@ -57,7 +58,7 @@ class Transport(Protocol):
 
 
 class Ms2026c:
-    """The vocabulary of the instrument, spoken over one link.
+    """Controls the instrument over one link.
 
     It never sends `*RST`, which would reset the instrument's network settings.
     """
@@ -69,13 +70,13 @@ class Ms2026c:
         deadline: RequestDeadline,
         utc_now_us: Callable[[], int],
     ) -> None:
-        """Speak over a link.
+        """Use a link.
 
         Args:
             transport: The link.
             parameters: What is expected of the instrument.
-            deadline: Ends what takes too long.
-            utc_now_us: Tells the time of day [us since 1970, UTC].
+            deadline: Ends a request that takes too long.
+            utc_now_us: Returns the time of day [us since 1970, UTC].
         """
         self._transport = transport
         self._parameters = parameters
@@ -91,28 +92,33 @@ class Ms2026c:
         """Return the identification: maker, model/options, serial number, firmware.
 
         Raises:
-            VnaIdentityError: It is another instrument than the expected one.
+            VnaIdentityError: It is not the expected instrument.
         """
         if self._parameters.clear_on_connect:
             self._transport.clear()
-        identity = settings.unquoted(self._ask("*IDN?"))
+        identity = unquoted(self._ask("*IDN?"))
         fields = [field.strip() for field in identity.split(",")]
         expected = (self._parameters.maker, self._parameters.model)
         model, *options = fields[1].split("/") if len(fields) == IDENTITY_FIELDS else [""]
         if (fields[0], model) != expected:
             raise VnaIdentityError(
-                f"the VNA says it is {identity[:80]!r}; expected is {expected[0]} "
-                f"{expected[1]}; check the address, or the parameters maker and model"
+                Message(
+                    "the VNA identifies itself as {identity}; expected {maker} {model}; check its "
+                    "address, or the parameters maker and model",
+                    identity=repr(identity[:80]),
+                    maker=expected[0],
+                    model=expected[1],
+                )
             )
         self._has_time_domain = TIME_DOMAIN_OPTION in options
         return identity
 
     def set_frequency_sweep(self, sweep: SweepSettings) -> SweepSettings:
-        """Set the frequencies and return what the instrument says it will measure.
+        """Set the frequencies and return those that the instrument confirms.
 
         Raises:
-            VnaSettingError: The instrument did not take a setting.
-            VnaDataError: It took them, but measures other frequencies.
+            VnaSettingError: The instrument did not accept a setting.
+            VnaDataError: It accepted them, but measures other frequencies.
         """
         wanted = settings.frequency_settings(sweep)
         self._apply(wanted)
@@ -120,8 +126,11 @@ class Ms2026c:
         accepted = SweepSettings(number(start), number(stop), whole_number(points))
         if accepted.points != sweep.points:
             raise VnaSettingError(
-                f"the VNA's number of points changed to {accepted.points} by itself; check that "
-                "nobody operates it by hand"
+                Message(
+                    "the VNA's number of points changed to {points} by itself; check that nobody "
+                    "operates it by hand",
+                    points=accepted.points,
+                )
             )
         answer = self._ask_raw(":SENSE1:FREQ:DATA?")
         settings.check_frequencies(parse_frequencies(answer, accepted.points), accepted)
@@ -131,7 +140,7 @@ class Ms2026c:
         """Set up one trace of S21 over frequency, without averaging.
 
         Raises:
-            VnaSettingError: The instrument did not take a setting.
+            VnaSettingError: The instrument did not accept a setting.
         """
         transfer = self._parameters.transfer_format
         self._apply(settings.trace_settings(transfer, self._has_time_domain))
@@ -147,7 +156,9 @@ class Ms2026c:
             return CalibrationStatus(status)
         except ValueError as error:
             raise VnaDataError(
-                f"the instrument gives calibration status {status}; known are 0 to 4"
+                Message(
+                    "the VNA reports calibration status {status}; known are 0 to 4", status=status
+                )
             ) from error
 
     def sweep(self, sweep: SweepSettings) -> Sweep:
@@ -159,17 +170,17 @@ class Ms2026c:
         Raises:
             VnaSweepError: It did not end in time.
             VnaDataError: The data are incomplete or not finite.
-            VnaSettingError: A setting was changed by someone else.
+            VnaSettingError: A setting was changed by hand.
         """
-        # A sweep that runs now began before the request and must not be taken for ours.
+        # A sweep that is already running began before the request and must not be used.
         self._apply([settings.HOLD])
         started_us, started_s = self._utc_now_us(), self._deadline.now_s()
         self._write(":INIT:IMM")
         self._wait_for_end(sweep.points)
-        # By the steady clock: the time of day may be corrected meanwhile.
+        # By the monotonic clock: the time of day may be corrected meanwhile.
         duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
         answer = self._ask_raw(":CALC1:DATA? SDAT")
-        # Asked after the data are here, so that a change before or during their way is seen.
+        # Checked after the data arrived, so that a change before or during the transfer is seen.
         self._check_unchanged(sweep)
         numbers = parse_numbers(answer, self._parameters.transfer_format, 2 * sweep.points)
         return Sweep(
@@ -188,16 +199,20 @@ class Ms2026c:
             elapsed_s = self._deadline.now_s() - begun_s
             complete = self._sweep_is_complete()
             seen_running = seen_running or not complete
-            # INIT:IMM clears the bit, says the manual, but not how soon. A bit that was never
-            # seen cleared may still be that of the sweep before; it is believed only when
-            # the sweep must have ended anyway.
+            # INIT:IMM clears the bit, but the manual does not define how soon. A bit that was
+            # never seen cleared may be that of the previous sweep; it counts only when the
+            # sweep must have ended anyway.
             if complete and (seen_running or elapsed_s >= self._parameters.nominal_sweep_s(points)):
                 return
             limit_s = self._parameters.sweep_limit_s(points)
             if elapsed_s >= limit_s:
                 raise VnaSweepError(
-                    f"the sweep of {points} points did not end within {limit_s:.3g} s; "
-                    "check that the instrument is in VNA mode and not operated by hand"
+                    Message(
+                        "the sweep of {points} points did not end within {limit_s:.3g} s; check "
+                        "that the VNA is in VNA mode and not operated by hand",
+                        points=points,
+                        limit_s=limit_s,
+                    )
                 )
             longest_s = self._parameters.poll_interval_s
             self._deadline.pause_s(min(longest_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)))
@@ -210,9 +225,11 @@ class Ms2026c:
         changed = self._differing(settings.watched_settings(sweep, self._has_time_domain))
         if changed:
             raise VnaSettingError(
-                "the VNA was changed during the sweep: "
-                + _described(changed)
-                + "; nobody may operate it by hand during a survey"
+                Message(
+                    "the VNA's settings were changed during the sweep: {settings}; do not operate "
+                    "it by hand during a survey",
+                    settings=_described(changed),
+                )
             )
 
     def _apply(self, wanted: Sequence[Setting]) -> None:
@@ -224,15 +241,17 @@ class Ms2026c:
             if not refused:
                 return
         raise VnaSettingError(
-            "the VNA did not take a setting: "
-            + _described(refused)
-            + "; check that it is in VNA mode and not operated by hand"
+            Message(
+                "the VNA did not accept a setting: {settings}; check that it is in VNA mode and "
+                "not operated by hand",
+                settings=_described(refused),
+            )
         )
 
     def _unconfirmed(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
         deadline_s = self._deadline.now_s() + self._parameters.settle_s
         while True:
-            # All of them each time: setting one may move another.
+            # All of them each time: one setting may change another.
             refused = self._differing(wanted)
             if not refused or self._deadline.now_s() >= deadline_s:
                 return refused
@@ -255,8 +274,14 @@ class Ms2026c:
         return self._transport.ask_raw(query)
 
 
-def _described(differing: Sequence[Tuple[Setting, str]]) -> str:
-    return ", ".join(
-        f"{setting.name} shall be {setting.value} and is {answer[:40]!r}"
+def _described(differing: Sequence[Tuple[Setting, str]]) -> Message:
+    return in_a_row(
+        Message(
+            "{setting} is {found} instead of {expected}",
+            setting=setting.name,
+            found=repr(unquoted(answer)[:40]),
+            expected=setting.value,
+            details=f"{setting.query} answers {answer[:40]!r}",
+        )
         for setting, answer in differing
     )

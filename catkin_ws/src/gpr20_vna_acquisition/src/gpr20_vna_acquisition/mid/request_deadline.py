@@ -1,15 +1,16 @@
-"""How long a request may take, and the end of all requests."""
+"""The time limit of a request, and the end of all requests."""
 
 from __future__ import annotations
 
 import threading
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
 
 class RequestDeadline:
-    """Bounds a request as a whole: an instrument that is slow at every step is one that hangs."""
+    """Limits a request as a whole: an instrument that is slow at every step counts as hanging."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -32,21 +33,23 @@ class RequestDeadline:
         return self._clock.now_s() - self._begun_s
 
     def now_s(self) -> float:
-        """Return the time [s] since some fixed moment."""
+        """Return the time [s] since a fixed moment."""
         return self._clock.now_s()
 
     def check(self) -> None:
         """Do nothing, unless the request must end.
 
         Raises:
-            VnaClosedError: The driver is being shut down.
-            VnaTimeoutError: The request takes too long.
+            VnaClosedError: The driver is shutting down.
+            VnaTimeoutError: The request exceeded its time limit.
         """
         self.pause_s(0.0)
 
     def pause_s(self, duration_s: float) -> None:
         """Wait [s], unless the request must end; raise as `check` does."""
         if self._clock.wait_s(self._closed, duration_s):
-            raise VnaClosedError("the driver is being shut down")
+            raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._clock.now_s() > self._deadline_s:
-            raise VnaTimeoutError(f"it takes longer than {self._limit_s:g} s in all")
+            raise VnaTimeoutError(
+                Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
+            )

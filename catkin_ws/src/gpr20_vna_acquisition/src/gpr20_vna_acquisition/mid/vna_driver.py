@@ -1,4 +1,4 @@
-"""The network analyzer as the survey needs it: one fresh sweep, or a clear error."""
+"""The network analyzer for the survey: one fresh sweep, or a clear error."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any, Callable, Optional, Tuple
 import numpy as np
 
 from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -25,13 +26,14 @@ from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,
     calibration_refusal,
     refuse_impossible,
+    stored_remarks,
 )
 from gpr20_vna_acquisition.mid.vna_link import VnaLink, VnaState
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 
 class VNADriver:
-    """Connects, sets up and sweeps; repeats and reconnects within limits.
+    """Connects, sets up and sweeps; retries and reconnects within limits.
 
     All calls may come from any thread; the link carries one exchange at a time.
     """
@@ -48,10 +50,10 @@ class VNADriver:
 
         Args:
             connector: Opens a link to an address, or raises VnaConnectionError.
-            parameters: Which instrument is expected and how long it is waited for.
+            parameters: Which instrument is expected, and the time limits.
             clock: Measures waiting.
-            warn: Gets a sentence on every attempt that is repeated.
-            utc_now_us: Tells the time of day [us since 1970, UTC].
+            warn: Called with a sentence for every attempt that is repeated.
+            utc_now_us: Returns the time of day [us since 1970, UTC].
         """
         self._parameters = parameters
         self._link = VnaLink(connector, parameters, clock, warn, utc_now_us)
@@ -65,10 +67,10 @@ class VNADriver:
         return self._link.state
 
     @property
-    def trouble(self) -> str:
-        """What is wrong now; empty if nothing is."""
+    def trouble(self) -> Optional[Message]:
+        """What is wrong now; None if nothing is."""
         calibration = self.state.calibration
-        refusal = "" if calibration is None else self.calibration_refusal(calibration)
+        refusal = None if calibration is None else self.calibration_refusal(calibration)
         return self.state.trouble or refusal
 
     @property
@@ -78,19 +80,19 @@ class VNADriver:
 
     @property
     def vna_ip(self) -> str:
-        """The address that was asked for; empty if none was."""
+        """The requested address; empty without one."""
         return self.state.address
 
     def connect_to_vna(self, address: str) -> str:
         """Connect to the instrument at an address and return its identification.
 
-        A former connection is closed, and with it the set-up is forgotten.
+        A previous connection is closed, and its configuration is forgotten.
 
         Raises:
             InvalidValueError: The address is not four numbers.
             VnaError: Nothing, or another instrument, answers there.
         """
-        ipv4_address("VNA address", address)
+        ipv4_address(Message("the VNA address"), address)
         with self._lock:
             self._begin_request()
             return self._link.connect(address)
@@ -101,7 +103,7 @@ class VNADriver:
             self._link.forget()
 
     def shut_down(self) -> None:
-        """End whatever waits, refuse what comes, close the link."""
+        """End waiting requests, refuse new ones, close the link."""
         self._link.deadline.close()
         self.disconnect_from_vna()
 
@@ -111,7 +113,7 @@ class VNADriver:
         Also where the last `connect_to_vna` failed.
 
         Raises:
-            VnaError: It does not answer, or nobody wants a connection.
+            VnaError: It does not answer, or no connection was requested.
         """
         with self._lock:
             self._begin_request()
@@ -123,15 +125,15 @@ class VNADriver:
                 raise
             except VnaError as error:
                 self._link.drop()
-                self._link.note(link_error=str(error))
+                self._link.note(link_error=error.message)
                 raise
-            self._link.note(calibration=calibration, link_error="")
+            self._link.note(calibration=calibration, link_error=None)
 
     def check_idle_link(self) -> None:
-        """Test the connection to an instrument that nobody used for a while.
+        """Test the connection to an instrument that was not used for a while.
 
-        So the reports say soon that a cable was pulled, and that it is back. Never raises and
-        never waits for a running request.
+        So the diagnostics soon report that a cable was pulled, and that it is back. Never raises
+        and never waits for a running request.
         """
         if self._link.deadline.since_begin_s() < self._parameters.link_check_s:
             return
@@ -140,7 +142,7 @@ class VNADriver:
         try:
             self.test_connection()
         except VnaError:
-            pass  # the reports have it
+            pass  # the diagnostics report it
         finally:
             self._lock.release()
 
@@ -152,14 +154,14 @@ class VNADriver:
         """
         with self._lock:
             self._begin_request()
-            status, _failures = self._link.repeated(
-                "reading the VNA's calibration", Ms2026c.calibration_status
+            status, _failures = self._link.with_retries(
+                Message("reading the VNA's calibration"), Ms2026c.calibration_status
             )
             self._link.note(calibration=status)
             return status
 
-    def calibration_refusal(self, status: CalibrationStatus) -> str:
-        """Say why no sweep is given with this calibration; empty if one is."""
+    def calibration_refusal(self, status: CalibrationStatus) -> Optional[Message]:
+        """Return why no sweep is made with this calibration; None if one is."""
         return calibration_refusal(status, self._parameters)
 
     def set_up(self, settings: SweepSettings) -> SweepSettings:
@@ -176,7 +178,7 @@ class VNADriver:
 
         Raises:
             InvalidValueError: A value is not allowed.
-            VnaError: The instrument did not take one.
+            VnaError: The instrument did not accept one.
         """
         self._parameters.check_sweep(settings)
         with self._lock:
@@ -187,7 +189,7 @@ class VNADriver:
         """Select what a trace is: S21 over frequency, not averaged, in the transfer format.
 
         Raises:
-            VnaError: The instrument did not take a setting.
+            VnaError: The instrument did not accept a setting.
         """
         with self._lock:
             self._begin_request()
@@ -197,7 +199,7 @@ class VNADriver:
         """Return the frequencies of the sweep that is set up [Hz, float64].
 
         Raises:
-            VnaNotReadyError: None is.
+            VnaNotReadyError: No sweep is set up.
         """
         return self._set_up_sweep().frequencies_hz()
 
@@ -205,30 +207,30 @@ class VNADriver:
         """Return one sweep that was triggered after this call.
 
         Raises:
-            VnaCalibrationError: It was made with a calibration that is not accepted.
-            VnaError: None of the attempts gave complete, finite, new data.
+            VnaCalibrationError: The calibration of the sweep is not accepted.
+            VnaError: No attempt gave complete, finite, new data.
         """
         with self._lock:
             points = self._set_up_sweep().points
             self._begin_request(points)
-            (sweep, calibration), failures = self._link.repeated(
-                "the VNA's sweep", self._fresh_sweep
+            (sweep, calibration), failures = self._link.with_retries(
+                Message("the VNA's sweep"), self._fresh_sweep
             )
             self._previous = sweep
             self._check_calibration(calibration)
-            quality = self._quality.remarks(sweep, calibration, failures)
+            remarks = self._quality.remarks(sweep, calibration, failures)
             self._link.note(
                 sweeps=self.state.sweeps + 1,
                 last_sweep_s=sweep.duration_s,
-                last_quality=quality,
+                last_quality=remarks,
             )
-            return replace(sweep, quality=quality)
+            return replace(sweep, quality=stored_remarks(remarks))
 
     def _begin_request(self, points: int = 0) -> None:
         self._link.deadline.begin(self._parameters.request_limit_s(points))
 
     def _set_frequencies(self, settings: SweepSettings) -> SweepSettings:
-        # If this fails, nobody knows what the instrument would measure.
+        # If this fails, it is unknown what the instrument would measure.
         self._link.note(sweep=None)
         # Another sweep has another usual duration.
         self._quality = TraceQuality(self._parameters)
@@ -245,16 +247,18 @@ class VNADriver:
 
     def _fresh_sweep(self, instrument: Ms2026c) -> Tuple[Sweep, CalibrationStatus]:
         sweep = instrument.sweep(self._set_up_sweep())
-        # Noise makes every sweep differ; the same bits again are an old buffer.
+        # Noise makes every sweep differ; identical bits come from an old buffer.
         if self._previous is not None and sweep.same_data(self._previous):
-            raise VnaDataError("the instrument gave the very same data as for the sweep before")
+            raise VnaDataError(
+                Message("the VNA gave exactly the same data as in the previous sweep")
+            )
         refuse_impossible(sweep)
         return sweep, instrument.calibration_status()
 
     def _check_calibration(self, calibration: CalibrationStatus) -> None:
         self._link.note(calibration=calibration)
         refusal = self.calibration_refusal(calibration)
-        # The link is kept: making a new one would set up the sweep while somebody calibrates.
+        # The link stays open: a new one would set up the sweep while somebody calibrates.
         if refusal:
             raise VnaCalibrationError(refusal)
 
@@ -263,12 +267,15 @@ class VNADriver:
         state = self.state
         if state.sweep is None or not state.trace_is_set:
             raise VnaNotReadyError(
-                "no sweep is configured; call the service freq_sweep_setup first"
+                Message(
+                    "the VNA's sweep is not configured; configure it first",
+                    details="service freq_sweep_setup",
+                )
             )
         return state.sweep
 
     def _set(self, action: Callable[[Ms2026c], Any]) -> Any:
-        result, _failures = self._link.repeated(
-            "setting up the VNA", action, final=(VnaSettingError,)
+        result, _failures = self._link.with_retries(
+            Message("setting up the VNA"), action, final=(VnaSettingError,)
         )
         return result

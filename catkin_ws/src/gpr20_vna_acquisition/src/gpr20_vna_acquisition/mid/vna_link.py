@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Callable, List, Optional, Tuple, Type, TypeVar
+from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
@@ -27,20 +28,20 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class VnaState:
-    """What the driver knows, for reports.
+    """What the driver knows, for the diagnostics.
 
     Attributes:
-        address: Where it is to be connected; empty if nowhere.
-        identity: What answered there; empty if nothing did yet, which is tried again.
+        address: The requested address; empty without one.
+        identity: Identification of the instrument there; empty until it answers.
         linked: Whether a link is open now. After a failure there is none until the next use.
         sweep: The frequencies, as the instrument confirmed them; None if they are not set.
         trace_is_set: Whether the instrument is set up to give a trace of S21.
-        sweeps: How many good sweeps were taken.
+        sweeps: How many good sweeps were made.
         repeats: How many attempts of any kind had to be repeated.
         last_sweep_s: How long the last sweep took [s].
         last_quality: Remarks on the last sweep.
-        last_error: Why the last attempt failed; empty if it did not.
-        link_error: Why the last test of the connection failed; empty if it did not.
+        last_error: Why the last attempt failed; None if it did not.
+        link_error: Why the last test of the connection failed; None if it did not.
         calibration: State of the calibration when it was last read; None before.
     """
 
@@ -52,19 +53,19 @@ class VnaState:
     sweeps: int = 0
     repeats: int = 0
     last_sweep_s: float = 0.0
-    last_quality: Tuple[str, ...] = ()
-    last_error: str = ""
-    link_error: str = ""
+    last_quality: Tuple[Message, ...] = ()
+    last_error: Optional[Message] = None
+    link_error: Optional[Message] = None
     calibration: Optional[CalibrationStatus] = None
 
     @property
-    def trouble(self) -> str:
-        """What is wrong now; empty if nothing is."""
+    def trouble(self) -> Optional[Message]:
+        """What is wrong now; None if nothing is."""
         return self.link_error or self.last_error
 
 
 class VnaLink:
-    """The link to one instrument; after each failure a new one, set up like the former."""
+    """The link to one instrument; replaced after each failure, with the same configuration."""
 
     def __init__(
         self,
@@ -85,11 +86,11 @@ class VnaLink:
 
     @property
     def state(self) -> VnaState:
-        """What is known now."""
+        """The present state."""
         return self._state
 
     def note(self, **changes: Any) -> None:
-        """Change what is known."""
+        """Change the state."""
         self._state = replace(self._state, **changes)
 
     def connect(self, address: str) -> str:
@@ -99,18 +100,18 @@ class VnaLink:
             VnaError: Nothing, or another instrument, answers there.
         """
         self.drop()
-        # The reports keep what was wrong until it is known better.
+        # The diagnostics report the old fault until the result is known.
         self._state = VnaState(address, last_error=self._state.trouble)
         try:
             self._instrument, identity = self._open(address)
         except VnaError as error:
-            self.note(last_error=str(error))
+            self.note(last_error=error.message)
             raise
         self._state = VnaState(address, identity, linked=True)
         return identity
 
     def forget(self) -> None:
-        """End the link and forget all that is known."""
+        """End the link and reset the state."""
         self.drop()
         self._state = VnaState()
 
@@ -122,19 +123,21 @@ class VnaLink:
             instrument.close()
 
     def check_connected(self) -> None:
-        """Do nothing if an instrument was connected, be there a link now or not.
+        """Do nothing if an instrument was connected, whether the link is open now or not.
 
         Raises:
-            VnaNotReadyError: None was.
+            VnaNotReadyError: No instrument was connected.
         """
         if not self._state.identity:
-            raise VnaNotReadyError("the VNA is not connected; call the service connection first")
+            raise VnaNotReadyError(
+                Message("the VNA is not connected; connect it first", details="service connection")
+            )
 
     def instrument(self) -> Ms2026c:
         """Return the instrument at the end of the link; make a link if there is none.
 
         Raises:
-            VnaError: There can be none.
+            VnaError: No link can be made.
         """
         if self._instrument is None:
             self.check_connected()
@@ -142,62 +145,55 @@ class VnaLink:
             self.note(linked=True)
         return self._instrument
 
-    def repeated(
+    def with_retries(
         self,
-        what: str,
+        what: Message,
         action: Callable[[Ms2026c], Result],
         final: Tuple[Type[VnaError], ...] = (),
     ) -> Tuple[Result, List[VnaError]]:
-        """Do something with the instrument, again after a failure, each time on a new link.
+        """Do something with the instrument; retry after a failure, each time on a new link.
 
-        A failed exchange leaves it open which answers are still on their way; on a new link
-        with emptied buffers there are none. All attempts share the time limit of the request, which
-        the caller has begun.
+        After a failed exchange, answers may still be on their way; a new link with empty buffers
+        has none. All attempts share the time limit of the request, which the caller has begun.
 
         Args:
-            what: What is done, for people.
-            action: What is done.
-            final: Failures after which it is not repeated.
+            what: What is done.
+            action: Does it.
+            final: Failures after which it is not retried.
 
         Returns:
             The result, and why the attempts before it failed.
 
         Raises:
-            VnaError: It was given up.
+            VnaError: All attempts failed, or the time limit is exceeded.
         """
         failures: List[VnaError] = []
         while len(failures) < self._parameters.attempts:
             try:
                 if failures:
-                    self._pause_before_repeating(what, failures[-1])
+                    self._pause_before_retry(what, failures[-1])
                 result = action(self.instrument())
             except (VnaClosedError, VnaNotReadyError):
                 raise
             except VnaTimeoutError as error:
-                text = f"{what} was given up: {error}"
-                if failures:
-                    text += f"; it failed before with: {failures[-1]}"
-                raise self._failed(VnaTimeoutError(text)) from error
+                raise self._failed(VnaTimeoutError(_given_up(what, error, failures))) from error
             except VnaError as error:
                 failures.append(self._failed(error))
                 if isinstance(error, final):
                     raise
             else:
-                self.note(last_error="", link_error="")
+                self.note(last_error=None, link_error=None)
                 return result, failures
-        text = f"{what} failed {len(failures)} times: {failures[-1]}"
-        if isinstance(failures[-1], VnaDataError):
-            text += "; look at the VNA's display, and switch it off and on if this goes on"
-        raise VnaSweepError(text)
+        raise VnaSweepError(_failed_every_time(what, failures))
 
     def _failed(self, error: VnaError) -> VnaError:
         self.drop()
-        self.note(last_error=str(error))
+        self.note(last_error=error.message)
         return error
 
-    def _pause_before_repeating(self, what: str, failure: VnaError) -> None:
+    def _pause_before_retry(self, what: Message, failure: VnaError) -> None:
         self.note(repeats=self._state.repeats + 1)
-        self._warn(f"{what} failed and is repeated: {failure}")
+        self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
     def _reopened(self) -> Ms2026c:
@@ -206,11 +202,19 @@ class VnaLink:
         try:
             if identity != state.identity:
                 raise VnaIdentityError(
-                    f"the VNA at {state.address} is now '{identity}' and was "
-                    f"'{state.identity}'; call the service connection again"
+                    Message(
+                        "the VNA at {address} is now '{identity}' and was '{former}'; connect to "
+                        "it again",
+                        address=state.address,
+                        identity=identity,
+                        former=state.identity,
+                        details="service connection",
+                    )
                 )
             if state.sweep and instrument.set_frequency_sweep(state.sweep) != state.sweep:
-                raise VnaSettingError("the instrument does not repeat the former sweep exactly")
+                raise VnaSettingError(
+                    Message("the VNA did not accept exactly the same sweep as before")
+                )
             if state.trace_is_set:
                 instrument.set_trace()
         except VnaError:
@@ -227,3 +231,32 @@ class VnaLink:
         except VnaError:
             instrument.close()
             raise
+
+
+def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> Message:
+    if not failures:
+        return Message("{what} was given up: {reason}", what=what, reason=error.message)
+    return Message(
+        "{what} was given up: {reason}; the last attempt failed: {failure}",
+        what=what,
+        reason=error.message,
+        failure=failures[-1].message,
+    )
+
+
+def _failed_every_time(what: Message, failures: Sequence[VnaError]) -> Message:
+    last, attempts = failures[-1], len(failures)
+    if not isinstance(last, VnaDataError):
+        return Message(
+            "{what} failed {attempts} times: {reason}",
+            what=what,
+            attempts=attempts,
+            reason=last.message,
+        )
+    return Message(
+        "{what} failed {attempts} times: {reason}; look at the VNA's display; power-cycle it if "
+        "this persists",
+        what=what,
+        attempts=attempts,
+        reason=last.message,
+    )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_common.mid.records import bounded
 from gpr20_survey.plan.survey_parameters import (
@@ -20,7 +21,7 @@ from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
-# What a time limit or a period may be [s]: a socket refuses far longer ones.
+# Range of time limits and periods [s]: a socket refuses far longer ones.
 TIMES_S = (1.0e-4, 3600.0)
 FREQUENCIES_HZ = (1.0, 1.0e12)
 LEVELS_DB = (-300.0, 100.0)
@@ -28,7 +29,7 @@ LEVELS_DB = (-300.0, 100.0)
 
 @dataclass(frozen=True)
 class VnaParameters:
-    """Which instrument is expected, how long it is waited for, and what its traces are like.
+    """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
         maker: First field of the identification.
@@ -37,31 +38,31 @@ class VnaParameters:
         connect_timeout_s: Time limit for each step of connecting [s].
         answer_timeout_s: Time limit for one command or answer [s].
         clear_on_connect: Empty the instrument's buffers on each new link, because they may
-            hold the late answer to a question of the former one.
-        settle_s: How long a setting may take until it can be read back [s]; the manual of
-            the MS20xxC says up to 2 s.
-        poll_interval_s: Longest pause between two looks at a sweep [s].
+            contain the late answer to a query of the previous one.
+        settle_s: How long a setting may take until it can be read back [s]; up to 2 s
+            according to the manual of the MS20xxC.
+        poll_interval_s: Longest pause between two polls of a sweep [s].
         seconds_per_point: Nominal duration of a sweep per point [s]; 350 us is what the
             robot's group states for its unit.
         sweep_timeout_s: Time limit of a sweep beyond ten times its nominal duration [s].
-        request_timeout_s: Time limit of a whole request with its repetitions, beyond ten
+        request_timeout_s: Time limit of a whole request with its retries, beyond ten
             times the nominal duration of a sweep [s].
-        attempts: How often something is tried before it is given up; nobody else repeats it.
-        retry_pause_s: Pause before trying again [s].
+        attempts: Number of attempts before an action fails; no caller retries it.
+        retry_pause_s: Pause before each retry [s].
         link_check_s: How long the instrument may be unused until its link is checked [s].
-        transfer_format: How the numbers travel.
+        transfer_format: How the numbers are transferred.
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
         accepted_calibrations: Calibration statuses, on the instrument's scale, with which
-            sweeps are given: 0 none, 1 high, 2 and 3 moderate, 4 low.
-        min_level_db: Least median magnitude of S21 without a remark [dB]. No maker's figure:
-            well below what two antennas over the ground give, well above a receiver with
-            nothing connected; measure both with the robot's own and choose a value between.
-        max_level_db: Largest magnitude of S21 without a remark [dB]; two antennas and cables
-            give back less than they get, so that more than 0 dB is no transmission of theirs.
+            sweeps are made: 0 none, 1 high, 2 and 3 moderate, 4 low.
+        min_level_db: Least median magnitude of S21 without a remark [dB]. Not the maker's
+            figure: well below the level of two antennas over the ground, well above that of a
+            receiver with nothing connected; measure both on the robot and choose a value between.
+        max_level_db: Largest magnitude of S21 without a remark [dB]; antennas and cables are
+            passive, so they cannot transmit more than 0 dB.
         same_points: Fewest equal points in a row with a remark.
-        duration_tolerance_s: How much later [s] than twice the usual a sweep may end without
-            a remark; covers a busy computer and network.
+        duration_tolerance_s: How much longer [s] than twice the usual duration a sweep may
+            take without a remark; allows for a busy computer and network.
     """
 
     maker: str = "Anritsu"
@@ -95,8 +96,13 @@ class VnaParameters:
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(
-                    f"{name} is empty; it must be what the instrument answers to *IDN?, "
-                    f"such as {getattr(VnaParameters, name)}"
+                    Message(
+                        "{name} is empty; it must be as in the VNA's identification, such as "
+                        "{example}",
+                        name=name,
+                        example=getattr(VnaParameters, name),
+                        details="the answer to *IDN?",
+                    )
                 )
         for lower, upper, unit in (
             ("min_frequency_hz", "max_frequency_hz", "Hz"),
@@ -104,8 +110,15 @@ class VnaParameters:
         ):
             if not getattr(self, lower) < getattr(self, upper):
                 raise InvalidValueError(
-                    f"{lower} is {getattr(self, lower):.12g} {unit}; it must be below {upper}, "
-                    f"which is {getattr(self, upper):.12g} {unit}"
+                    Message(
+                        "{name} is {value:.12g} {unit}; it must be below {upper_name}, which is "
+                        "{upper:.12g} {unit}",
+                        name=lower,
+                        value=getattr(self, lower),
+                        upper_name=upper,
+                        upper=getattr(self, upper),
+                        unit=unit,
+                    )
                 )
 
     def check_sweep(self, settings: SweepSettings) -> None:
@@ -115,18 +128,26 @@ class VnaParameters:
             InvalidValueError: A value is outside its range, or start is not below stop.
         """
         start_hz, stop_hz = settings.start_frequency_hz, settings.stop_frequency_hz
-        for name, value_hz in (("start frequency", start_hz), ("stop frequency", stop_hz)):
+        start, stop = Message("the start frequency"), Message("the stop frequency")
+        for name, value_hz in ((start, start_hz), (stop, stop_hz)):
             number_between(name, value_hz, self.min_frequency_hz, self.max_frequency_hz, "Hz")
         number_between(
-            "number of frequency points",
+            Message("the number of frequency points"),
             settings.points,
             MIN_FREQUENCY_POINTS,
             MAX_FREQUENCY_POINTS,
         )
         if not start_hz < stop_hz:
             raise InvalidValueError(
-                f"start frequency is {start_hz:.12g} Hz; it must be below the stop frequency, "
-                f"which is {stop_hz:.12g} Hz"
+                Message(
+                    "{name} is {value:.12g} {unit}; it must be below {upper_name}, which is "
+                    "{upper:.12g} {unit}",
+                    name=start,
+                    value=start_hz,
+                    upper_name=stop,
+                    upper=stop_hz,
+                    unit="Hz",
+                )
             )
 
     def nominal_sweep_s(self, points: int) -> float:
@@ -138,5 +159,5 @@ class VnaParameters:
         return self.sweep_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)
 
     def request_limit_s(self, points: int = 0) -> float:
-        """Return how long a request may take [s] that sweeps so many points."""
+        """Return how long a request with a sweep of this many points may take [s]."""
         return self.request_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)

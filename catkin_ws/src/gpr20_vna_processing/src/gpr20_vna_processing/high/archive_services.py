@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from typing import Any, List
 
 import rospy
 
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.raw_message import deserialized
 from gpr20_common.high.services import advertise
+from gpr20_common.message import Message
 from gpr20_msgs.msg import SurveySummary, Trace
 from gpr20_msgs.srv import (
     ListSurveys,
@@ -20,6 +21,7 @@ from gpr20_msgs.srv import (
     ReadTracesResponse,
 )
 from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.mid import survey_archive
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 
@@ -36,14 +38,18 @@ class ArchiveServices:
 
     def _list(self, request: Any) -> ListSurveysResponse:
         surveys, more = self._archive.list(request.before, request.max_surveys)
-        messages = [SurveySummary(**dataclasses.asdict(one)) for one in surveys]
-        return ListSurveysResponse(True, f"{len(messages)} surveys", messages, more)
+        return ListSurveysResponse(
+            success=True,
+            **message_fields(Message("{count} surveys", count=len(surveys))),
+            surveys=[_summary_message(one) for one in surveys],
+            more=more,
+        )
 
     def _survey(self, request: Any) -> ReadSurveyResponse:
         survey = self._archive.survey(request.survey)
         return ReadSurveyResponse(
             success=True,
-            message=f"{len(survey.stored_indices)} traces are stored",
+            **message_fields(Message("{count} traces stored", count=len(survey.stored_indices))),
             survey_id=survey.survey_id,
             metadata_json=json.dumps(survey.description),
             stored_indices=survey.stored_indices,
@@ -51,12 +57,36 @@ class ArchiveServices:
 
     def _traces(self, request: Any) -> ReadTracesResponse:
         page = self._archive.traces(request.survey, request.first_index, request.max_traces)
+        message = Message(
+            "{count} traces, {unreadable} files cannot be read",
+            count=len(page.traces),
+            unreadable=len(page.unreadable),
+        )
         return ReadTracesResponse(
             success=True,
-            message=f"{len(page.traces)} traces, {len(page.unreadable)} files cannot be read",
+            **message_fields(message),
             survey_id=page.survey_id,
             traces=[deserialized(Trace, trace_message.encode(trace)) for trace in page.traces],
             unreadable=[f"{index}: {reason}" for index, reason in page.unreadable],
+            unreadable_json=[reason.to_json() for _index, reason in page.unreadable],
             next_index=page.next_index,
             more=page.more,
         )
+
+
+def _summary_message(summary: survey_archive.SurveySummary) -> SurveySummary:
+    problem = summary.problem
+    return SurveySummary(
+        folder=summary.folder,
+        survey_id=summary.survey_id,
+        started=summary.started,
+        outcome=summary.outcome,
+        stored_traces=summary.stored_traces,
+        planned_traces=summary.planned_traces,
+        verdict=summary.verdict,
+        verdict_json=summary.verdict_json,
+        complete=summary.complete,
+        simulated=summary.simulated,
+        problem="" if problem is None else str(problem),
+        problem_json="" if problem is None else problem.to_json(),
+    )

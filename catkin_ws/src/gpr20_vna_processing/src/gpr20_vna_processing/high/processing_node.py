@@ -14,13 +14,16 @@ from std_msgs.msg import String
 
 import gpr20_vna_processing
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.raw_message import deserialized, preserialized, serialized
 from gpr20_common.high.ros_time import microseconds
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.os_reason import os_reason
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -34,7 +37,7 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_survey.errors import ProcessingError
+from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
@@ -63,14 +66,14 @@ DEFAULT_TOPICS = (
     "survey_parameters",
     "/diagnostics",
 )
-MAX_REPAIRS_TOLD = 10
+MAX_REPAIRS_SHOWN = 10
 # Connections to nodes that were just started are made within this time [s].
 CONNECTION_LIMIT_S = 2.0
 
 
 @dataclass(frozen=True)
 class ProcessingParameters:
-    """Parameters of the node; README.md says what they mean."""
+    """Parameters of the node; README.md explains them."""
 
     data: str = ""
     disk_reserve_mb: float = 500.0
@@ -89,7 +92,7 @@ class ProcessingParameters:
 
     def data_folder(self) -> Path:
         """Return where surveys are stored."""
-        # The output of a command, as roslaunch takes it for a parameter, ends its line.
+        # The output of a command, which roslaunch accepts for a parameter, ends with a line feed.
         data = self.data.strip() or os.environ.get("GPR20_DATA", "") or "~/gpr20_data"
         return Path(data).expanduser().absolute()
 
@@ -160,9 +163,13 @@ class ProcessingNode:
             request.metadata_json,
             request.needed_bytes,
         )
-        message = f"survey {request.survey_id} is open in {folder}"
+        message = Message(
+            "survey {survey} is open in {folder}",
+            survey=request.survey_id,
+            folder=printable(folder),
+        )
         return OpenSurveyResponse(
-            success=True, message=message, path=str(folder), interrupted=interrupted
+            success=True, **message_fields(message), path=str(folder), interrupted=interrupted
         )
 
     def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
@@ -173,10 +180,14 @@ class ProcessingNode:
         last = Trace()
         if reopened.last:
             last = deserialized(Trace, trace_message.encode(reopened.last))
-        message = f"survey {reopened.survey_id} goes on with {stored} traces stored"
+        message = Message(
+            "survey {survey} is open again with {stored} traces stored",
+            survey=reopened.survey_id,
+            stored=stored,
+        )
         return ReopenSurveyResponse(
             success=True,
-            message="; ".join([message, *reopened.repairs[:MAX_REPAIRS_TOLD]]),
+            **message_fields(in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]])),
             path=str(reopened.folder),
             survey_id=reopened.survey_id,
             metadata_json=reopened.metadata_json,
@@ -188,32 +199,43 @@ class ProcessingNode:
 
     def _connect_recorder(self) -> None:
         try:
-            lacking = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
+            missing = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
         except (rosgraph.MasterException, OSError) as error:
-            # Traces do not pass the master; a survey is not refused for its positions.
-            rospy.logwarn("the master does not say who publishes: %s", error)
+            # Traces do not depend on the master; missing positions do not refuse a survey.
+            rospy.logwarn("the master did not list the publishers: %s", error)
             return
-        if lacking:
-            rospy.logwarn("recording begins without a publisher of %s", ", ".join(lacking))
+        if missing:
+            rospy.logwarn("recording begins without a publisher of %s", ", ".join(missing))
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""
 
     def _report_survey(self, request: Any) -> ReportSurveyResponse:
         self._processing.report(request.survey_id, request.report_json)
-        return ReportSurveyResponse(success=True, message="the report is in survey.json")
+        return ReportSurveyResponse(
+            success=True, **message_fields(Message("the report is in survey.json"))
+        )
 
     def _store_data(self, request: Any) -> StoreDataResponse:
         # The request holds nothing but the trace, so their bytes are the same.
         trace = trace_message.decode(serialized(request))
         path = self._processing.store(trace)
-        return StoreDataResponse(success=True, message=f"{trace.label} is stored", path=str(path))
+        return StoreDataResponse(
+            success=True,
+            **message_fields(Message("{trace} is stored", trace=trace.label)),
+            path=str(path),
+        )
 
     def _close_survey(self, request: Any) -> CloseSurveyResponse:
         closed = self._processing.close_survey(request.survey_id, request.outcome, request.reason)
+        message = Message(
+            "survey {survey} is closed with {stored} traces",
+            survey=closed.survey_id,
+            stored=closed.stored_traces,
+        )
         return CloseSurveyResponse(
             success=True,
-            message=f"survey {closed.survey_id} is closed with {closed.stored_traces} traces",
+            **message_fields(message),
             path=str(closed.folder),
             stored_traces=closed.stored_traces,
         )
@@ -229,7 +251,12 @@ class ProcessingNode:
         try:
             free_mb = self._free_mb()
         except OSError as error:
-            return ERROR, f"the disk of {self._data} cannot be asked: {error}", {}
+            message = Message(
+                "the free space on the disk of {path} is unknown: {reason}",
+                path=printable(self._data),
+                reason=os_reason(error),
+            )
+            return ERROR, message, {}
         values = {
             "open survey": state.survey_id,
             "folder": state.folder,
@@ -238,17 +265,21 @@ class ProcessingNode:
             "stores waiting": state.queues.jobs,
             "messages waiting": state.queues.messages,
             "messages dropped": state.queues.dropped + state.unrecorded,
-            "last error": state.last_error,
+            "last error": state.last_error or "",
         }
-        if state.failing:
+        if state.failing and state.last_error is not None:
             return ERROR, state.last_error, values
         if free_mb * BYTES_PER_MB < self._limits.disk_reserve_bytes:
-            return WARN, f"only {free_mb:.0f} MB are free on the disk; make space", values
+            message = Message(
+                "only {free_mb:.0f} MB are free on the disk; make space", free_mb=free_mb
+            )
+            return WARN, message, values
         if state.queues.dropped or state.unrecorded:
-            return WARN, "messages of other topics were dropped; the disk is too slow", values
+            message = Message("messages of other topics were dropped; the disk is too slow")
+            return WARN, message, values
         if not state.survey_id:
-            return OK, "no survey is open", values
-        return OK, f"{state.stored_traces} traces stored", values
+            return OK, Message("no survey is open"), values
+        return OK, Message("{count} traces stored", count=state.stored_traces), values
 
     def _free_mb(self) -> float:
         # The data folder may not be there before the first survey.
@@ -260,7 +291,7 @@ def _publish(publisher: rospy.Publisher, message: Any) -> None:
     try:
         publisher.publish(message)
     except rospy.ROSException as error:
-        # ROS is shutting down; what was stored is durable, which is what the answer says.
+        # ROS is shutting down; what was stored is durable, as the answer states.
         rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
 
 

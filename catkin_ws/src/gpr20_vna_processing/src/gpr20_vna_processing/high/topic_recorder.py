@@ -20,7 +20,7 @@ POLL_S = 0.02
 
 
 class TopicRecorder:
-    """Hands every message of some topics on as the bytes that came."""
+    """Passes every message of some topics on as the bytes that came."""
 
     def __init__(
         self,
@@ -51,21 +51,21 @@ class TopicRecorder:
         What a publisher sends before is in no recording.
 
         Args:
-            limit_s: At most so long [s].
+            limit_s: Longest wait [s].
 
         Returns:
-            The topics that lack a publisher still; its node may be dead.
+            The topics that still lack a publisher; its node may be dead.
         """
         deadline_s = time.monotonic() + limit_s
         while True:
             publishers = self._publishers()
-            lacking = [
+            missing = [
                 one.name
                 for one in self._subscribers
                 if one.get_num_connections() < publishers[one.name]
             ]
-            if not lacking or time.monotonic() > deadline_s:
-                return lacking
+            if not missing or time.monotonic() > deadline_s:
+                return missing
             time.sleep(POLL_S)
 
     def _publishers(self) -> Counter[str]:
@@ -90,6 +90,6 @@ class TopicRecorder:
 def recorded_name(topic: str) -> str:
     """Return the name under which a topic is recorded: its own, unless it commands an axis.
 
-    A recording that is played beside a robot must not move it.
+    Playing a recording on the master of a robot must not move the robot.
     """
     return topic + COMMAND_SUFFIX if topic.endswith(COMMANDS) else topic

@@ -19,6 +19,6 @@ def software_revision(version: str, folder: Path) -> str:
     try:
         answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
     except (OSError, subprocess.SubprocessError):
-        # Installed without git, or not a checkout: the version is all there is to know.
+        # Installed without git, or not a checkout: only the version is known.
         return version
     return f"{version} (git {answer.stdout.decode(errors='replace').strip()})"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
-from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
+from gpr20_common.message import Message
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
@@ -34,10 +35,10 @@ class CurrentSurvey:
 
         Args:
             storage: Files, disk, clock.
-            disk_reserve_bytes: What a new survey must leave free.
+            disk_reserve_bytes: What a new survey must leave free [bytes].
             latched: The last messages of latched topics, with which a recording begins.
-            on_opened: Told the JSON description of a survey that was opened.
-            on_stored: Given the message of every trace once, when it is durable.
+            on_opened: Called with the JSON description of a survey that was opened.
+            on_stored: Called with the message of every trace once, when it is durable.
         """
         self._storage = storage
         self._disk_reserve_bytes = disk_reserve_bytes
@@ -59,7 +60,9 @@ class CurrentSurvey:
             SurveyRefusedError: None is open.
         """
         if self._survey is None:
-            raise SurveyRefusedError("no survey is open; call open_survey first")
+            raise SurveyRefusedError(
+                Message("no survey is open; start or resume one", details="open_survey")
+            )
         return self._survey
 
     def opened_as(self, survey_id: str) -> OpenSurvey:
@@ -70,7 +73,13 @@ class CurrentSurvey:
         """
         survey = self.opened()
         if survey.survey_id != survey_id:
-            raise SurveyRefusedError(f"survey {survey_id} is not open; {survey.survey_id} is")
+            raise SurveyRefusedError(
+                Message(
+                    "survey {survey} is not open; {open_survey} is open",
+                    survey=survey_id[:64],
+                    open_survey=survey.survey_id,
+                )
+            )
         return survey
 
     def open(self, folder: Path, description: Dict[str, Any], needed_bytes: int) -> None:
@@ -89,7 +98,10 @@ class CurrentSurvey:
             return  # the answer to the first call may have been lost
         now_ns = self._storage.now_ns()
         self._check_can_open(needed_bytes, now_ns)
-        with storing("the survey's folder", folder):
+        with storing(
+            Message("the survey's folder {path} could not be made", path=printable(folder)),
+            folder,
+        ):
             new_survey.make_folder(folder)
             recordings = self._storage.open_recordings(folder, description)
         self._take(
@@ -102,16 +114,16 @@ class CurrentSurvey:
 
         Raises:
             SurveyRefusedError: There is no such survey, it is complete, or another is open.
-            StorageFailedError: The disk refused; asking again is safe.
+            StorageFailedError: The disk refused; the call may be repeated.
         """
         now_ns = self._storage.now_ns()
         survey = self._survey
         if survey is not None and not survey.in_place():
-            # Somebody moved, removed or replaced its files: those on the disk are what counts.
+            # Its files were moved, removed or replaced: those on the disk are what counts.
             self._abandon()
         elif survey is not None and name in (survey.survey_id, survey.folder.name):
-            # Whoever filled it has gone, or has not received the first answer.
-            survey.go_on(now_ns)
+            # The client that filled it is gone, or has not received the first answer.
+            survey.resume(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
         folder, description = find_survey(self._storage.data, name, recover=True)
@@ -126,6 +138,7 @@ class CurrentSurvey:
             self._on_stored,
             repaired.stored,
             repaired.last,
+            repaired.types,
         )
         self._take(survey, now_ns)
         return survey.reopened(repaired.repairs)
@@ -136,7 +149,7 @@ class CurrentSurvey:
         path = survey.folder / survey_folder.SURVEY_FILE
         try:
             self._begin_recording(survey, content.decode("ascii"), now_ns)
-            with storing("the survey's description", path):
+            with storing(Message("{path} could not be written", path=printable(path)), path):
                 # Last: a folder with a survey.json is whole.
                 durable_files.write_new_file(path, content)
         except Exception:
@@ -149,13 +162,18 @@ class CurrentSurvey:
     def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
         if self._survey is not None:
             raise SurveyRefusedError(
-                f"survey {self._survey.survey_id} is open in {self._survey.folder}; close it first"
+                Message(
+                    "survey {survey} is open in {folder}; stop it first",
+                    survey=self._survey.survey_id,
+                    folder=printable(self._survey.folder),
+                    details="close_survey",
+                )
             )
         new_survey.check_clock(now_ns)
         new_survey.check_space(self._storage, needed_bytes, self._disk_reserve_bytes)
 
     def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
-        # From here on messages queue up behind this job; those before are in the snapshot.
+        # From now on messages queue up behind this job; those before are in the snapshot.
         latched = self._latched.begin(now_ns)
         survey.record([self._storage.topics.metadata(text, now_ns), *latched])
         survey.commit()
@@ -209,7 +227,7 @@ class CurrentSurvey:
         """Close the open survey as interrupted, unless it is this one.
 
         Args:
-            survey: Id of the survey that shall be opened, or the name of its folder.
+            survey: Id of the survey that is to be opened, or the name of its folder.
 
         Returns:
             The name of the folder of the survey that was closed; empty if none was.
@@ -226,7 +244,7 @@ class CurrentSurvey:
         except StorageFailedError:
             if opened.in_place():
                 raise
-            # Its files are gone from where they were: no reason to refuse every other survey.
+            # Its files are no longer in place: no reason to refuse every other survey.
             self._abandon()
         return opened.folder.name
 
@@ -238,6 +256,6 @@ class CurrentSurvey:
 
 
 def _copied_bytes(folder: Path) -> int:
-    """Return what reopening a survey may need beside its files: both recordings may be copied."""
+    """Return the space that reopening a survey may need: both recordings may be copied [bytes]."""
     recordings = [folder / name for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)]
     return sum(path.lstat().st_size for path in recordings if path.is_file())

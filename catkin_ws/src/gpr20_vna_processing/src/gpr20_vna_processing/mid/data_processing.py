@@ -6,6 +6,8 @@ import threading
 from pathlib import Path
 from typing import Any, Callable, Optional, Sequence
 
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import (
     ProcessingError,
     StorageFailedError,
@@ -31,7 +33,7 @@ MAX_REASON_CHARACTERS = 4096
 
 
 class DataProcessing:
-    """Keeps at most one survey open and makes its traces durable.
+    """Has at most one survey open and makes its traces durable.
 
     Its methods may be called from any thread; all files are written by the StorageThread.
     """
@@ -48,8 +50,8 @@ class DataProcessing:
         Args:
             storage: Files, disk, clock.
             limits: Bounds.
-            on_opened: Told the JSON description of a survey that was opened.
-            on_stored: Given the message of every trace once, when it is durable.
+            on_opened: Called with the JSON description of a survey that was opened.
+            on_stored: Called with the message of every trace once, when it is durable.
         """
         self._storage = storage
         self._limits = limits
@@ -64,7 +66,8 @@ class DataProcessing:
         self._unrecorded = 0
         self._commit_due_s = 0.0
         self._lock = threading.Lock()  # guards the two below
-        self._last_error, self._failing = "", False
+        self._last_error: Optional[Message] = None
+        self._failing = False
 
     def start(self) -> None:
         """Start the storage thread."""
@@ -99,10 +102,10 @@ class DataProcessing:
     def interrupt_other(self, survey: str) -> str:
         """Close the open survey as interrupted, unless it is this one; it stays resumable.
 
-        Whoever filled it has gone without closing it, if another survey shall be opened.
+        If another survey is to be opened, the client that filled this one left it open.
 
         Args:
-            survey: Id of the survey that shall be opened, or the name of its folder.
+            survey: Id of the survey that is to be opened, or the name of its folder.
 
         Returns:
             The name of the folder of the survey that was closed; empty if none was.
@@ -120,16 +123,16 @@ class DataProcessing:
 
         Raises:
             SurveyRefusedError: There is no such survey, it is complete, or another is open.
-            StorageFailedError: The disk refused; asking again is safe.
+            StorageFailedError: The disk refused; the call may be repeated.
         """
         return self._do(lambda: self._survey.reopen(survey), self._limits.long_timeout_s)
 
     def report(self, survey_id: str, report_json: str) -> None:
-        """Keep a report of the open survey in its survey.json, durably.
+        """Write a report of the open survey into its survey.json, durably.
 
         Raises:
             SurveyRefusedError: The report is no JSON object, or the survey is not open.
-            StorageFailedError: The disk refused; the former report is kept.
+            StorageFailedError: The disk refused; the former report remains.
         """
         report = survey_metadata.parse_object(
             report_json, "report_json", survey_metadata.MAX_REPORT_BYTES
@@ -143,7 +146,7 @@ class DataProcessing:
         Raises:
             SurveyRefusedError: No survey is open.
             TraceRefusedError: The open survey does not take the trace.
-            StorageFailedError: The disk refused or was too slow; asking again is safe.
+            StorageFailedError: The disk refused or was too slow; the call may be repeated.
         """
         return self._do(lambda: self._survey.opened().store(trace, self._storage.now_ns()))
 
@@ -161,11 +164,20 @@ class DataProcessing:
         """
         if outcome not in OUTCOMES:
             raise SurveyRefusedError(
-                f"outcome is {outcome[:64]!r}; it must be one of {', '.join(OUTCOMES)}"
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place="outcome",
+                    value=repr(outcome[:64]),
+                    allowed=", ".join(OUTCOMES),
+                )
             )
         if len(reason) > MAX_REASON_CHARACTERS:
             raise SurveyRefusedError(
-                f"reason has {len(reason)} characters; at most {MAX_REASON_CHARACTERS} are allowed"
+                Message(
+                    "reason has {count} characters; at most {most} are allowed",
+                    count=len(reason),
+                    most=MAX_REASON_CHARACTERS,
+                )
             )
         survey_folder.check_survey_id(survey_id)
         return self._do(
@@ -202,12 +214,12 @@ class DataProcessing:
         try:
             result = self._thread.do(work, timeout_s or self._limits.timeout_s)
         except ProcessingError as error:
-            self._note(str(error), failing=isinstance(error, StorageFailedError))
+            self._note(error.message, failing=isinstance(error, StorageFailedError))
             raise
-        self._note("", failing=False)
+        self._note(None, failing=False)
         return result
 
-    def _note(self, error: str, failing: bool) -> None:
+    def _note(self, error: Optional[Message], failing: bool) -> None:
         with self._lock:
             self._last_error, self._failing = error, failing
 
@@ -215,12 +227,12 @@ class DataProcessing:
         survey = self._survey.current
         if survey is None:
             return
-        # Nobody waits for an answer here: the operator reads of errors in the diagnostics.
+        # No caller waits for an answer here: the diagnostics show errors to the operator.
         try:
             self._unrecorded += survey.record(messages)
         except Exception as error:
             self._unrecorded += len(messages)
-            self._note(str(error), failing=True)
+            self._note(_reason(error), failing=True)
         now_s = self._storage.clock.now_s()
         if now_s < self._commit_due_s:
             return
@@ -228,4 +240,8 @@ class DataProcessing:
         try:
             survey.commit()
         except ProcessingError as error:
-            self._note(str(error), failing=True)
+            self._note(error.message, failing=True)
+
+
+def _reason(error: Exception) -> Message:
+    return error.message if isinstance(error, Gpr20Error) else verbatim(str(error))

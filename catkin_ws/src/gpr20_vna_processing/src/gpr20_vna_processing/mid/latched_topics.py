@@ -1,4 +1,4 @@
-"""The last message of each latched topic, which a recording begins with."""
+"""The last message of each latched topic, with which a recording begins."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Dict, List
 
 from gpr20_survey.recording.recording import RecordedMessage
 
-# Of one message that is kept for later recordings; a status has a thousandth of it.
+# Limit of one message that is stored for later recordings; a status has a thousandth of it.
 LARGEST_BYTES = 1 << 20
 
 
@@ -43,6 +43,6 @@ class LatchedTopics:
             ]
 
     def end(self) -> None:
-        """Record no more."""
+        """Stop recording."""
         with self._lock:
             self._recording = False

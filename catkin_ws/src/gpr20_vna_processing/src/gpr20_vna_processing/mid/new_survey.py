@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict
 
-from gpr20_survey.errors import SurveyRefusedError, storing
+from gpr20_common.message import Message
+from gpr20_survey.errors import SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.trace import utc_time
@@ -46,8 +47,11 @@ def check_clock(now_ns: int) -> None:
     now_us = now_ns // utc_time.NS_PER_US
     if not utc_time.is_plausible(now_us):
         raise SurveyRefusedError(
-            f"the computer's clock says {utc_time.iso_text(now_us)}; "
-            "set it, or every time in the recordings would be wrong"
+            Message(
+                "the computer's clock is at {time}; set it, or every time in the recordings would "
+                "be wrong",
+                time=utc_time.iso_text(now_us),
+            )
         )
 
 
@@ -56,17 +60,24 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
 
     Raises:
         SurveyRefusedError: The disk has too little space.
-        StorageFailedError: The data folder cannot be made or asked.
+        StorageFailedError: The data folder cannot be made or read.
     """
     data = storage.data
-    with storing("the data folder", data):
+    with storing(
+        Message("the data folder {path} could not be written to", path=printable(data)), data
+    ):
         durable_files.ensure_folder(data)
         free = storage.free_bytes(data)
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
-            f"the survey needs {needed_bytes / BYTES_PER_MB:.0f} MB and "
-            f"{reserve_bytes / BYTES_PER_MB:.0f} MB are kept in reserve, but the disk of {data} "
-            f"has only {free / BYTES_PER_MB:.0f} MB free; make space"
+            Message(
+                "the survey needs {needed_mb:.0f} MB and {reserve_mb:.0f} MB must stay free, but "
+                "the disk of {path} has only {free_mb:.0f} MB free; make space",
+                needed_mb=needed_bytes / BYTES_PER_MB,
+                reserve_mb=reserve_bytes / BYTES_PER_MB,
+                path=printable(data),
+                free_mb=free / BYTES_PER_MB,
+            )
         )
 
 
@@ -81,6 +92,9 @@ def make_folder(folder: Path) -> None:
         durable_files.make_new_folder(folder)
     except FileExistsError:
         raise SurveyRefusedError(
-            f"{folder} exists already; every survey needs an id and a folder of its own"
+            Message(
+                "{folder} exists already; every survey needs its own id and folder",
+                folder=printable(folder),
+            )
         ) from None
     durable_files.make_new_folder(folder / survey_folder.TRACES_FOLDER)

@@ -5,12 +5,23 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import (
+    AbstractSet,
+    Any,
+    Callable,
+    ContextManager,
+    Dict,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import (
-    StorageFailedError,
     SurveyRefusedError,
-    TraceRefusedError,
+    printable,
     storing,
 )
 from gpr20_survey.files import durable_files
@@ -18,8 +29,10 @@ from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
 
 COMMIT_BYTES = 1 << 20
@@ -31,7 +44,7 @@ class _PendingTrace:
 
     trace: Trace
     message: RecordedMessage
-    lacking: List[Recording]
+    missing: List[Recording]
     """Recordings that were not given the message yet."""
 
 
@@ -47,6 +60,7 @@ class OpenSurvey:
         on_stored: Callable[[RecordedMessage], None],
         stored: Optional[Mapping[int, TraceFile]] = None,
         last: Optional[Trace] = None,
+        types: Optional[Mapping[str, AbstractSet[str]]] = None,
     ) -> None:
         """Take over the files.
 
@@ -55,9 +69,10 @@ class OpenSurvey:
             description: The content of survey.json.
             recordings: Where every message goes; they hold the traces that are stored.
             topics: Makes the messages of traces.
-            on_stored: Given the message of every trace once, when it is durable.
+            on_stored: Called with the message of every trace once, when it is durable.
             stored: The traces that are stored already, by their index.
             last: The trace that was stored last.
+            types: The checksums of the message types that the recordings hold of each topic.
         """
         self.folder = folder
         self.description = self.opened_as = description
@@ -69,12 +84,12 @@ class OpenSurvey:
         self._prints = {index: file.fingerprint for index, file in stored.items()}
         self._indices = {file.sample_id: index for index, file in stored.items()}
         self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in a recording
-        self._ending = False  # the recordings take nothing more
+        self._ending = False  # the recordings accept nothing more
         self._unfinished = list(recordings)
         self._recordings = list(recordings)
         self._topics = topics
         self._on_stored = on_stored
-        self._types: Dict[str, str] = {}  # type of each topic, by its checksum
+        self._types = TopicTypes(types or {})
 
     def store(self, trace: Trace, time_ns: int) -> Path:
         """Store a trace in the JSON file and the recordings; return when all are durable.
@@ -91,7 +106,7 @@ class OpenSurvey:
         Raises:
             TraceRefusedError: The trace is of another survey, or its index or sample_id
                 are taken by another.
-            StorageFailedError: The disk refused; storing the same trace again goes on
+            StorageFailedError: The disk refused; storing the same trace again continues
                 where it failed.
         """
         self._check_survey(trace)
@@ -100,7 +115,14 @@ class OpenSurvey:
         if trace.index in self._prints:
             self._check_same(trace, path)
         else:
-            with storing(trace.label, path):
+            with storing(
+                Message(
+                    "{trace} could not be written to {path}",
+                    trace=trace.label,
+                    path=printable(path),
+                ),
+                path,
+            ):
                 durable_files.write_new_file(path, trace_json.encode(trace))
             message = self._topics.trace(trace, time_ns)
             self._pending[trace.index] = _PendingTrace(trace, message, list(self._recordings))
@@ -109,8 +131,8 @@ class OpenSurvey:
         self.commit()
         return path
 
-    def go_on(self, time_ns: int) -> None:
-        """Note that the survey is resumed, and record what a recording did not take yet.
+    def resume(self, time_ns: int) -> None:
+        """Note that the survey is resumed, and record what a recording still lacks.
 
         Args:
             time_ns: When that is [ns since 1970, UTC].
@@ -125,8 +147,8 @@ class OpenSurvey:
         self._describe({**self.description, "resumed": resumed})
         self.commit()
 
-    def reopened(self, repairs: Tuple[str, ...]) -> ReopenedSurvey:
-        """Return what is told of a survey that goes on."""
+    def reopened(self, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
+        """Return the answer for a survey that was opened again."""
         report = self.description.get("report")
         return ReopenedSurvey(
             survey_id=self.survey_id,
@@ -152,26 +174,26 @@ class OpenSurvey:
             return 0
         refused = 0
         for message in messages:
-            known = self._types.setdefault(message.topic, message.md5sum)
-            if known != message.md5sum:
+            named = self._types.named(message)
+            if named is None:
                 refused += 1
                 continue
             for recording in self._recordings:
-                recording.write(message)
+                recording.write(named)
         return refused
 
     def commit(self) -> None:
-        """Make everything recorded so far durable, and hand on the traces among it.
+        """Make everything recorded so far durable, and publish the traces among it.
 
         Raises:
             StorageFailedError: The disk refused.
         """
         for pending in self._pending.values():
-            while pending.lacking:
-                pending.lacking[0].write_alone(pending.message)
-                pending.lacking.pop(0)
+            while pending.missing:
+                pending.missing[0].write_alone(pending.message)
+                pending.missing.pop(0)
         for recording in self._recordings:
-            with storing("the recording", self.folder / recording.name):
+            with self._storing(recording):
                 recording.commit()
         while self._pending:
             stored = self._pending.pop(next(iter(self._pending)))
@@ -180,11 +202,11 @@ class OpenSurvey:
             self._on_stored(stored.message)
 
     def report(self, report: Dict[str, Any]) -> None:
-        """Keep a report in survey.json; it replaces the former one.
+        """Write a report into survey.json; it replaces the former one.
 
         Raises:
             SurveyRefusedError: The survey is being closed.
-            StorageFailedError: The disk refused; the former report is kept.
+            StorageFailedError: The disk refused; the former report remains.
         """
         self._refuse_ending()
         self._describe({**self.description, "report": report})
@@ -205,7 +227,7 @@ class OpenSurvey:
         self._ending = True
         while self._unfinished:
             recording = self._unfinished[0]
-            with storing("the end of the recording", self.folder / recording.name):
+            with self._storing(recording):
                 recording.finish()
             self._unfinished.pop(0)
         ending = {
@@ -225,14 +247,20 @@ class OpenSurvey:
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
         """
-        with storing("the manifest", self.folder / manifest.MANIFEST_FILE):
+        path = self.folder / manifest.MANIFEST_FILE
+        with storing(Message("{path} could not be written", path=printable(path)), path):
             # Last: a survey with a manifest has ended, and nothing changes any more.
             manifest.write_manifest(
                 self.folder, self.survey_id, revision, self.description["ended"]
             )
 
+    def _storing(self, recording: Recording) -> ContextManager[None]:
+        path = self.folder / recording.name
+        failure = Message("the recording {path} could not be written", path=printable(path))
+        return storing(failure, path)
+
     def in_place(self) -> bool:
-        """Say whether what is written comes into the survey's folder."""
+        """Return whether what is written ends up in the survey's folder."""
         return self._traces.is_dir() and all(one.in_place() for one in self._unfinished)
 
     def abandon(self) -> None:
@@ -242,11 +270,11 @@ class OpenSurvey:
 
     def _refuse_ending(self) -> None:
         if self._ending:
-            raise SurveyRefusedError("the survey is being closed; call close_survey again")
+            raise SurveyRefusedError(refusals.CLOSING)
 
     def _describe(self, description: Dict[str, Any]) -> None:
         path = self.folder / survey_folder.SURVEY_FILE
-        with storing("survey.json", path):
+        with storing(Message("{path} could not be written", path=printable(path)), path):
             durable_files.replace_file(path, survey_metadata.encode(description))
         self.description = description
 
@@ -257,19 +285,12 @@ class OpenSurvey:
 
     def _check_survey(self, trace: Trace) -> None:
         if self._ending:
-            raise TraceRefusedError(
-                f"{trace.label} is refused: the survey is being closed; call close_survey again"
-            )
+            raise refusals.trace_while_closing(trace)
         if trace.survey_id != self.survey_id:
-            raise TraceRefusedError(
-                f"{trace.label} belongs to survey {trace.survey_id}, but {self.survey_id} is open"
-            )
+            raise refusals.trace_of_another_survey(trace, self.survey_id)
         index = self._indices.get(trace.sample_id, trace.index)
         if index != trace.index:
-            raise TraceRefusedError(
-                f"sample {trace.sample_id} is stored already with index {index}, "
-                f"not {trace.index}; every sample needs an id of its own"
-            )
+            raise refusals.sample_stored(trace, index)
 
     @property
     def _traces(self) -> Path:
@@ -277,12 +298,6 @@ class OpenSurvey:
 
     def _check_same(self, trace: Trace, path: Path) -> None:
         if trace.fingerprint() != self._prints[trace.index]:
-            raise TraceRefusedError(
-                f"{trace.label} is refused: index {trace.index} is stored already with other "
-                f"content in {self._traces}, which was left alone"
-            )
+            raise refusals.index_stored(trace, self._traces)
         if not path.is_file():
-            raise StorageFailedError(
-                f"{trace.label} is stored already, but its file is gone from {self._traces}; "
-                "close the survey and open it again, its recordings have the trace"
-            )
+            raise refusals.file_missing(trace, self._traces)

@@ -1,4 +1,4 @@
-"""What DataProcessing is given and what it tells."""
+"""What DataProcessing takes and returns."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace.trace import Trace
@@ -17,7 +18,7 @@ BYTES_PER_MB = 1_000_000
 
 @dataclass(frozen=True)
 class Storage:
-    """What the storage stands on; handed in so that tests can replace each part."""
+    """What the storage uses; passed in so that tests can replace each part."""
 
     data: Path
     open_recordings: Callable[[Path, Dict[str, Any]], Sequence[Recording]]
@@ -38,7 +39,7 @@ class Limits:
     disk_reserve_bytes: int = 500 * BYTES_PER_MB
     timeout_s: float = 60.0
     long_timeout_s: float = 600.0
-    """For what reads the whole survey: reopening and closing it."""
+    """For requests that read the whole survey: reopening and closing it."""
     period_s: float = 2.0
 
 
@@ -53,7 +54,7 @@ class ClosedSurvey:
 
 @dataclass(frozen=True)
 class ReopenedSurvey:
-    """A survey that goes on."""
+    """A survey that was opened again."""
 
     survey_id: str
     folder: Path
@@ -65,8 +66,8 @@ class ReopenedSurvey:
     """Places in the plan whose traces are stored and readable, ascending."""
     last: Optional[Trace]
     """The trace that was stored last."""
-    repairs: Tuple[str, ...]
-    """What was repaired, for people."""
+    repairs: Tuple[Message, ...]
+    """What was repaired."""
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,9 @@ class ProcessingState:
     folder: str
     stored_traces: int
     unrecorded: int
-    """Messages of other topics that are in no recording, beside those the queue dropped."""
-    last_error: str
-    """What was refused or failed last; empty once something succeeded again."""
+    """Messages of other topics that are in no recording, without those the queue dropped."""
+    last_error: Optional[Message]
+    """What was refused or failed last; None once something succeeded again."""
     failing: bool
     """Whether the disk refused what was written last."""
     queues: QueueState

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Deque, Generic, List, Optional, Sequence, Tuple, TypeVar
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import positive_number
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.recording.recording import RecordedMessage
@@ -32,7 +33,7 @@ class QueueLimits:
 
 @dataclass(frozen=True)
 class QueueState:
-    """How much waits for the disk, and how much found no place."""
+    """How much waits for the disk, and how much did not fit."""
 
     jobs: int
     messages: int
@@ -49,14 +50,14 @@ class _Job(Generic[Result]):
             return
         try:
             self.outcome.set_result(self._work())
-        except BaseException as error:  # handed to whoever waits for the job
+        except BaseException as error:  # passed to the caller that waits
             self.outcome.set_exception(error)
 
 
 class StorageThread:
     """Does jobs one after the other and writes messages between them.
 
-    A job is never dropped: when the disk is slower than the survey, whoever brings the
+    A job is never dropped: when the disk is slower than the survey, the caller with the
     next one waits. Messages are dropped, and counted, when their queue is full.
     """
 
@@ -105,7 +106,10 @@ class StorageThread:
         self._thread.join(timeout_s)
         if self._thread.is_alive():
             raise StorageFailedError(
-                f"the disk did not take everything within {timeout_s:g} s; check the disk"
+                Message(
+                    "the disk did not write everything within {limit_s:g} s; check the disk",
+                    limit_s=timeout_s,
+                )
             )
 
     def state(self) -> QueueState:
@@ -147,11 +151,15 @@ class StorageThread:
             return job.outcome.result(max(0.0, deadline_s - self._clock.now_s()))
         except FutureTimeoutError:
             if job.outcome.cancel():
-                state = "it was not begun"
+                state = Message("nothing was written")
             else:
-                state = "it may still end, asking again is safe"
+                state = Message("the write may still succeed, and repeating it is safe")
             raise StorageFailedError(
-                f"the disk did not finish within {timeout_s:g} s ({state}); check the disk"
+                Message(
+                    "the disk did not finish within {limit_s:g} s; {state}; check the disk",
+                    limit_s=timeout_s,
+                    state=state,
+                )
             ) from None
 
     def _enqueue(self, job: _Job, deadline_s: float, timeout_s: float) -> None:
@@ -160,12 +168,18 @@ class StorageThread:
                 remaining_s = deadline_s - self._clock.now_s()
                 if remaining_s <= 0.0:
                     raise StorageFailedError(
-                        f"{len(self._jobs)} jobs were waiting for the disk for "
-                        f"{timeout_s:g} s; nothing was stored, check the disk"
+                        Message(
+                            "the disk did not begin within {limit_s:g} s, with {count} earlier "
+                            "requests waiting; nothing was written; check the disk",
+                            limit_s=timeout_s,
+                            count=len(self._jobs),
+                        )
                     )
                 self._changed.wait(remaining_s)
             if self._stopping:
-                raise StorageFailedError("the storage is shutting down; nothing was stored")
+                raise StorageFailedError(
+                    Message("the storage is shutting down; nothing was written")
+                )
             self._jobs.append(job)
             self._changed.notify_all()
 

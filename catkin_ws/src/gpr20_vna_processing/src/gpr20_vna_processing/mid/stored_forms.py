@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Set, Tuple
 
+from gpr20_common.message import Message
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.recording.bag_reader import StoredBag
@@ -29,7 +30,7 @@ class RecordedTraces:
     """Fingerprint of the trace of each index."""
     types: Dict[str, Set[Type]] = dataclasses.field(default_factory=dict)
     """Types of the messages of each topic."""
-    faults: List[str] = dataclasses.field(default_factory=list)
+    faults: List[Message] = dataclasses.field(default_factory=list)
     foreign: int = 0
     """How many whole traces of another survey it holds."""
 
@@ -51,19 +52,29 @@ class RecordedTraces:
                 trace = trace_of(message)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
-                self.faults.append(f"{self.name} holds a damaged trace: {error}")
+                self.faults.append(
+                    Message(
+                        "{file} holds a damaged trace: {reason}",
+                        file=self.name,
+                        reason=error.message,
+                    )
+                )
                 continue
             if trace is not None and trace.index in self.prints:
-                self.faults.append(f"{self.name} holds trace {trace.index} twice")
+                self.faults.append(
+                    Message("{file} holds trace {index} twice", file=self.name, index=trace.index)
+                )
             elif trace is not None:
                 self.prints[trace.index] = trace.fingerprint()
         self.faults = [*self.stored.faults, *self.faults]
 
-    def compare_types(self, sure: Dict[str, Type]) -> None:
-        """Note a fault for every topic whose type is not the sure one."""
+    def compare_types(self, certain: Dict[str, Type]) -> None:
+        """Add a fault for every topic whose type is not the certain one."""
         for topic, types in self.types.items():
-            if topic in sure and types != {sure[topic]}:
-                self.faults.append(f"{self.name} holds a damaged type of {topic}")
+            if topic in certain and types != {certain[topic]}:
+                self.faults.append(
+                    Message("{file} holds a damaged message type", file=self.name, details=topic)
+                )
 
 
 class StoredForms:
@@ -112,7 +123,7 @@ class StoredForms:
         return self.files.foreign + sum(one.foreign for one in self.recordings)
 
     def intact(self) -> bool:
-        """Say whether every form holds every true trace and nothing has changed since the end."""
+        """Return whether every form holds every true trace, unchanged since the end."""
         return (
             not self.files.damaged
             and self.files.prints == self.truth
@@ -121,14 +132,26 @@ class StoredForms:
             and all(map(self._unchanged, map(_manifest_name, self.files.names.values())))
         )
 
-    def faults_of(self, recorded: RecordedTraces) -> List[str]:
-        """Return what is wrong in a recording; that it lacks traces is no fault."""
+    def faults_of(self, recorded: RecordedTraces) -> List[Message]:
+        """Return what is wrong in a recording; a trace that is missing is not a fault."""
         wrong = [index for index, own in recorded.prints.items() if self.truth.get(index) != own]
-        return [*recorded.faults, *(f"trace {index} is another" for index in wrong)]
+        return [
+            *recorded.faults,
+            *(Message("trace {index} has other numbers", index=index) for index in wrong),
+        ]
 
     def bag_is_right(self) -> bool:
-        """Say whether all that is whole in the bag can stay: the MCAP vouches for its types."""
+        """Return whether all that is whole in the bag can stay: the MCAP vouches for its types."""
         return not self.faults_of(self.bag) and self.bag.types.keys() <= self._types.keys()
+
+    def md5sums(self) -> Dict[str, Set[str]]:
+        """Return the checksums of the types of each topic, the certain ones where there are any."""
+        found: Dict[str, Set[str]] = {}
+        for recorded in self.recordings:
+            for topic, types in recorded.types.items():
+                certain = {self._types[topic]} if topic in self._types else types
+                found.setdefault(topic, set()).update(md5sum for _name, md5sum, _text in certain)
+        return found
 
     def trace_of(self, message: RecordedMessage) -> Optional[Trace]:
         """Return the trace of a recorded message, or None if it is no trace.
@@ -138,7 +161,13 @@ class StoredForms:
         """
         trace = recorded_trace(message)
         if trace is not None and trace.survey_id != self._survey_id:
-            raise ForeignTraceError(f"{trace.label} belongs to survey {trace.survey_id}")
+            raise ForeignTraceError(
+                Message(
+                    "{trace} belongs to survey {survey}",
+                    trace=trace.label,
+                    survey=trace.survey_id,
+                )
+            )
         return trace
 
     def true_trace(self, message: RecordedMessage) -> Optional[Trace]:
@@ -151,8 +180,8 @@ class StoredForms:
             return None
         return trace
 
-    def with_sure_type(self, message: RecordedMessage) -> RecordedMessage:
-        """Return a message with the type that its topic certainly has, if that is known."""
+    def with_certain_type(self, message: RecordedMessage) -> RecordedMessage:
+        """Return a message with the type that its topic has for certain, if that is known."""
         datatype, md5sum, definition = self._types.get(
             message.topic, (message.datatype, message.md5sum, message.definition)
         )

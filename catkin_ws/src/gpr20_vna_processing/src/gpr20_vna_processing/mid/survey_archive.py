@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
-from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
+from gpr20_common.message import Message, received_message
+from gpr20_common.os_reason import os_reason
+from gpr20_survey.errors import (
+    ProcessingError,
+    SurveyRefusedError,
+    TraceRefusedError,
+    printable,
+)
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
@@ -19,13 +27,15 @@ MAX_SURVEYS_PER_PAGE = 50
 MAX_TRACES_PER_PAGE = 200
 # What a page may hold in memory: 200 traces of 501 points.
 MAX_POINTS_PER_PAGE = 100_200
+# A verdict has a few hundred.
+MAX_VERDICT_CHARACTERS = 4096
 
 TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
 
 
 @dataclass(frozen=True)
 class SurveySummary:
-    """What a list says of a survey; the fields are those of gpr20_msgs/SurveySummary."""
+    """One survey of a list; the fields are those of gpr20_msgs/SurveySummary."""
 
     folder: str
     survey_id: str = ""
@@ -34,9 +44,10 @@ class SurveySummary:
     stored_traces: int = 0
     planned_traces: int = 0
     verdict: str = ""
+    verdict_json: str = ""
     complete: bool = False
     simulated: bool = False
-    problem: str = ""
+    problem: Optional[Message] = None
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,7 @@ class TracePage:
 
     survey_id: str
     traces: Tuple[Trace, ...]
-    unreadable: Tuple[Tuple[int, str], ...]
+    unreadable: Tuple[Tuple[int, Message], ...]
     """Index and reason of the files that hold no whole trace."""
     next_index: int
     more: bool
@@ -81,8 +92,12 @@ class SurveyArchive:
         _check_count("max_surveys", max_surveys, MAX_SURVEYS_PER_PAGE)
         if before and not survey_folder.FOLDER_NAME.fullmatch(before):
             raise SurveyRefusedError(
-                f"before is {before[:64]!r}; it must be empty or the name of a survey's folder, "
-                "such as 20260921T141320_0f8fad5b"
+                Message(
+                    "before is {before}; it must be empty or the name of a survey's folder, such "
+                    "as {example}",
+                    before=repr(before[:64]),
+                    example=survey_folder.EXAMPLE_FOLDER,
+                )
             )
         names = sorted((one for one in self._folders() if not before or one < before), reverse=True)
         page = [self._summary(self._data / name) for name in names[:max_surveys]]
@@ -100,15 +115,16 @@ class SurveyArchive:
         """
         folder, description = find_survey(self._data, survey)
         files = _trace_files(folder)
-        kept = {key: value for key, value in description.items() if key != "report"}
-        return StoredSurvey(description["survey_id"], kept, tuple(index for index, _ in files))
+        without_report = {key: value for key, value in description.items() if key != "report"}
+        indices = tuple(index for index, _ in files)
+        return StoredSurvey(description["survey_id"], without_report, indices)
 
     def traces(self, survey: str, first_index: int, max_traces: int) -> TracePage:
         """Return the traces from a place in the plan on.
 
         Args:
             survey: Its id, or the name of its folder.
-            first_index: Place in the plan to begin at.
+            first_index: Place in the plan at which to begin.
             max_traces: How many at most.
 
         Raises:
@@ -120,7 +136,7 @@ class SurveyArchive:
         survey_id = description["survey_id"]
         due = [one for one in _trace_files(folder) if one[0] >= first_index]
         traces: List[Trace] = []
-        unreadable: List[Tuple[int, str]] = []
+        unreadable: List[Tuple[int, Message]] = []
         points = 0
         used = 0
         for index, name in itertools.islice(due, max_traces):
@@ -130,8 +146,11 @@ class SurveyArchive:
             path = folder / survey_folder.TRACES_FOLDER / name
             try:
                 trace = trace_files.read_trace(path, survey_id)
-            except (TraceRefusedError, OSError) as error:
-                unreadable.append((index, str(error)))
+            except TraceRefusedError as error:
+                unreadable.append((index, error.message))
+                continue
+            except OSError as error:
+                unreadable.append((index, os_reason(error)))
                 continue
             traces.append(trace)
             points += len(trace.frequency_hz)
@@ -151,7 +170,11 @@ class SurveyArchive:
             return  # made with the first survey
         except OSError as error:
             raise ProcessingError(
-                f"the data folder {self._data} cannot be read ({error}); check the disk"
+                Message(
+                    "the data folder {path} cannot be read: {reason}; check the disk",
+                    path=printable(self._data),
+                    reason=os_reason(error),
+                )
             ) from error
 
     def _summary(self, folder: Path) -> SurveySummary:
@@ -161,12 +184,14 @@ class SurveyArchive:
             survey_folder.check_survey_id(values["survey_id"])
             stored = len(_trace_files(folder))
         except ProcessingError as error:
-            return SurveySummary(folder.name, problem=str(error))
+            return SurveySummary(folder.name, problem=error.message)
         planned = _planned_traces(values.get("parameters"))
         outcome = _text(values.get("outcome"))
         report = values.get("report")
+        report = report if isinstance(report, dict) else {}
         # The report of a survey that was cut off may be older than its last traces.
         cut_off = outcome in ("", INTERRUPTED)
+        verdict = "" if cut_off else _text(report.get("verdict"))
         return SurveySummary(
             folder=folder.name,
             survey_id=values["survey_id"],
@@ -174,7 +199,8 @@ class SurveyArchive:
             outcome=outcome,
             stored_traces=stored,
             planned_traces=planned,
-            verdict="" if cut_off or not isinstance(report, dict) else _text(report.get("verdict")),
+            verdict=verdict,
+            verdict_json=_verdict_json(report, verdict),
             complete=outcome == "finished" and 0 < planned == stored,
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
@@ -183,7 +209,15 @@ class SurveyArchive:
 
 def _check_count(name: str, count: int, limit: int) -> None:
     if not 1 <= count <= limit:
-        raise SurveyRefusedError(f"{name} is {count}; it must lie between 1 and {limit}")
+        raise SurveyRefusedError(
+            Message(
+                "{name} is {value}; it must lie between {lower} and {upper}",
+                name=name,
+                value=count,
+                lower=1,
+                upper=limit,
+            )
+        )
 
 
 def _trace_files(folder: Path) -> List[Tuple[int, str]]:
@@ -196,7 +230,13 @@ def _trace_files(folder: Path) -> List[Tuple[int, str]]:
                 if match and entry.is_file(follow_symlinks=False):
                     found[int(match.group(1))] = entry.name
     except OSError as error:
-        raise ProcessingError(f"the traces in {folder} cannot be read: {error}") from error
+        raise ProcessingError(
+            Message(
+                "the traces in {folder} cannot be read: {reason}",
+                folder=printable(folder),
+                reason=os_reason(error),
+            )
+        ) from error
     return sorted(found.items())
 
 
@@ -215,6 +255,25 @@ def _planned_traces(parameters: Any) -> int:
             return 0
         planned *= count
     return min(planned, (1 << 32) - 1)
+
+
+def _verdict_json(report: Dict[str, Any], verdict: str) -> str:
+    """Return template and values of the verdict; empty in a survey of an older version.
+
+    The file may have been changed by anyone: a message inside the message, whose text could be
+    far longer than the file, is not accepted, nor one that contradicts the text.
+    """
+    record = report.get("verdict_message")
+    values = record.get("values") if isinstance(record, dict) else None
+    if not isinstance(values, dict) or any(
+        isinstance(one, (dict, list)) for one in values.values()
+    ):
+        return ""
+    text = json.dumps(record)
+    if not verdict or len(text) > MAX_VERDICT_CHARACTERS:
+        return ""
+    message = received_message("", text)
+    return message.to_json() if str(message) == verdict else ""
 
 
 def _text(value: Any) -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey
 
 
-class KeepingStorage:
-    """Keeps every survey; one at a time is open."""
+class StrictStorage:
+    """Stores every survey; one at a time is open."""
 
     def __init__(self):
         self.records = {}
@@ -30,10 +31,10 @@ class KeepingStorage:
     def reopen(self, survey):
         found = [one for one in self.records if survey in (one, folder_of(one))]
         if not found:
-            raise DeviceError(f"there is no survey {survey!r}")
+            raise DeviceError(Message("there is no survey {survey}", survey=survey))
         (survey_id,) = found
         if self.outcomes.get(survey_id) == "finished":
-            raise DeviceError(f"survey {survey} is finished and complete")
+            raise DeviceError(Message("survey {survey} is finished and complete", survey=survey))
         self._check_disk()
         interrupted = self._interrupt_other(survey_id)
         self.opened = survey_id
@@ -58,7 +59,9 @@ class KeepingStorage:
         self._check_open(sample.survey_id)
         stored = self.samples[sample.survey_id].setdefault(sample.index, sample)
         if stored is not sample:
-            raise DeviceError(f"index {sample.index} is stored already with other content")
+            raise DeviceError(
+                Message("index {index} is stored with other content", index=sample.index)
+            )
 
     def close(self, survey_id, outcome, reason):
         if not self.opened and self.outcomes.get(survey_id) == outcome:
@@ -69,7 +72,7 @@ class KeepingStorage:
         return len(self.samples[survey_id])
 
     def restart(self):
-        """Forget what is open, as a process that is started anew does."""
+        """Forget which survey is open, as a restarted process does."""
         self.opened = ""
 
     def _interrupt_other(self, survey_id):
@@ -81,12 +84,12 @@ class KeepingStorage:
 
     def _check_disk(self):
         if self.broken:
-            raise DeviceError("the disk of the robot is full")
+            raise DeviceError(Message("the disk of the robot is full"))
 
     def _check_open(self, survey_id):
         self._check_disk()
         if self.opened != survey_id:
-            raise DeviceError(f"survey {survey_id} is not open")
+            raise DeviceError(Message("survey {survey} is not open", survey=survey_id))
 
 
 def folder_of(survey_id):

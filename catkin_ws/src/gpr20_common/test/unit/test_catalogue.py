@@ -1,0 +1,95 @@
+import errno
+from string import Formatter
+
+import pytest
+
+from gpr20_common.catalogue import (
+    Catalogue,
+    Language,
+    language_from_code,
+    language_from_environment,
+)
+from gpr20_common.errors import InvalidValueError, NodeSilentError
+from gpr20_common.low.catalogue_file import FOLDER, read_catalogue, read_translations
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+
+
+def test_the_spanish_catalogue_translates_a_message_and_what_is_in_it():
+    message = Message("the file is lost: {reason}", reason=os_reason(OSError(errno.ENOSPC, "full")))
+    assert read_catalogue(Language.SPANISH).text(message) == "the file is lost: el disco está lleno"
+    assert read_catalogue(Language.ENGLISH).text(message) == "the file is lost: the disk is full"
+
+
+def test_an_english_template_without_translation_stays_english():
+    catalogue = Catalogue({"known": "conocido", "empty": ""})
+    assert [catalogue.tr(one) for one in ("known", "empty", "other")] == [
+        "conocido",
+        "empty",
+        "other",
+    ]
+
+
+def test_every_translation_has_the_fields_of_its_template():
+    for template, translation in read_translations(FOLDER / "es.po").items():
+        fields = [
+            sorted(part[1:3] for part in Formatter().parse(text) if part[1] is not None)
+            for text in (template, translation)
+        ]
+        assert fields[0] == fields[1], template
+
+
+@pytest.mark.parametrize("content", [None, b"no catalogue", b"msgstr", b"\xff"])
+def test_a_catalogue_that_cannot_be_read_is_refused(tmp_path, content):
+    path = tmp_path / "xx.po"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InvalidValueError, match="cannot be read"):
+        read_translations(path)
+
+
+@pytest.mark.parametrize("language", list(Language))
+def test_a_language_is_found_by_its_code(language):
+    assert language_from_code(language.value) is language
+    assert language.next is not language
+
+
+@pytest.mark.parametrize("code", ["", "fr", "ES", 5])
+def test_a_code_without_catalogue_is_refused(code):
+    with pytest.raises(InvalidValueError, match="must be one of en"):
+        language_from_code(code)
+
+
+@pytest.mark.parametrize(
+    "environment, language",
+    [
+        ({}, Language.ENGLISH),
+        ({"LANG": "es_PE.UTF-8"}, Language.SPANISH),
+        ({"LANG": "C.UTF-8"}, Language.ENGLISH),
+        ({"LANG": "es_PE.UTF-8", "LC_ALL": "C"}, Language.ENGLISH),
+        ({"LANGUAGE": "es:en", "LANG": "en_US"}, Language.SPANISH),
+        ({"LANG": "fr"}, Language.ENGLISH),
+    ],
+)
+def test_a_terminal_has_the_language_of_its_environment(environment, language):
+    assert language_from_environment(environment) is language
+
+
+def test_the_number_of_an_error_of_the_system_is_a_detail():
+    reason = os_reason(PermissionError(errno.EACCES, "Permission denied", "/data"))
+    assert reason.sentence() == "permission denied"
+    assert reason.all_details == ("[Errno 13] Permission denied: '/data'",)
+
+
+@pytest.mark.parametrize(
+    "error, sentence",
+    [
+        (TimeoutError("timed out"), "no answer in time"),
+        (OSError(errno.ENOTTY, "Inappropriate ioctl"), "Inappropriate ioctl"),
+        (OSError("just words"), "just words"),
+        (OSError(), "OSError"),
+        (NodeSilentError(Message("{node} does not answer", node="/x")), "/x does not answer"),
+    ],
+)
+def test_other_errors_of_the_system_say_what_they_know(error, sentence):
+    assert os_reason(error).sentence() == sentence

@@ -1,0 +1,133 @@
+import json
+import pickle
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.message import Message, in_a_row, received_message, verbatim
+
+SPANISH = {
+    "the height {height_m:.3f} m is below {low_m:g} m": "la altura {height_m:.3f} m es menor de "
+    "{low_m:g} m",
+    "paused: {reason}": "en pausa: {reason}",
+    "check the sensor": "compruebe el sensor",
+    "{sentences}": "{sentences}",
+}
+
+
+def spanish(template):
+    return SPANISH.get(template, template)
+
+
+def low_height(details=""):
+    return Message(
+        "the height {height_m:.3f} m is below {low_m:g} m",
+        height_m=0.0123,
+        low_m=0.02,
+        details=details,
+    )
+
+
+values = st.one_of(
+    st.text(),
+    st.integers(),
+    st.floats(allow_nan=False),
+    st.booleans(),
+    st.builds(verbatim, st.text()),
+)
+messages = st.recursive(
+    st.builds(
+        lambda value, details: Message("is {a}", a=value, details=details), values, st.text()
+    ),
+    lambda inner: st.builds(
+        lambda first, others: Message("{first} after {others}", first=first, others=tuple(others)),
+        inner,
+        st.lists(inner, max_size=3),
+    ),
+    max_leaves=6,
+)
+
+
+def test_a_message_reads_as_its_english_sentence():
+    assert str(low_height()) == "the height 0.012 m is below 0.02 m"
+
+
+def test_a_message_inside_a_message_is_translated_too():
+    paused = Message(
+        "paused: {reason}", reason=in_a_row([low_height(), Message("check the sensor")])
+    )
+    assert str(paused) == "paused: the height 0.012 m is below 0.02 m; check the sensor"
+    assert paused.sentence(spanish) == (
+        "en pausa: la altura 0.012 m es menor de 0.02 m; compruebe el sensor"
+    )
+
+
+def test_details_are_in_the_english_text_and_not_in_the_sentence():
+    paused = Message("paused: {reason}", reason=low_height("[Errno 5]"), details="get_height")
+    assert str(paused) == "paused: the height 0.012 m is below 0.02 m (get_height; [Errno 5])"
+    assert paused.sentence() == "paused: the height 0.012 m is below 0.02 m"
+
+
+def test_a_template_without_all_its_values_fails_where_it_is_written():
+    with pytest.raises(KeyError, match="low_m"):
+        Message("below {low_m:g} m")
+    with pytest.raises(ValueError):
+        Message("below {low_m:g} m", low_m="much")
+
+
+@given(messages)
+def test_a_message_comes_back_from_json_as_it_was(message):
+    assert received_message("", message.to_json()) == message
+    assert pickle.loads(pickle.dumps(message)) == message  # noqa: S301
+
+
+@given(
+    st.text(),
+    st.one_of(
+        st.text(),
+        st.recursive(
+            st.none() | st.integers() | st.text(),
+            lambda inner: (
+                st.lists(inner)
+                | st.dictionaries(
+                    st.sampled_from(["template", "values", "details"]) | st.text(), inner
+                )
+            ),
+        ).map(json.dumps),
+    ),
+)
+def test_whatever_arrives_can_be_shown(text, received):
+    message = received_message(text, received)
+    assert isinstance(message.sentence(spanish), str)
+    assert str(message) == text or json.loads(received)["template"] == message.template
+
+
+@pytest.mark.parametrize(
+    "template",
+    ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{0}", "{x:{x}}", "{x"],
+)
+def test_a_template_from_elsewhere_cannot_ask_for_more_than_its_values(template):
+    received = json.dumps({"template": template, "values": {"x": 7, "0": 1}})
+    assert received_message("as sent", received) == verbatim("as sent")
+
+
+def test_text_that_looks_like_a_template_stays_as_it_is():
+    assert str(verbatim("{x} {")) == "{x} {"
+    assert str(Message("paused: {reason}", reason="{lost} and {0}")) == "paused: {lost} and {0}"
+
+
+def test_other_values_become_numbers_or_text():
+    numpy = pytest.importorskip("numpy")
+    message = Message(
+        "{a:.1f} {b:d} {c}", a=numpy.float32(2.5), b=numpy.int64(3), c=InvalidValueError
+    )
+    assert str(message).startswith("2.5 3 <class")
+    assert received_message("", message.to_json()) == message
+
+
+def test_an_error_carries_its_message():
+    error = Gpr20Error(low_height("[Errno 5]"))
+    assert error.message == low_height("[Errno 5]")
+    assert str(error) == "the height 0.012 m is below 0.02 m ([Errno 5])"

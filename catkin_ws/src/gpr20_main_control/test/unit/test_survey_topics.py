@@ -1,0 +1,60 @@
+"""The published topics: each sentence as English text, and as template with values."""
+
+import pytest
+
+pytest.importorskip("gpr20_msgs.msg")
+
+import rospy
+
+from gpr20_common.high.graph_message import message_from
+from gpr20_common.message import Message, received_message
+from gpr20_main_control.high.survey_topics import SurveyTopics
+from gpr20_main_control.mid.survey_status import Status
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_state import SurveyState
+
+
+class FakePublisher:
+    def __init__(self, name, _message_class, **_options):
+        self.name = name
+        self.published = []
+
+    def publish(self, message):
+        self.published.append(message)
+
+
+@pytest.fixture
+def topics(monkeypatch):
+    monkeypatch.setattr(rospy, "Publisher", FakePublisher)
+    monkeypatch.setattr(rospy.Time, "now", rospy.Time)
+    return SurveyTopics(simulated=True)
+
+
+def test_a_status_has_its_message_and_the_warning_about_missing_nodes(topics):
+    warning = Message("{node} does not answer", node=Message("the storage"), details="storage_node")
+    status = Status(SurveyState.SURVEYING, Message("Measuring"), missing=warning)
+    topics.publish_status(status)
+    (published,) = topics._status.published
+    assert published.message == "Warning: the storage does not answer. Measuring (storage_node)"
+    assert message_from(published) == status.full_message
+    assert published.simulated is True
+
+
+def test_a_change_of_the_progress_alone_publishes_no_status(topics):
+    topics.publish_change(Status(), Status(visited_points=1))
+    assert topics._status.published == []
+    topics.publish_change(Status(), Status(message=Message("Measuring")))
+    assert len(topics._status.published) == 1
+
+
+def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(topics):
+    coverage = Coverage(2, [0])
+    reason = Message("the VNA did not answer within {limit_s:g} s", limit_s=2, details="get_data")
+    coverage.note_failed(1, reason)
+    topics.publish_coverage(coverage, "id")
+    (published,) = topics._coverage.published
+    assert published.failures == ["1: the VNA did not answer within 2 s (get_data)"]
+    assert [received_message("", one) for one in published.failures_json] == [reason]
+    verdict = coverage.verdict().message
+    assert published.verdict == str(verdict)
+    assert received_message("", published.verdict_json) == verdict

@@ -1,0 +1,79 @@
+"""Messages of the graph reach the window with their templates, or as plain text without them."""
+
+import pytest
+
+pytest.importorskip("gpr20_msgs.msg")
+pytest.importorskip("diagnostic_updater")
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from gpr20_common.high.diagnostics import MESSAGE_JSON
+from gpr20_common.high.graph_message import message_fields
+from gpr20_common.message import Message, verbatim
+from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
+from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.mid.events import HealthLevel
+
+FULL = Message("the disk is full", details="errno 28")
+PAUSED = Message("Paused: {reason}", reason=FULL)
+
+
+def test_status_of_the_survey_has_its_template_values_and_details():
+    status = ControlStatus(code=ControlStatus.PAUSED, survey_id="id", **message_fields(PAUSED))
+    state = conversions.control_state(status)
+    assert state.message == PAUSED
+    assert state.message.all_details == ("errno 28",)
+
+
+def test_status_without_templates_is_its_text():
+    status = ControlStatus(code=ControlStatus.PAUSED, message="Paused: why")
+    assert conversions.control_state(status).message == verbatim("Paused: why")
+
+
+def test_report_of_a_node_has_its_template_which_is_no_value_of_its_own():
+    values = {MESSAGE_JSON: FULL.to_json(), "free disk [MB]": "0.0"}
+    status = DiagnosticStatus(
+        name="/robot1/vna_processing: state",
+        level=DiagnosticStatus.ERROR,
+        message=str(FULL),
+        values=[KeyValue(key, value) for key, value in values.items()],
+    )
+    (health,) = conversions.node_healths(DiagnosticArray(status=[status]), "/robot1/")
+    assert (health.name, health.level) == ("vna_processing", HealthLevel.ERROR)
+    assert health.message == FULL
+    assert health.values == {"free disk [MB]": "0.0"}
+
+
+def test_coverage_has_a_reason_for_each_trace_that_failed():
+    coverage = conversions.coverage_runs(
+        SurveyCoverage(
+            planned=9,
+            run_starts=[0],
+            run_states=[3],
+            failures=[f"4: {FULL}", "7: no template: as it is"],
+            failures_json=[FULL.to_json(), ""],
+            verdict="incomplete",
+            verdict_json=Message("incomplete").to_json(),
+        )
+    )
+    assert coverage.failures == {4: FULL, 7: verbatim("no template: as it is")}
+    assert coverage.verdict == Message("incomplete")
+    assert conversions.coverage_runs(SurveyCoverage()).verdict is None
+
+
+def test_past_survey_has_a_verdict_or_a_problem_or_neither():
+    summaries = [
+        SurveySummary(folder="a", verdict="as it was"),
+        SurveySummary(folder="b", problem=str(FULL), problem_json=FULL.to_json()),
+    ]
+    listed = conversions.surveys_listed("", ListSurveysResponse(surveys=summaries))
+    found = [(one.verdict, one.problem) for one in listed.surveys]
+    assert found == [(verbatim("as it was"), None), (None, FULL)]
+
+
+def test_traces_that_cannot_be_read_have_their_reasons():
+    response = ReadTracesResponse(
+        survey_id="id", unreadable=[f"3: {FULL}", "5: torn"], unreadable_json=[FULL.to_json()]
+    )
+    assert conversions.traces_read(3, response).unreadable == {3: FULL, 5: verbatim("torn")}

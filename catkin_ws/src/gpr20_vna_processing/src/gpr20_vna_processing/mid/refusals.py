@@ -1,0 +1,108 @@
+"""Why the storage refuses a trace or a survey, for people."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gpr20_common.message import Message
+from gpr20_survey.errors import (
+    StorageFailedError,
+    SurveyRefusedError,
+    TraceRefusedError,
+    printable,
+)
+from gpr20_survey.trace.trace import Trace
+
+CLOSING = Message("the survey is being closed; stop it again", details="close_survey")
+
+
+def trace_while_closing(trace: Trace) -> TraceRefusedError:
+    """Return the error: the survey takes no more traces."""
+    return TraceRefusedError(
+        Message("{trace} is refused: {reason}", trace=trace.label, reason=CLOSING)
+    )
+
+
+def trace_of_another_survey(trace: Trace, open_survey_id: str) -> TraceRefusedError:
+    """Return the error: the survey of a trace is not the one that is open."""
+    return TraceRefusedError(
+        Message(
+            "{trace} belongs to survey {survey}, but {open_survey} is open",
+            trace=trace.label,
+            survey=trace.survey_id,
+            open_survey=open_survey_id,
+        )
+    )
+
+
+def sample_stored(trace: Trace, stored_index: int) -> TraceRefusedError:
+    """Return the error: the sample is already stored at another place in the plan."""
+    return TraceRefusedError(
+        Message(
+            "sample {sample} is already stored with index {stored_index}, not {index}; every "
+            "sample needs its own id",
+            sample=trace.sample_id,
+            stored_index=stored_index,
+            index=trace.index,
+        )
+    )
+
+
+def index_stored(trace: Trace, folder: Path) -> TraceRefusedError:
+    """Return the error: another trace is already stored at this place in the plan."""
+    return TraceRefusedError(
+        Message(
+            "{trace} is refused: index {index} is already stored with other content in {folder}, "
+            "which was left alone",
+            trace=trace.label,
+            index=trace.index,
+            folder=printable(folder),
+        )
+    )
+
+
+def file_missing(trace: Trace, folder: Path) -> StorageFailedError:
+    """Return the error: the trace is stored, but its JSON file was removed."""
+    return StorageFailedError(
+        Message(
+            "{trace} is already stored, but its file is missing from {folder}; stop and resume "
+            "the survey: its recordings hold the trace",
+            trace=trace.label,
+            folder=printable(folder),
+        )
+    )
+
+
+def only_foreign_traces(folder: Path, survey_id: str) -> SurveyRefusedError:
+    """Return the error: the survey.json in a folder is not that of its traces."""
+    return SurveyRefusedError(
+        Message(
+            "survey.json in {folder} is that of survey {survey}, but every trace there belongs to "
+            "another; put the right survey.json there",
+            folder=printable(folder),
+            survey=survey_id,
+        )
+    )
+
+
+def survey_complete(folder: Path, stored: int) -> SurveyRefusedError:
+    """Return the error: a survey that is finished cannot be reopened."""
+    return SurveyRefusedError(
+        Message(
+            "the survey in {folder} is finished and complete with {stored} traces; nothing is "
+            "left to measure, start a new survey",
+            folder=printable(folder),
+            stored=stored,
+        )
+    )
+
+
+def wrong_resumptions(path: Path, most: int) -> SurveyRefusedError:
+    """Return the error: the entry `resumed` of survey.json is not one that the storage wrote."""
+    return SurveyRefusedError(
+        Message(
+            "'resumed' in {path} is not a list of at most {most} times",
+            path=printable(path),
+            most=most,
+        )
+    )

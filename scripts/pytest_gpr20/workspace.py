@@ -1,0 +1,97 @@
+"""The environment of the tests, the same from a plain shell as from one that sourced ROS.
+
+The built workspace is sourced and this interpreter comes first in PATH. Without ROS (Python 3.8
+and 3.13) PYTHONPATH has the sources instead, for the processes that unit tests start.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Dict, Mapping, NoReturn
+
+import pytest
+
+from pytest_gpr20.processes import end_descendants
+
+ROOT = Path(__file__).resolve().parents[2]
+WORKSPACE = ROOT / "catkin_ws"
+SOURCES = [str(path) for path in sorted((WORKSPACE / "src").glob("gpr20_*/src"))]
+SOURCES.append(str(WORKSPACE / "src/rosout/src"))
+# They would make the nodes of a test listen elsewhere or look for another robot.
+UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "GPR20_ROBOT", "GPR20_SERVER")
+
+
+def has_ros() -> bool:
+    """Return whether this interpreter has ROS."""
+    return importlib.util.find_spec("rospy") is not None
+
+
+def without_ros(environment: Mapping[str, str]) -> Dict[str, str]:
+    """Return an environment whose PYTHONPATH has the sources and nothing else."""
+    return {**environment, "PYTHONPATH": os.pathsep.join(SOURCES)}
+
+
+def with_ros(environment: Mapping[str, str]) -> Dict[str, str]:
+    """Return an environment in which the built workspace was sourced.
+
+    Raises:
+        pytest.UsageError: The workspace was not built.
+    """
+    setup = WORKSPACE / "devel/setup.bash"
+    if not setup.exists():
+        raise pytest.UsageError(f"{setup} is missing; run scripts/setup.sh --dev first")
+    clean = {name: value for name, value in environment.items() if name not in UNSET}
+    # The sources would hide the generated modules (gpr20_simulator.srv).
+    paths = clean.get("PYTHONPATH", "").split(os.pathsep)
+    clean["PYTHONPATH"] = os.pathsep.join(one for one in paths if one and one not in SOURCES)
+    clean["ROS_IP"] = "127.0.0.1"
+    sourced = subprocess.run(
+        ["bash", "-c", f"source '{setup}' && env -0"],
+        env=clean,
+        stdout=subprocess.PIPE,
+        check=True,
+    ).stdout.decode()
+    result = dict(line.split("=", 1) for line in sourced.split("\0") if line)
+    programs = str(Path(sys.prefix) / "bin")
+    rest = [one for one in result["PATH"].split(os.pathsep) if one != programs]
+    result["PATH"] = os.pathsep.join([programs, *rest])
+    return result
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Prepare the environment, which the workers of pytest-xdist inherit, and the search path."""
+    if not hasattr(config, "workerinput"):
+        listen_to_signals()
+        prepared = with_ros(os.environ) if has_ros() else without_ros(os.environ)
+        os.environ.clear()
+        os.environ.update(prepared)
+    # The generated modules, behind the sources.
+    for path in os.environ["PYTHONPATH"].split(os.pathsep):
+        if path not in sys.path:
+            sys.path.append(path)
+
+
+def pytest_keyboard_interrupt() -> None:
+    """Leave nothing running: pytest-xdist would kill its workers and nobody else."""
+    end_descendants(os.getpid(), and_itself=False)
+
+
+def listen_to_signals() -> None:
+    """Let Ctrl-C and SIGTERM end the tests.
+
+    A shell starts what it runs in the background (`&`, nohup) with Ctrl-C ignored. The tests send
+    Ctrl-C to processes of their own, which would inherit that.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, _interrupt)
+
+
+def _interrupt(_number: int, _frame: Any) -> NoReturn:
+    raise KeyboardInterrupt

@@ -1,0 +1,74 @@
+"""The unit tests pass under the other Pythons that the code is written for.
+
+scripts/test.sh makes a virtual environment for each of them that this machine has.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Sequence
+
+import pytest
+from pytest_gpr20.last_line import INSIDE
+from pytest_gpr20.processes import run_limited
+from pytest_gpr20.workspace import without_ros
+from user_shell import ROOT
+
+LIMIT_S = 900.0
+EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))
+
+
+@dataclass(frozen=True)
+class OtherPython:
+    """A Python without ROS.
+
+    Attributes:
+        version: Its version.
+        venv: Its virtual environment, a folder of the checkout.
+        packages: The packages whose unit tests pass under it.
+    """
+
+    version: str
+    venv: str
+    packages: Sequence[str]
+
+    @property
+    def program(self) -> Path:
+        """The interpreter."""
+        return ROOT / self.venv / "bin/python"
+
+
+# That of ROS Noetic, and a new one: the analysis also runs on other computers.
+PYTHONS = [
+    OtherPython("3.8", ".venv38", EVERYTHING),
+    OtherPython("3.13", ".venv313", ["gpr20_analysis", "gpr20_common", "gpr20_survey"]),
+]
+RUNS = [
+    pytest.param(python, package, id=f"{python.version}-{package}")
+    for python in PYTHONS
+    for package in python.packages
+]
+
+
+@pytest.mark.takes(60)
+# As a whole: in each of them some tests depend on real time.
+@pytest.mark.real_time
+@pytest.mark.parametrize("python, package", RUNS)
+def test_the_unit_tests_pass_under(python, package, request, record_property):
+    if not python.program.exists():
+        pytest.skip(f"no Python {python.version} here ({python.venv})")
+    environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
+    cache = request.config.cache.mkdir(f"python{python.version}-{package}")
+    options = ["-q", "-p", "no:rerunfailures", "-p", "no:xdist", "-o", f"cache_dir={cache}"]
+    if getattr(request.node, "execution_count", 1) > 1:
+        options.append("--last-failed")
+    ended = run_limited(
+        [str(python.program), "-m", "pytest", *options, f"catkin_ws/src/{package}/test/unit"],
+        without_ros(environment),
+        LIMIT_S,
+        ROOT,
+    )
+    record_property(INSIDE, ended.printed.splitlines()[-1])
+    assert ended.status == 0, ended.printed

@@ -1,0 +1,237 @@
+"""How one run of pytest does all tests: the last line, the order, repeats alone, the end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+
+import pytest
+from pytest_gpr20.real_time import RunLock
+from pytest_gpr20.workspace import ROOT, SOURCES, with_ros, without_ros
+
+pytest_plugins = ["pytester"]
+LIMIT_S = 60.0
+PLUGINS = ("last_line", "real_time", "order", "time_limit", "workspace")
+LOADED = [word for one in PLUGINS for word in ("-p", f"pytest_gpr20.{one}")]
+
+
+@pytest.fixture
+def own(pytester, monkeypatch):
+    """Yield a folder for tests that the plugins run on; they leave nothing behind."""
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ.get('PYTHONPATH', '')}")
+    monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
+    monkeypatch.setenv("TMPDIR", str(pytester.path))
+    yield pytester
+    assert not list(pytester.path.glob("gpr20_*"))
+
+
+def wait_until(condition):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("workers", [[], ["-n2"]])
+def test_the_last_line_counts_and_names_the_reasons(own, workers):
+    own.makepyfile(
+        "import pytest\n"
+        "def test_good(): pass\n"
+        "def test_bad(): assert False\n"
+        "def test_broken(missing): pass\n"
+        "@pytest.mark.skip(reason='no saw here')\n"
+        "def test_one(): pass\n"
+        "@pytest.mark.parametrize('number', range(2))\n"
+        "def test_more(number): pytest.skip('needs root')\n"
+    )
+    (own.path / "test_module.py").write_text("import pytest\npytest.importorskip('no_such_thing')")
+    ended = own.runpytest_subprocess(*LOADED, *workers)
+    assert ended.outlines[-1] == (
+        "1 passed, 1 failed, 4 skipped (2 x needs root; 1 x could not import 'no_such_thing': "
+        "No module named 'no_such_thing'; 1 x no saw here), 0 rerun, 1 error"
+    )
+    assert ended.ret == pytest.ExitCode.TESTS_FAILED
+
+
+def test_a_run_without_tests_has_failed(own):
+    ended = own.runpytest_subprocess(*LOADED)
+    assert ended.ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert ended.outlines[-1] == "0 passed, 0 failed, 0 skipped, 0 rerun"
+
+
+def test_only_what_depends_on_real_time_is_repeated(own):
+    own.makepyfile(
+        "import pytest\n"
+        "def test_pure(tries=[]): tries.append(1); assert len(tries) == 2\n"
+        "@pytest.mark.real_time\n"
+        "def test_timed(tries=[]): tries.append(1); assert len(tries) == 2\n"
+        "@pytest.mark.real_time\n"
+        "def test_never(): assert False\n"
+    )
+    last = own.runpytest_subprocess(*LOADED).outlines[-1]
+    assert last.startswith("1 passed, 2 failed, 0 skipped, 2 rerun (")
+    assert "test_timed" in last and "test_never" in last
+
+
+def test_a_repeated_test_runs_alone(own):
+    # While it is repeated no other test may be between its two lines.
+    record = (
+        "import os, pathlib, time\n"
+        "def record(word):\n"
+        "    with open(pathlib.Path(__file__).with_name('log'), 'a') as log:\n"
+        "        log.write(word + os.linesep)\n"
+    )
+    own.makepyfile(record=record)
+    for number in range(3):
+        (own.path / f"test_{number}.py").write_text(
+            "import pytest, time\nfrom record import record\n"
+            "@pytest.mark.parametrize('number', range(20))\n"
+            "def test_short(number): record('begin'); time.sleep(0.02); record('end')\n"
+        )
+    (own.path / "test_timed.py").write_text(
+        "import pytest, time\nfrom record import record\n"
+        "@pytest.mark.takes(9)\n"
+        "@pytest.mark.real_time\n"
+        "def test_timed(tries=[]):\n"
+        "    tries.append(1)\n"
+        "    assert len(tries) == 2\n"
+        "    record('alone'); time.sleep(0.3); record('no longer')\n"
+    )
+    ended = own.runpytest_subprocess(*LOADED, "-n3")
+    assert ended.ret == 0
+    lines = (own.path / "log").read_text().split("\n")
+    alone = lines.index("alone")
+    assert lines[alone + 1] == "no longer"
+    before = Counter(lines[:alone])
+    assert before["begin"] == before["end"]
+
+
+def test_who_waits_to_run_alone_is_not_overtaken(tmp_path):
+    one, other, alone = (RunLock(tmp_path) for _ in range(3))
+    one.acquire(alone=False)
+    other.acquire(alone=False)
+    other.release()
+    child = os.fork()
+    if not child:
+        alone.acquire(alone=True)
+        (tmp_path / "alone").touch()
+        os._exit(0)
+    wait_until(lambda: gate_is_closed(tmp_path))
+    assert not (tmp_path / "alone").exists()
+    one.release()
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def gate_is_closed(folder):
+    """Return whether somebody waits to run alone."""
+    trial = "import fcntl, sys; fcntl.flock(open(sys.argv[1], 'w'), fcntl.LOCK_SH | fcntl.LOCK_NB)"
+    ended = subprocess.run([sys.executable, "-c", trial, folder / "gate"], stderr=subprocess.PIPE)
+    return ended.returncode != 0
+
+
+def test_long_tests_come_first_and_the_tests_of_a_file_stay_together(own):
+    own.makeini("[pytest]\nseparate_tests = test_d.py\n")
+    body = "import pytest\n{}def test_one(): pass\ndef test_two(): pass\n"
+    for name, mark in (("a", ""), ("b", "takes(2)"), ("c", "takes(9)"), ("d", "takes(5)")):
+        text = body.format(f"@pytest.mark.{mark}\n" if mark else "")
+        (own.path / f"test_{name}.py").write_text(text)
+    ended = own.runpytest_subprocess(*LOADED, "--collect-only", "-q")
+    found = [line for line in ended.outlines if "::" in line]
+    expected = ["c.py::test_one", "c.py::test_two", "d.py::test_one", "b.py::test_one"]
+    expected += ["b.py::test_two", "a.py::test_one", "a.py::test_two", "d.py::test_two"]
+    assert found == [f"test_{one}" for one in expected]
+
+
+@pytest.mark.parametrize(
+    "body, said",
+    [("os._exit(3)", "crashed while running"), ("subprocess.run(['sleep', '600'])", "hangs")],
+)
+def test_a_test_that_ends_its_worker_or_hangs_has_failed_and_the_others_run(own, body, said):
+    own.makeini("[pytest]\ntest_limit_s = 3\n")
+    own.makepyfile(
+        test_bad=f"""
+            import os, pytest, subprocess
+            @pytest.mark.real_time
+            def test_bad(): {body}
+            def test_a(): pass
+        """,
+        test_b="def test_b(): pass",
+        test_c="def test_c(): pass",
+    )
+    ended = own.runpytest_subprocess(*LOADED, "-n2")
+    assert ended.ret == pytest.ExitCode.TESTS_FAILED
+    assert ended.outlines[-1] == "3 passed, 1 failed, 0 skipped, 0 rerun"
+    assert said in ended.stdout.str() + ended.stderr.str()
+
+
+@pytest.mark.parametrize("workers", [[], ["-n2"]])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_nothing_keeps_running_when_it_is_ended(own, workers, number):
+    # In a session of its own, as what a launch starts; the shell's `&` makes it ignore Ctrl-C.
+    own.makepyfile(
+        "import subprocess\n"
+        "def test_long():\n"
+        "    line = 'echo $$ > pid.new; mv pid.new pid; sleep 600'\n"
+        "    subprocess.run(['setsid', '--wait', 'bash', '-c', line])\n"
+    )
+    pytest_command = [sys.executable, "-m", "pytest", *LOADED, *workers, str(own.path)]
+    line = '"$@" & echo $! > pytest.new; mv pytest.new pytest; wait $!'
+    shell = subprocess.Popen(["bash", "-c", line, "bash", *pytest_command], cwd=own.path)
+    pid = own.path / "pid"
+    wait_until(pid.exists)
+    os.kill(int((own.path / "pytest").read_text()), number)
+    assert shell.wait(LIMIT_S) == pytest.ExitCode.INTERRUPTED
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid.read_text()), 0)
+
+
+def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_path):
+    if not (ROOT / "catkin_ws/devel/setup.bash").exists():
+        pytest.skip("the workspace is not built")
+    program = "import gpr20_simulator.srv, gpr20_msgs.msg, gpr20_survey, sys; print(sys.prefix)"
+    plain = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "ROS_HOSTNAME": "elsewhere"}
+    for shell in (plain, without_ros(plain), without_ros(os.environ)):
+        environment = with_ros(shell)
+        ended = subprocess.run(
+            ["python", "-c", program],
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+        )
+        assert ended.stdout.strip() == sys.prefix
+        assert environment["ROS_IP"] == "127.0.0.1"
+        assert "ROS_HOSTNAME" not in environment
+
+
+@pytest.mark.parametrize("workers", [[], ["-n1"]])
+def test_unit_tests_find_generated_modules_from_any_shell(own, monkeypatch, workers):
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "scripts"))
+    own.makepyfile("def test_one(): import gpr20_msgs.msg")
+    assert own.runpytest_subprocess(*LOADED, *workers).ret == 0
+
+
+def test_every_package_is_found_without_a_workspace():
+    setting = (ROOT / "pyproject.toml").read_text().split("pythonpath = [")[1].split("]")[0]
+    listed = {line.strip().strip('",') for line in setting.splitlines() if line.strip()}
+    assert listed == {"scripts", *(os.path.relpath(one, ROOT) for one in SOURCES)}
+    assert set(SOURCES) == {str(one) for one in ROOT.glob("catkin_ws/src/*/src")}
+
+
+def test_no_two_modules_of_the_tests_have_the_same_name():
+    # All of them are imported into one process.
+    folders = [*ROOT.glob("catkin_ws/src/*/test/unit"), ROOT / "scripts/test", ROOT / "scripts"]
+    names = Counter(path.name for folder in folders for path in folder.glob("*.py"))
+    assert {name for name, number in names.items() if number > 1} - {"conftest.py"} == set()
+
+
+def test_an_unknown_part_is_refused_before_anything_is_installed():
+    ended = subprocess.run(
+        [str(ROOT / "scripts/test.sh"), "units"], stderr=subprocess.PIPE, text=True, timeout=LIMIT_S
+    )
+    assert ended.returncode == 2
+    assert "'units' is neither a path nor one of lint, unit, ros, commands" in ended.stderr

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# The catalogue of every sentence that people read, kept with GNU gettext.
+#   scripts/translations.sh           bring es.po up to date: new templates have an empty msgstr
+#   scripts/translations.sh --check   fail if a template has no Spanish entry, or an entry no template
+set -euo pipefail
+# shellcheck source=scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+cd "$GPR20_ROOT"
+
+catalogue=catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po
+scratch="$(mktemp -d)"
+trap 'rm -rf "$scratch"' EXIT
+
+# Templates are the first argument of Message(...) and of tr(...).
+git ls-files --cached --others --exclude-standard -z 'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' |
+    xargs -0 xgettext --language=Python --from-code=UTF-8 --keyword --keyword=Message:1 --keyword=tr:1 \
+        --add-location=file --sort-by-file --width=98 --output="$scratch/templates.pot"
+# msgcmp and msgmerge want the charset that xgettext leaves open where every template is ASCII.
+sed -i 's/charset=CHARSET/charset=UTF-8/' "$scratch/templates.pot"
+
+if [ "${1:-}" = --check ]; then
+    msgfmt --check-format --output-file=/dev/null "$catalogue"
+    # Unlike msgcmp's warnings, an entry that no template has is an error here.
+    if ! msgcmp "$catalogue" "$scratch/templates.pot" 2>"$scratch/complaints" ||
+        [ -s "$scratch/complaints" ]; then
+        cat "$scratch/complaints" >&2
+        echo "translations.sh: the sources and $catalogue differ; run scripts/translations.sh," \
+            "then write the msgstr of each entry that has none or is marked fuzzy" >&2
+        exit 1
+    fi
+else
+    msgmerge --quiet --no-fuzzy-matching --add-location=file --sort-by-file --width=98 \
+        --output-file="$scratch/merged.po" "$catalogue" "$scratch/templates.pot"
+    # Without the date of the templates: a catalogue that says the same is the same file.
+    msgattrib --no-obsolete --width=98 "$scratch/merged.po" |
+        sed '/^"\(POT-Creation-Date\|Report-Msgid-Bugs-To\):/d' >"$catalogue"
+    msgfmt --statistics --output-file=/dev/null "$catalogue"
+fi
