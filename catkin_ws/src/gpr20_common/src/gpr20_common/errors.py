@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Union
-
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 
 
 class Gpr20Error(Exception):
@@ -20,9 +18,9 @@ class Gpr20Error(Exception):
 
     message: Message
 
-    def __init__(self, message: Union[Message, str]) -> None:
+    def __init__(self, message: Message) -> None:
         super().__init__(message)
-        self.message = message if isinstance(message, Message) else verbatim(message)
+        self.message = message
 
     def __str__(self) -> str:
         return str(self.message)
