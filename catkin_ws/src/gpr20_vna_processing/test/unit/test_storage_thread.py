@@ -41,7 +41,7 @@ def test_a_job_returns_its_result_and_raises_its_error():
     disk = Disk()
 
     def refuse():
-        raise TraceRefusedError("no")
+        raise TraceRefusedError(Message("no"))
 
     assert disk.thread.do(lambda: 7, TIME_LIMIT_S) == 7
     with pytest.raises(TraceRefusedError, match="no"):
