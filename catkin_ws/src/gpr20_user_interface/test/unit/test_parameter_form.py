@@ -107,6 +107,12 @@ def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
     assert result.parameters is None or problems(result.parameters, ROBOT) == []
 
 
+@pytest.mark.parametrize("text", ["\x1f5", " 5 ", "9" * 5000])
+def test_whole_number_between_blanks_or_far_too_long_is_no_crash(text):
+    result = check(x_points=text)
+    assert result.unreadable == (() if len(text) < 9 else ("x_points",))
+
+
 def test_texts_of_parameters_are_read_back_as_the_same_parameters():
     parameters = check(start_frequency_hz="700.123456", x_stop_mm="150.01").parameters
     assert check_form(texts_of(parameters), ROBOT).parameters == parameters

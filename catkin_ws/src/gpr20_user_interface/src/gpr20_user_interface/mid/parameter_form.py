@@ -29,6 +29,8 @@ ROTATIONS = "polarizations_deg"
 MAX_GRID_POINTS = 9999
 HERTZ_PER_MEGAHERTZ = 1.0e6
 MEGAHERTZ_EXPONENT = 6
+# Of a whole number; far more than any parameter needs.
+MAX_DIGITS = 18
 
 
 def hertz_from_megahertz(text: str) -> float:
@@ -72,10 +74,12 @@ def rotations_text(rotations_deg: Iterable[float]) -> str:
 
 
 def _whole_number(text: str) -> int:
-    # Not int() alone: it accepts digits of other scripts, underscores and signs.
-    if not (text.strip().isascii() and text.strip().isdigit()):
-        raise InvalidValueError(Message("'{text}' is not a whole number", text=text))
-    return int(text)
+    digits = text.strip()
+    # Not int() alone: it accepts digits of other scripts, underscores and signs, and refuses
+    # thousands of digits and some of the blanks that strip() removes.
+    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
+        raise InvalidValueError(Message("'{text}' is not a whole number", text=text[:64]))
+    return int(digits)
 
 
 def _number(text: str) -> float:
