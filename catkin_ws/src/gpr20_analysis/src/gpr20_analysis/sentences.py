@@ -7,12 +7,14 @@ holds the template and values of each, as JSON, so that it can be shown in anoth
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row, received_message
+
+# The command line needs this module before it knows which libraries a command needs.
+if TYPE_CHECKING:
+    import xarray as xr
 
 MISSING, FAULTS, NOTES = "missing", "faults", "notes"
 LIST_ATTRIBUTES = (MISSING, FAULTS, NOTES)
