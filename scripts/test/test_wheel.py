@@ -31,11 +31,17 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
         names = archive.namelist()
     assert {name.split("/")[0] for name in names if "dist-info" not in name} == PACKAGES
     assert not [name for name in names if name.startswith("gpr20_common/high")]
+    assert "gpr20_common/translations/es.po" in names
 
 
 @pytest.mark.skipif(not PYTHON.exists(), reason="no Python without ROS here (.venv38)")
 @pytest.mark.parametrize(
-    "command", [["verify"], ["report", "-o", "report.html", "--permittivity", "4"]]
+    "command",
+    [
+        ["verify"],
+        ["report", "-o", "report.html", "--permittivity", "4"],
+        ["report", "-o", "report.html", "--permittivity", "4", "--language", "es"],
+    ],
 )
 def test_the_wheel_alone_reads_a_survey(wheel, tmp_path, command):
     survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
