@@ -45,7 +45,10 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
 )
 def test_the_wheel_alone_reads_a_survey(wheel, tmp_path, command):
     survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
-    environment = {**os.environ, "PYTHONPATH": str(wheel)}
+    # As pip installs it: the catalogue is a file.
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "installed")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed")}
     name, *options = command
     ended = subprocess.run(
         [PYTHON, "-m", "gpr20_analysis.commands.main", name, str(survey), *options],
