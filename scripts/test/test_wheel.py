@@ -33,18 +33,27 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
         names = archive.namelist()
     assert {name.split("/")[0] for name in names if "dist-info" not in name} == PACKAGES
     assert not [name for name in names if name.startswith("gpr20_common/high")]
+    assert "gpr20_common/translations/es.po" in names
 
 
 @pytest.mark.parametrize("venv", VENVS)
 @pytest.mark.parametrize(
-    "command", [["verify"], ["report", "-o", "report.html", "--permittivity", "4"]]
+    "command",
+    [
+        ["verify"],
+        ["report", "-o", "report.html", "--permittivity", "4"],
+        ["report", "-o", "report.html", "--permittivity", "4", "--language", "es"],
+    ],
 )
 def test_the_wheel_alone_reads_a_survey(wheel, tmp_path, command, venv):
     python = ROOT / venv / "bin/python"
     if not python.exists():
         pytest.skip(f"no {venv} here")
     survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
-    environment = {**os.environ, "PYTHONPATH": str(wheel)}
+    # As pip installs it: the catalogue is a file.
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "installed")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed")}
     name, *options = command
     ended = subprocess.run(
         [python, "-m", "gpr20_analysis.commands.main", name, str(survey), *options],

@@ -7,12 +7,14 @@ holds the template and values of each, as JSON, so that it can be shown in anoth
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row, received_message
+
+# The command line needs this module before it knows which libraries a command needs.
+if TYPE_CHECKING:
+    import xarray as xr
 
 MISSING, FAULTS, NOTES = "missing", "faults", "notes"
 LIST_ATTRIBUTES = (MISSING, FAULTS, NOTES)
@@ -24,16 +26,16 @@ ENGLISH = Catalogue()
 def sentences_of(data: xr.Dataset, name: str) -> List[Message]:
     """Return the sentences of an attribute, such as `notes`.
 
-    A sentence without a template, as older files hold them, stays as it is.
+    A sentence without a template, such as one from an older file, stays in English.
     """
-    recorded = json.loads(data.attrs.get(MESSAGES, "{}"))
+    recorded = _recorded(data.attrs)
     return [received_message(str(one), recorded.get(one, "")) for one in data.attrs.get(name, [])]
 
 
 def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) -> Dict[str, Any]:
     """Return attributes in which some lists of sentences are replaced."""
     changed = dict(attributes)
-    recorded = json.loads(changed.get(MESSAGES, "{}"))
+    recorded = _recorded(changed)
     for name, messages in lists.items():
         sentences = [(str(one), one.to_json()) for one in messages]
         changed[name] = [text for text, _ in sentences]
@@ -47,14 +49,14 @@ def sentence_of(data: xr.Dataset, name: str) -> Optional[Message]:
     """Return the sentence of an attribute that is one sentence; None if it is not there."""
     if name not in data.attrs:
         return None
-    recorded = json.loads(data.attrs.get(MESSAGES, "{}"))
+    recorded = _recorded(data.attrs)
     text = str(data.attrs[name])
     return received_message(text, recorded.get(text, ""))
 
 
 def with_sentence(attributes: Mapping[str, Any], name: str, message: Message) -> Dict[str, Any]:
     """Return attributes with one that is a sentence."""
-    recorded = json.loads(attributes.get(MESSAGES, "{}"))
+    recorded = _recorded(attributes)
     recorded[str(message)] = message.to_json()
     return {**attributes, name: str(message), MESSAGES: json.dumps(recorded)}
 
@@ -81,3 +83,12 @@ def shown(message: Message, catalogue: Catalogue = ENGLISH) -> str:
     details = BETWEEN_SENTENCES.join(message.all_details)
     sentence = catalogue.text(message)
     return f"{sentence} ({details})" if details else sentence
+
+
+def _recorded(attributes: Mapping[str, Any]) -> Dict[str, str]:
+    # A file without checksum may hold anything; without templates the sentences stay English.
+    try:
+        recorded = json.loads(attributes.get(MESSAGES, "{}"))
+    except (ValueError, TypeError):
+        return {}
+    return recorded if isinstance(recorded, dict) else {}

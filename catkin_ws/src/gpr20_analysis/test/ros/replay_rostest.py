@@ -90,7 +90,7 @@ class ReplayTest(unittest.TestCase):
                 done = self.run_node(survey, "--rate", "100")
                 self.assertEqual(done.returncode, 3, done.stderr)
                 self.assertIn(f"/trace is published by {rospy.get_name()}", done.stderr)
-                self.assertIn("a master of its own", done.stderr)
+                self.assertIn("on another ROS master", done.stderr)
         finally:
             robot.unregister()
         self.assertEqual(self.traces, [])

@@ -95,9 +95,10 @@ def test_sentences_of_a_stored_dataset_can_be_translated_later(stopped, tmp_path
     assert all(shown(one, Catalogue(SPANISH)).startswith("falta: x ") for one in missing)
 
 
-def test_a_sentence_without_template_stays_as_it_is(stopped):
+@pytest.mark.parametrize("messages", ["{}", "{", "[]", '{"written by hand": "{"}'])
+def test_a_sentence_without_template_stays_as_it_is(stopped, messages):
     survey = load_survey(stopped)
-    survey.attrs["notes"] = ["written by hand"]
+    survey.attrs.update(notes=["written by hand"], messages=messages)
     (note,) = sentences_of(survey, "notes")
     assert str(note) == "written by hand"
 

@@ -141,7 +141,7 @@ def test_time_zero_changes_no_image_and_is_not_done_twice():
 def test_band_selection_keeps_both_ends_and_refuses_an_empty_band():
     band = select_band(survey(TARGET), 1.14e9, 1.248e9)
     np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
-    with pytest.raises(WrongDatasetError, match="holds 0 frequencies"):
+    with pytest.raises(WrongDatasetError, match="contains 0 frequencies"):
         select_band(survey(TARGET), 7e9, 8e9)
 
 
