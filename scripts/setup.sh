@@ -56,7 +56,7 @@ install_python_packages() {
     version="$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     if [ ! -f "$pins" ]; then
-        echo "setup.sh: there is no $pins for /usr/bin/python3; add it to scripts/requirements.sh" >&2
+        echo "setup.sh: $pins is missing; add Python $version to scripts/requirements.sh" >&2
         exit 1
     fi
     if [ ! -x "$GPR20_VENV/bin/python" ]; then
