@@ -11,8 +11,9 @@ ruff check . "${nodes[@]}"
 ruff format --check . "${nodes[@]}"
 
 # The messages are those that the build made.
+messages=catkin_ws/devel/lib/python3/dist-packages
 packages=(catkin_ws/src/*/src)
-MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)catkin_ws/devel/lib/python3/dist-packages" \
+MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)$messages" \
     mypy --no-error-summary --scripts-are-modules "${packages[@]}" catkin_ws/src/*/nodes/* \
     benchmarks/*.py scripts/*.py scripts/crash_matrix
 

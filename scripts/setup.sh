@@ -48,31 +48,45 @@ install_debian_packages() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# What is imported (requirements/*.in), and the versions that this Python gets.
+# What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
-    local lists=(nodes.in) version pins arguments=() list chosen stamp="$GPR20_VENV/installed"
+    local lists=(nodes.in) arguments=() inputs=() version pins list
     [ "$dev" = no ] || lists+=(test.in lint.in)
     [ "$robot" = no ] || lists+=(robot.in)
     version="$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     if [ ! -f "$pins" ]; then
-        echo "setup.sh: there is no $pins for /usr/bin/python3; add it to scripts/requirements.sh" >&2
+        echo "setup.sh: $pins is missing; add Python $version to scripts/requirements.sh" >&2
         exit 1
     fi
-    for list in "${lists[@]}"; do arguments+=(-r "$GPR20_ROOT/requirements/$list"); done
-    # Surveys are analysed elsewhere than on the robot. The command gpr20 runs from its sources.
-    [ "$robot" = yes ] || arguments+=(--editable "$GPR20_WORKSPACE/src/gpr20_analysis[all]")
-    chosen="${arguments[*]}
-$(cat "$pins" "$GPR20_ROOT"/requirements/*.in "$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml")"
-    if [ -f "$stamp" ] && [ "$chosen" = "$(cat "$stamp")" ]; then return 0; fi
     if [ ! -x "$GPR20_VENV/bin/python" ]; then
         echo "making the virtual environment $GPR20_VENV"
         /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
     fi
-    echo "installing Python packages: ${lists[*]}"
+    for list in "${lists[@]}"; do
+        list="$GPR20_ROOT/requirements/$list"
+        is_installed "$list" || { arguments+=(-r "$list"); inputs+=("$list"); }
+    done
+    # Surveys are analysed elsewhere than on the robot. The command gpr20 runs from its sources.
+    list="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml"
+    if [ "$robot" = no ] && ! is_installed "$list"; then
+        arguments+=(--editable "$(dirname "$list")[all]")
+        inputs+=("$list")
+    fi
+    [ ${#arguments[@]} -gt 0 ] || return 0
+    echo "installing the Python packages of: ${inputs[*]##*/}"
     "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
         --constraint "$pins" "${arguments[@]}"
-    printf '%s\n' "$chosen" >"$stamp"
+    for list in "${inputs[@]}"; do cat "$list" "$pins" >"$(stamp_of "$list")"; done
+}
+
+# What was installed last because of a list.
+stamp_of() {
+    echo "$GPR20_VENV/installed-$(basename "$1")"
+}
+
+is_installed() {
+    cat "$1" "$pins" | cmp -s - "$(stamp_of "$1")"
 }
 
 # Python sources run from where they are; only these files decide what the build makes.
