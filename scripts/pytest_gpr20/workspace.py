@@ -21,7 +21,6 @@ from pytest_gpr20.processes import end_descendants
 ROOT = Path(__file__).resolve().parents[2]
 WORKSPACE = ROOT / "catkin_ws"
 SOURCES = [str(path) for path in sorted((WORKSPACE / "src").glob("gpr20_*/src"))]
-SOURCES.append(str(WORKSPACE / "src/rosout/src"))
 # They would make the nodes of a test listen elsewhere or look for another robot.
 UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "GPR20_ROBOT", "GPR20_SERVER")
 

@@ -15,8 +15,8 @@ from gpr20_common.errors import InvalidValueError
     "field, value, message",
     [
         ("dir_pin", 9, "dir_pin is 9"),
-        ("step_pin", 13, "pin of its own"),
-        ("sensor_pin", 15, "pin of its own"),
+        ("step_pin", 13, "all pins must be different"),
+        ("sensor_pin", 15, "all pins must be different"),
         ("step_size", 0.0, "step_size is 0"),
         ("step_size", math.nan, "step_size is nan"),
         ("min_step", 0.006, "min_step is 0.006"),
@@ -35,8 +35,8 @@ from gpr20_common.errors import InvalidValueError
         ("late_limit_s", 0.0016, "late_limit_s is 0.0016 s; it must lie between 2e-06 and 0.0015"),
         ("gap_limit_s", 0.0001, "gap_limit_s is 0.0001 s; it must lie between 0.0005"),
         ("gap_limit_s", math.nan, "gap_limit_s is nan"),
-        ("backend", "wiringpi", "backend is 'wiringpi'; it must be rpi_gpio or pigpio"),
-        ("memory_file", "/var/lib/z", "has an endstop"),
+        ("backend", "wiringpi", "backend is 'wiringpi'; it must be one of rpi_gpio, pigpio"),
+        ("memory_file", "/var/lib/z", "with the endstop on sensor_pin"),
         ("sensor_pin", None, "sensor_pin is missing; a linear axis"),
     ],
 )

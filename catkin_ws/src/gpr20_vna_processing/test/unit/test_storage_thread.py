@@ -6,6 +6,7 @@ import pytest
 from storage_kit import text_message, wait_until
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, TraceRefusedError
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, StorageThread
 
