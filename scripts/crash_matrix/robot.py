@@ -14,7 +14,7 @@ from robot_kit import MASTER, NODES, LaunchedRobot, end
 POWER = "all at once"
 VICTIMS = [*(name for name in NODES if name != "rosout"), MASTER, POWER]
 LAUNCH_FILE = Path(__file__).with_name("probed_survey.launch")
-# A trace is published after it was stored, so whatever is heard was acknowledged.
+# A trace is published after it was stored, so every trace received was acknowledged.
 MONITOR = """
 import sys, rospy
 from gpr20_msgs.msg import Trace

@@ -34,7 +34,7 @@ class DiskFaultsTest(unittest.TestCase):
         shutil.rmtree(cls.client.data.parent)
 
     def tearDown(self):
-        self.mend()
+        self.repair()
 
     def begin_fault(self, kind, value):
         """Switch a fault on in one step: no reader sees half of the file."""
@@ -42,7 +42,7 @@ class DiskFaultsTest(unittest.TestCase):
         new.write_text(f"{kind} {value}")
         os.replace(str(new), str(self.fault))
 
-    def mend(self):
+    def repair(self):
         if self.fault.exists():
             self.fault.unlink()
 
@@ -69,7 +69,7 @@ class DiskFaultsTest(unittest.TestCase):
         self.assertIn("read-only", status.message)
         for folder in set(self.client.data.iterdir()) - before:
             self.assertEqual(list(folder.glob("traces/*")), [])
-        self.mend()
+        self.repair()
         survey_id, status = self.client.run_to_end()
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         self.assert_whole(survey_id)
@@ -85,7 +85,7 @@ class DiskFaultsTest(unittest.TestCase):
         self.assertGreaterEqual(len(stored), acknowledged)
         self.assertLess(len(stored), TRACES)
 
-        self.mend()
+        self.repair()
         self.client.go_on(survey_id)
         status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)

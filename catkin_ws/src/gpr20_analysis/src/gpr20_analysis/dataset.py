@@ -3,7 +3,7 @@
 `s21` is complex128 with dimensions (polarization, y, x, frequency); `height`, `timestamp`,
 `sweep_started`, `sweep_ended`, `quality`, `remarks`, `sample_id` and `index` have (polarization,
 y, x). All units are SI, but rotations are in degrees. A sample that is missing or damaged is NaN
-in `s21`; `quality` tells which, and attribute `missing` lists them.
+in `s21`; `quality` says which, and attribute `missing` lists them.
 """
 
 from __future__ import annotations

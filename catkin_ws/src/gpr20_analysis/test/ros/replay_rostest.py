@@ -76,7 +76,7 @@ class ReplayTest(unittest.TestCase):
 
     def test_every_trace_comes_back_from_json_files_alone_at_the_rate(self) -> None:
         # One trace was taken each second. Of the replay itself, whose end no stall brings forward:
-        # this process may hear several at once.
+        # this process may receive several at once.
         begun_s = time.monotonic()
         self.replay(self.folder / "traces", "--rate", "4")
         took_s = time.monotonic() - begun_s

@@ -1,4 +1,4 @@
-"""Every command, every kind of input, every damage: refused, or told by the exit status."""
+"""Every command, every kind of input, every damage: refused, or reported by the exit status."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_missing_samples_are_told_by_every_command(cut_short, tmp_path, capsys, 
     if kind.startswith("s."):
         source = tmp_path / kind
         write_dataset(load_survey(cut_short), source)
-    if kind == "traces":  # nothing tells of the two that would have come last
+    if kind == "traces":  # nothing says that two more would have come
         source = tmp_path / "traces"
         shutil.copytree(str(cut_short / kind), str(source))
         trace_file(tmp_path, 3).unlink()

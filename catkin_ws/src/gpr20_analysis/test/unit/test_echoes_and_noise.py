@@ -38,10 +38,10 @@ def test_a_target_stands_above_noise_and_noise_is_told_to_be_doubtful():
     assert echoes[0].x_m == pytest.approx(0.12, abs=0.001)
     assert echoes[0].above_noise_db > 15.0
     assert len(echoes) > 5 and all(one.above_noise_db < 2.0 for one in echoes[1:])
-    (told,) = doubtful_echoes(echoes)
+    (printed,) = doubtful_echoes(echoes)
     count = sum(one.above_noise_db <= 0.0 for one in echoes)
-    assert str(told).startswith(f"{count} of the {len(echoes)} echoes are not brighter")
-    assert echo_lines(echoes)[-1] == str(told)
+    assert str(printed).startswith(f"{count} of the {len(echoes)} echoes are not brighter")
+    assert echo_lines(echoes)[-1] == str(printed)
 
 
 def test_nothing_is_doubted_where_all_echoes_stand_out():

@@ -24,8 +24,8 @@ def test_every_command_explains_itself(name, capsys):
 
 def test_help_lists_every_command(capsys):
     assert main(["--help"]) == 0
-    told = capsys.readouterr().out
-    assert all(name in told for name in SUMMARIES)
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in SUMMARIES)
 
 
 @pytest.mark.parametrize("arguments", [[], ["nonsense"], ["info"], ["export", "a", "b"]])
@@ -43,10 +43,10 @@ def test_an_error_says_which_command_and_what(tmp_path, capsys):
 def test_info_tells_how_whole_a_survey_is(tmp_path, capsys, stored, status):
     folder = make_survey(tmp_path, stored, "stopped")
     assert main(["info", str(folder), "--json"]) == status
-    told = json.loads(capsys.readouterr().out)
-    assert told["samples"].startswith(f"{stored} of {ALL} of the grid")
-    assert len(told["missing"]) == ALL - stored
-    assert told["frequency"] == "5 from 0.6 to 6 GHz, every 1350 MHz"
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["samples"].startswith(f"{stored} of {ALL} of the grid")
+    assert len(printed["missing"]) == ALL - stored
+    assert printed["frequency"] == "5 from 0.6 to 6 GHz, every 1350 MHz"
 
 
 def test_info_of_a_damaged_survey_is_refused_or_marked(tmp_path, capsys):

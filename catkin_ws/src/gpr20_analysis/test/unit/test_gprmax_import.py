@@ -19,7 +19,7 @@ TIME_S = np.arange(COUNT) * STEP_S
 
 
 def make_gprmax(path, position=(0.1, 0.2), delay_s=4e-9, amplitude=1.0, version=3, along="y"):
-    """Write what gprMax does; version 4 tells the source, whose samples lie between the field's."""
+    """Write what gprMax does; version 4 names the source, whose samples lie between the field's."""
     ricker = WAVEFORMS["ricker"]
     with h5py.File(path, "w") as file:
         file.attrs.update(Title="t", Iterations=COUNT, dt=STEP_S, nsrc=1, nrx=1)

@@ -39,7 +39,7 @@ def holed_file(tmp_path):
     return path
 
 
-def told(capsys, *arguments, status=DONE):
+def printed(capsys, *arguments, status=DONE):
     assert main([str(one) for one in arguments]) == status
     return capsys.readouterr().out
 
@@ -50,7 +50,7 @@ def refused(capsys, *arguments):
 
 
 def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
-    answer = json.loads(told(capsys, "image", survey_file, "--permittivity", 4, "--json"))
+    answer = json.loads(printed(capsys, "image", survey_file, "--permittivity", 4, "--json"))
     echo = answer["echoes"][0]
     assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
     assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3
@@ -65,7 +65,7 @@ def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
 
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
     netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
-    told(
+    printed(
         capsys, "image", survey_file, "--permittivity", 4, "--depth", 0, 0.2, 0.01,
         "-o", netcdf, "-o", vtk, "--figures", pictures,
     )  # fmt: skip
@@ -81,21 +81,21 @@ def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys)
 
 def test_processed_data_go_through_the_chain_and_keep_their_recipe(survey_file, tmp_path, capsys):
     result, recipe = tmp_path / "clean.nc", tmp_path / "recipe.yaml"
-    told(
+    printed(
         capsys, "process", survey_file, "--step", "background:method=median", "-o", result,
         "--save-recipe", recipe,
     )  # fmt: skip
     assert yaml.safe_load(recipe.read_text())[0]["method"] == "median"
-    answer = json.loads(told(capsys, "image", result, "--permittivity", 4, "--json"))
+    answer = json.loads(printed(capsys, "image", result, "--permittivity", 4, "--json"))
     assert [one["method"] for one in answer["processing"]] == ["median"]
     again = tmp_path / "again.nc"
-    told(capsys, "process", survey_file, "--recipe", recipe, "-o", again)
+    printed(capsys, "process", survey_file, "--recipe", recipe, "-o", again)
     np.testing.assert_array_equal(read_dataset(result).s21, read_dataset(again).s21)
 
 
 def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, capsys):
     answer = json.loads(
-        told(
+        printed(
             capsys,
             "image",
             survey_file,
@@ -117,7 +117,7 @@ def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, 
 def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
     assert "1 samples have no data" in refused(capsys, "image", holed_file, "--permittivity", 4)
     options = ("--permittivity", 4, "--leave-out-missing")
-    text = told(capsys, "image", holed_file, *options, status=NOT_COMPLETE)
+    text = printed(capsys, "image", holed_file, *options, status=NOT_COMPLETE)
     assert "note: 1 of 242 samples were left out" in text
 
 
@@ -134,16 +134,16 @@ def test_missing_samples_are_refused_then_left_out_aloud(holed_file, capsys):
 def test_plots_of_a_survey_are_written(survey_file, tmp_path, capsys, arguments):
     picture = tmp_path / "figure.svg"
     kind, *options = arguments
-    told(capsys, "plot", kind, survey_file, *options, "-o", picture)
+    printed(capsys, "plot", kind, survey_file, *options, "-o", picture)
     assert picture.read_text().startswith("<?xml")
 
 
 def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
     image = tmp_path / "image.nc"
-    told(capsys, "image", survey_file, "--permittivity", 4, "-o", image)
+    printed(capsys, "image", survey_file, "--permittivity", 4, "-o", image)
     for kind, options in (("c-scan", ("--depth", 83)), ("projection", ("--rotation", 90))):
         picture = tmp_path / f"{kind}.png"
-        told(capsys, "plot", kind, image, *options, "-o", picture)
+        printed(capsys, "plot", kind, image, *options, "-o", picture)
         assert picture.stat().st_size > 10_000
     reason = refused(capsys, "plot", "c-scan", image, "--delay", 2, "-o", tmp_path / "x.png")
     assert "--delay is for surveys" in reason

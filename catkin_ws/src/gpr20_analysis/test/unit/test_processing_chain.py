@@ -66,7 +66,7 @@ def test_a_step_can_name_a_reference_survey(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "printed"),
     [
         ("migrate", "steps are"),
         ("background:rang=2", "has no parameter 'rang'"),
@@ -82,8 +82,8 @@ def test_a_step_can_name_a_reference_survey(tmp_path):
         ("", "unknown step"),
     ],
 )
-def test_steps_that_make_no_sense_are_refused_with_what_is_allowed(text, told):
-    with pytest.raises(RecipeError, match=told):
+def test_steps_that_make_no_sense_are_refused_with_what_is_allowed(text, printed):
+    with pytest.raises(RecipeError, match=printed):
         step_from_text(text)
 
 

@@ -34,10 +34,10 @@ def test_the_example_of_the_document_runs(tmp_path, monkeypatch):
 
 
 def test_every_public_name_is_there_documented_and_told():
-    told = DOCUMENT.read_text(encoding="utf-8")
+    printed = DOCUMENT.read_text(encoding="utf-8")
     for name in gpr20_analysis.__all__:
         assert getattr(gpr20_analysis, name).__doc__
-        assert f"`{name}`" in told
+        assert f"`{name}`" in printed
 
 
 def test_importing_and_the_list_of_commands_load_no_library():
@@ -45,5 +45,5 @@ def test_importing_and_the_list_of_commands_load_no_library():
         "import sys, gpr20_analysis; from gpr20_analysis.commands.main import main; "
         f"main(['--help']); print('LOADED', [one for one in {HEAVY} if one in sys.modules])"
     )
-    told = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, check=True)
-    assert told.stdout.decode().endswith("LOADED []\n")
+    printed = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, check=True)
+    assert printed.stdout.decode().endswith("LOADED []\n")

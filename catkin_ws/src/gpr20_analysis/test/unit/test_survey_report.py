@@ -19,7 +19,7 @@ pytestmark = pytest.mark.takes(40)
 
 ALL = len(POINTS)
 OPTIONS = ["--permittivity", "4", "--depth", "0", "0.02", "0.005"]
-LOW = ["--height", "0.03"]  # the sweep of these surveys tells short delays only
+LOW = ["--height", "0.03"]  # the sweep of these surveys shows short delays only
 
 
 @pytest.fixture(scope="module")

@@ -49,15 +49,15 @@ def without_manifest_faults(found):
 
 def test_a_whole_survey_is_complete_and_intact(finished, capsys):
     assert main([str(finished)]) == 0
-    told = capsys.readouterr().out
-    assert told == "complete and intact: all 18 planned traces are stored and readable\n"
+    printed = capsys.readouterr().out
+    assert printed == "complete and intact: all 18 planned traces are stored and readable\n"
 
 
 def test_a_survey_that_was_stopped_is_intact_and_never_called_complete(stopped, capsys):
     assert main([str(stopped)]) == 1
-    told = capsys.readouterr().out
-    assert "INCOMPLETE, but intact: 7 of 18 planned traces" in told
-    assert "complete" not in told
+    printed = capsys.readouterr().out
+    assert "INCOMPLETE, but intact: 7 of 18 planned traces" in printed
+    assert "complete" not in printed
 
 
 def test_a_survey_that_was_cut_off_is_judged_by_what_is_whole(tmp_path, capsys):
@@ -172,9 +172,9 @@ def test_a_name_that_is_no_text_is_told(copy):
         pass
     environment = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
     command = [sys.executable, "-m", "gpr20_analysis.verify", str(copy)]
-    told = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=False)
-    assert told.returncode == 2
-    assert rb"FAULT: traces/\xff.json is not in the manifest" in told.stdout
+    printed = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=False)
+    assert printed.returncode == 2
+    assert rb"FAULT: traces/\xff.json is not in the manifest" in printed.stdout
 
 
 def test_a_link_in_the_place_of_a_file_is_not_followed(copy, tmp_path):

@@ -42,12 +42,12 @@ class SimulatorTest(unittest.TestCase):
         """Wait for a diagnostic status of the simulator that satisfies the condition."""
         found = threading.Event()
 
-        def hear(message):
+        def receive(message):
             for status in message.status:
                 if "simulator" in status.name and condition(status):
                     found.set()
 
-        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, hear)
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, receive)
         self.assertTrue(found.wait(LIMIT_S))
         subscriber.unregister()
 

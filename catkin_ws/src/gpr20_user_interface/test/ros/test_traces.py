@@ -97,7 +97,7 @@ class Traces(unittest.TestCase):
         ]
         self.windows: list = []
         waiting.wait_until(
-            lambda: all(one.get_num_connections() for one in self.subscribers), "all is heard"
+            lambda: all(one.get_num_connections() for one in self.subscribers), "all is received"
         )
 
     def tearDown(self) -> None:
@@ -110,7 +110,7 @@ class Traces(unittest.TestCase):
         self.code = message.code
 
     def note_trace(self, message: rospy.AnyMsg) -> None:
-        # As the window hears it: the subscriptions of one process are of one type.
+        # As the window receives it: the subscriptions of one process are of one type.
         self.heard_s[deserialized(Trace, message._buff).index] = time.monotonic()
 
     def window(self, tab: TabName) -> Window:
@@ -170,7 +170,7 @@ class Traces(unittest.TestCase):
         radar = live.radar
 
         def shows_everything() -> bool:
-            # The last traces are stored and told while the survey pauses already.
+            # The last traces are stored and published while the survey pauses already.
             counts = live.map.counts()
             on_map = -1 if counts is None else 2 * counts[StopState.DONE] + counts[StopState.PARTLY]
             return radar.count == on_map == len(self.heard_s)
@@ -221,7 +221,7 @@ class Traces(unittest.TestCase):
         self.addCleanup(publisher.unregister)
         wait_until(lambda: publisher.get_num_connections() > 0, "the window listens")
         publisher.publish(Trace(survey_id="none"))
-        wait_until(lambda: self.warned.called, "it is told")
+        wait_until(lambda: self.warned.called, "it is reported")
         self.assertIn("the trace is refused", str(self.warned.call_args[0][1]))
         self.assertEqual(window.traces.live.radar.given_up, {})
 

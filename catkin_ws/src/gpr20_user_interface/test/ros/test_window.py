@@ -23,7 +23,7 @@ class Window(WindowCase):
         self.fake = FakeMainControl("")
         self.addCleanup(lambda: self.fake.close())
         self.open_window()
-        wait_until(lambda: self.title() == "IDLE", "the window hears main_control")
+        wait_until(lambda: self.title() == "IDLE", "the window has contact with main_control")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
 
     def start(self) -> None:
@@ -32,7 +32,7 @@ class Window(WindowCase):
         self.fake.point_limit = 7
         self.click("start")
         wait_until(lambda: "7 of 18 traces" in self.window.status.progress.texts, "progress moves")
-        # What is told on other topics may come later.
+        # What other topics say may come later.
         positions = self.window.status.positions
         wait_until(lambda: positions.cell("current", 1) == "7.00", "the position is shown")
         wait_until(lambda: positions.cell("target", 2) == "14.00", "the target is shown")
@@ -64,7 +64,7 @@ class Window(WindowCase):
         self.assertEqual(self.window.status.message.message, "the VNA does not answer")
         self.fake.point_limit = 18
         self.click("resume")
-        wait_until(lambda: self.title() == "FINISHED", "the survey goes on")
+        wait_until(lambda: self.title() == "FINISHED", "the survey continues")
         self.assertEqual(self.window.status.progress.thousandths, 1000)
 
     def test_axis_limits_of_the_robot_lock_start(self) -> None:
@@ -108,7 +108,7 @@ class Window(WindowCase):
         self.fake.close()
         wait_until(
             lambda: "contact with the main control for" in self.window.top_bar.alarm.text(),
-            "the loss is told",
+            "the loss is reported",
         )
         # What the robot does is not known: neither stopped nor free to start.
         self.assertEqual(self.title(), "SURVEYING")
@@ -116,7 +116,9 @@ class Window(WindowCase):
         self.keep_picture("control_gone")
         self.fake = FakeMainControl("")
         # The next main_control knows nothing of the survey: the window does not forget it.
-        wait_until(lambda: "INTERRUPTED" in self.window.top_bar.alarm.text(), "the return is told")
+        wait_until(
+            lambda: "INTERRUPTED" in self.window.top_bar.alarm.text(), "the return is reported"
+        )
         self.assertEqual(self.title(), "IDLE")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
         self.click("start")
@@ -148,7 +150,7 @@ class Window(WindowCase):
         wait_until(lambda: self.enabled() == "stop resume", "RESUME is unlocked")
         self.fake.point_limit = 18
         self.click("resume")
-        wait_until(lambda: self.title() == "FINISHED", "the survey goes on")
+        wait_until(lambda: self.title() == "FINISHED", "the survey continues")
 
     def test_every_refused_request_opens_its_dialog(self) -> None:
         self.start()
@@ -196,7 +198,7 @@ class Window(WindowCase):
         self.assertEqual(sorted(stopped), ["x", "y", "z"])
         reason = self.window.notice.reason.toPlainText()
         self.assertIn("x axis: stopping; y axis: stopping; z axis: stopping", reason)
-        # Nobody has said that the robot stands still.
+        # Nobody has said that the robot is at rest.
         self.assertEqual(self.title(), "SURVEYING")
 
     def test_language_changes_at_once(self) -> None:

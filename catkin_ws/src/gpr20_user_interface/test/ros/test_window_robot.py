@@ -22,7 +22,7 @@ from gpr20_user_interface.views.main_window import TabName
 class WindowOnRobot(WindowCase):
     def setUp(self) -> None:
         self.open_window()
-        wait_until(lambda: self.title() != "—", "the window hears main_control")
+        wait_until(lambda: self.title() != "—", "the window has contact with main_control")
         wait_until(self.knows_the_robot, "the window knows the limits and the health of the robot")
 
     def knows_the_robot(self) -> bool:
@@ -127,7 +127,7 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
         alarm = self.window.top_bar.alarm
-        wait_until(lambda: "VNA fault" in alarm.text(), "the loss is told")
+        wait_until(lambda: "VNA fault" in alarm.text(), "the loss is reported")
         wait_until(lambda: self.title() == "PAUSED", "the survey holds")
         self.assertTrue(alarm.isVisible())
         self.assertIn("VNA", self.window.top_bar.message.whole)
@@ -136,7 +136,7 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
         self.click("resume")
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
-        wait_until(lambda: not alarm.isVisible(), "the return is told")
+        wait_until(lambda: not alarm.isVisible(), "the return is reported")
         self.assertEqual(self.visited(), 18)
 
     def end_interface_early(self) -> None:

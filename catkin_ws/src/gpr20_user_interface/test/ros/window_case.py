@@ -39,7 +39,7 @@ def new_interface(model: SurveyModel, languages: Languages) -> UserInterface:
 
 
 class WatchedModel(SurveyModel):
-    """Remembers which threads told it something."""
+    """Remembers which threads called it."""
 
     def __init__(self, clock: Clock) -> None:
         super().__init__(clock)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A window in a process of its own that tells what it shows: a line of JSON for each line it reads.
+"""A window in its own process that reports what it shows: one line of JSON per line it reads.
 
 The line `stop` touches STOP first.
 """

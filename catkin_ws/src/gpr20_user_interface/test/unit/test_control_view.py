@@ -18,15 +18,15 @@ def text(window, name):
 
 
 def test_start_carries_what_the_operator_entered(window):
-    heard = wishes(window)
+    received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
     enter(window, "x_points", "7")
     enter(window, "start_frequency_hz", "700.5")
     for number, part in enumerate(("10", "0", "7", "23")):
         window.control.form.octet(number).setText(part)
     click(window.control.start)
-    assert heard[0].vna_address == "10.0.7.23"
-    assert (heard[0].x_points, heard[0].start_frequency_hz) == (7, 700.5e6)
+    assert received[0].vna_address == "10.0.7.23"
+    assert (received[0].x_points, received[0].start_frequency_hz) == (7, 700.5e6)
 
 
 @pytest.mark.parametrize("name", ARROW_FIELDS)
@@ -75,7 +75,7 @@ def test_arrows_end_where_the_axis_ends(window):
     ],
 )
 def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wrong, words):
-    heard = wishes(window)
+    received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
     edit = window.control.form.edit(name)
     right, before = edit.text(), edit.grab().toImage().pixelColor(10, 10)
@@ -85,11 +85,11 @@ def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wr
     assert words in edit.toolTip()
     assert window.control.problems.isVisible() and not window.control.preview.isVisible()
     click(window.control.start)
-    assert heard == []
+    assert received == []
     enter(window, name, right)
     assert window.control.problems.toPlainText() == ""
     click(window.control.start)
-    assert len(heard) == 1
+    assert len(received) == 1
 
 
 def test_too_many_points_in_all_turn_the_fields_of_both_axes(window):
@@ -144,7 +144,7 @@ def test_keys_that_are_open_when_a_survey_begins_elsewhere_change_nothing(window
 
 
 def test_pause_becomes_resume(window):
-    heard = wishes(window)
+    received = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
     assert window.control.pause.text() == "PAUSE"
     click(window.control.pause)
@@ -153,7 +153,7 @@ def test_pause_becomes_resume(window):
     show(window, snapshot(SurveyState.PAUSED))
     assert window.control.pause.text() == "RESUME"
     click(window.control.pause)
-    assert heard == ["pause", "resume"]
+    assert received == ["pause", "resume"]
 
 
 def test_what_the_survey_will_be_is_shown(window):

@@ -24,17 +24,17 @@ class Listener:
     """Remembers the answers; a test can wait for one."""
 
     def __init__(self):
-        self.heard = []
+        self.received = []
         self._changed = threading.Condition()
 
     def tell(self, event):
         with self._changed:
-            self.heard.append(event)
+            self.received.append(event)
             self._changed.notify_all()
 
     def wait_for(self, event):
         with self._changed:
-            return self._changed.wait_for(lambda: event in self.heard, timeout=20.0)
+            return self._changed.wait_for(lambda: event in self.received, timeout=20.0)
 
 
 @pytest.fixture
@@ -63,4 +63,4 @@ def test_nothing_is_answered_after_the_end(estimator, listener):
     for thread in threading.enumerate():
         if thread.name == "cost_estimator":
             thread.join(20.0)
-    assert listener.heard == []
+    assert listener.received == []

@@ -19,20 +19,20 @@ __all__ = ["application", "window"]
 
 @pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])
 def test_stop_is_one_touch_from_every_tab(window, tab):
-    heard = wishes(window)
+    received = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
     window.show_tab(tab)
     click(window.top_bar.stop)
-    assert heard == ["stop"]
+    assert received == ["stop"]
 
 
 def test_stop_is_told_at_the_touch_and_not_when_the_finger_leaves(window):
-    heard = wishes(window)
+    received = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
     QTest.mousePress(window.top_bar.stop, 1)
-    assert heard == ["stop"]
+    assert received == ["stop"]
     QTest.mouseRelease(window.top_bar.stop, 1)
-    assert heard == ["stop"]
+    assert received == ["stop"]
 
 
 @pytest.mark.parametrize("code", list(SurveyState))
@@ -75,7 +75,7 @@ def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, 
 
 @pytest.mark.parametrize("request_", list(Request))
 def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window, request_):
-    heard = wishes(window)
+    received = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
     reason = verbatim("<b>the reason</b>")
     window.notice.show_notice(refusal_notice(Refused[request_.name], reason))
@@ -84,7 +84,7 @@ def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(win
     assert window.notice.next_step.text().startswith("Next: ")
     assert not window.notice.geometry().intersects(window.top_bar.geometry())
     click(window.top_bar.stop)
-    assert heard == ["stop"]
+    assert received == ["stop"]
     click(window.notice.close_button)
     assert not window.notice.isVisible()
 
@@ -116,7 +116,7 @@ def test_details_of_a_refusal_stand_below_its_sentence(window):
 
 
 def test_touch_on_the_status_message_opens_it_with_its_details(window):
-    heard = wishes(window)
+    received = wishes(window)
     window.show_tab(TabName.STATUS)
     status = Message("Paused: {reason}", reason=NO_SPACE)
     state = ControlState(SurveyState.PAUSED, status, "id", True)
@@ -128,7 +128,7 @@ def test_touch_on_the_status_message_opens_it_with_its_details(window):
     assert window.notice.details.toPlainText() == NO_SPACE.details
     assert not window.notice.next_step.isVisible()
     click(window.top_bar.stop)
-    assert heard == ["stop"]
+    assert received == ["stop"]
 
 
 def test_touch_on_a_node_opens_its_message_details_and_values(window):

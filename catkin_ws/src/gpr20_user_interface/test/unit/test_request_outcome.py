@@ -11,7 +11,7 @@ def outcome():
     return RequestOutcome()
 
 
-def told(outcome, *codes):
+def printed(outcome, *codes):
     return [
         outcome.failed_request(ControlState(code, verbatim("why"), "id", False)) for code in codes
     ]
@@ -23,24 +23,24 @@ def told(outcome, *codes):
 def test_checks_that_fail_after_the_acceptance_are_told_once(outcome, request_, end, before):
     outcome.asked(request_)
     codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
-    assert told(outcome, *codes) == [None, None, None, request_, None]
+    assert printed(outcome, *codes) == [None, None, None, request_, None]
 
 
 def test_survey_that_came_to_measure_may_fail_later_for_other_reasons(outcome):
     outcome.asked(Request.START)
     codes = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
-    assert told(outcome, *codes) == [None] * 4
+    assert printed(outcome, *codes) == [None] * 4
 
 
 def test_checks_that_are_stopped_have_not_failed(outcome):
     outcome.asked(Request.START)
     outcome.failed_request(ControlState(SurveyState.CHECKING, verbatim(""), "id", False))
     outcome.asked(Request.STOP)
-    assert told(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
+    assert printed(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
 
 
 def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
-    assert told(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
+    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
     outcome.asked(Request.START)
     outcome.answered(Answer(Request.START, False, verbatim("no")))
-    assert told(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
+    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]

@@ -33,11 +33,11 @@ def test_second_signal_is_no_failure_that_could_be_handled():
 
 
 def test_further_signals_can_be_told_to_somebody_else():
-    told = []
-    with StopSignals(told.append, on_next=lambda: told.append("again")):
+    printed = []
+    with StopSignals(printed.append, on_next=lambda: printed.append("again")):
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGTERM)
-    assert told == ["Ctrl-C", "again"]
+    assert printed == ["Ctrl-C", "again"]
 
 
 def test_former_handlers_come_back():

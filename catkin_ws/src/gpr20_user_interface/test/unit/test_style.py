@@ -6,7 +6,7 @@ pytest.importorskip("PyQt5")
 
 from gpr20_user_interface.views.style import BORDER, PAPER, STYLE_SHEET, TextColours
 
-# WCAG 2.1, level AA: 1.4.3 for text, 1.4.11 for what tells a control from what is around it.
+# WCAG 2.1, level AA: 1.4.3 for text, 1.4.11 for what distinguishes a control from its surroundings.
 TEXT_CONTRAST = 4.5
 LINE_CONTRAST = 3.0
 

@@ -44,7 +44,7 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert not snapshot.control_alive
     assert snapshot.control_silent_s is None
     assert (snapshot.state, snapshot.progress, snapshot.current, snapshot.height_m) == (None,) * 4
-    # What cannot be heard may be moving.
+    # What does not report may be moving.
     assert allowed(snapshot) == ["stop"]
 
 

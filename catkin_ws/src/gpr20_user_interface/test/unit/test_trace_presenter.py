@@ -76,7 +76,7 @@ def test_traces_on_their_way_on_the_topic_are_not_read(window, storage):
     window.on_event(SurveyDescribed(description()))
     for index in range(5):
         window.on_event(stored(index + 1))
-        window.draw()  # told as stored, not heard yet
+        window.draw()  # reported as stored, not received yet
         window.on_event(trace_at(GRID, index))
         window.draw()
     assert storage.asked == []

@@ -301,7 +301,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertTrue(self.store(0).success)
         found = self.collect("/diagnostics", DiagnosticArray)
 
-        def told() -> bool:
+        def reported() -> bool:
             values = [
                 {pair.key: pair.value for pair in status.values}
                 for array in list(found)
@@ -312,7 +312,7 @@ class StoreSurveyTest(unittest.TestCase):
                 for one in values
             )
 
-        self.wait_until(told, "the diagnostics do not tell of the survey")
+        self.wait_until(reported, "the diagnostics do not name the survey")
         self.wait_until(
             lambda: self.on_disk(opened.path, "/diagnostics"),
             "the diagnostics are not recorded",

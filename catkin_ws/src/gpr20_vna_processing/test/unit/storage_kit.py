@@ -92,7 +92,7 @@ def open_mcap(folder: Path, description: Dict[str, Any]) -> List[Any]:
 
 
 class Kit:
-    """A storage over a temporary folder and what it told."""
+    """A storage over a temporary folder and what it said."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""One bit of a recording flipped while the survey was closed: it goes on, ends, and is readable."""
+"""One bit of a recording flipped while the survey was closed: it continues and is readable."""
 
 from __future__ import annotations
 

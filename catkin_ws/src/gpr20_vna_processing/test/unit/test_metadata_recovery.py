@@ -1,4 +1,4 @@
-"""survey.json gone or damaged: the survey goes on with the copy in survey.mcap, or is refused."""
+"""survey.json gone or damaged: the survey continues with the copy in survey.mcap, or is refused."""
 
 from __future__ import annotations
 

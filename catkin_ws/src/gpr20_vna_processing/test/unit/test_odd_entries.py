@@ -128,8 +128,8 @@ def test_what_stands_in_the_place_of_the_manifest_is_no_obstacle(kit, folder, pu
 def test_a_name_that_is_no_text_is_told_in_text(kit, folder):
     with open(os.fsencode(str(folder / "traces")) + b"/\xff\xfe.json", "wb") as stream:
         stream.write(b"x")
-    (told,) = go_on_and_close(kit)
-    assert told.encode("utf-8").startswith(rb"moved \xff\xfe.json to damaged/")
+    (printed,) = go_on_and_close(kit)
+    assert printed.encode("utf-8").startswith(rb"moved \xff\xfe.json to damaged/")
     assert check_files(folder, SURVEY) == []
 
 
@@ -137,20 +137,20 @@ def test_a_name_that_is_no_text_is_told_in_text(kit, folder):
 def test_a_strange_thing_beside_the_data_does_not_keep_a_survey_open_but_is_told(kit, folder, put):
     put(folder / "notes.txt")
     go_on_and_close(kit)
-    (told,) = check_files(folder, SURVEY)
-    assert str(told).startswith("notes.txt cannot be read: this is")
+    (printed,) = check_files(folder, SURVEY)
+    assert str(printed).startswith("notes.txt cannot be read: this is")
     (folder / "notes.txt").unlink()
     (folder / "notes.txt").touch()
-    (told,) = check_files(folder, SURVEY)
-    assert str(told).startswith("notes.txt has no SHA-256 in the manifest")
+    (printed,) = check_files(folder, SURVEY)
+    assert str(printed).startswith("notes.txt has no SHA-256 in the manifest")
 
 
 @pytest.mark.parametrize("put", [put_folder, put_socket, put_pipe])
 def test_a_check_does_not_wait_for_what_stands_in_the_place_of_the_manifest(folder, put):
     (folder / "manifest.json").unlink()
     put(folder / "manifest.json")
-    (told,) = check_files(folder, SURVEY)
-    assert "manifest.json cannot be read" in str(told)
+    (printed,) = check_files(folder, SURVEY)
+    assert "manifest.json cannot be read" in str(printed)
 
 
 def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(kit, folder):

@@ -42,7 +42,7 @@ class Link:
     owner: Caller
     incoming: bytearray = field(default_factory=bytearray)
     # An unread answer stays in front of the next one: a client that missed an answer and
-    # goes on reads the wrong one, as it would on an instrument.
+    # continues reads the wrong one, as it would on an instrument.
     outgoing: Deque[bytes] = field(default_factory=lambda: deque(maxlen=MOST_UNREAD_ANSWERS))
     late: List[bytes] = field(default_factory=list)
     is_busy: bool = False
