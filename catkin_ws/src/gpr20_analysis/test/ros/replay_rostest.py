@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import shutil
 import subprocess
 import sys
@@ -11,11 +12,14 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from typing import Any, Tuple
 
 import rospy
+from genpy.dynamic import generate_dynamic
+from mcap.writer import Writer
 from std_msgs.msg import String
 
-from gpr20_msgs.msg import Trace
+from gpr20_msgs.msg import ControlStatus, SurveyCoverage, Trace
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
 from survey_kit import POINTS, make_survey, planned_trace
@@ -83,6 +87,38 @@ class ReplayTest(unittest.TestCase):
         self.assert_same()
         self.assertGreaterEqual(took_s, (len(POINTS) - 1) / 4)
 
+    def test_messages_of_an_older_version_arrive_as_those_of_today(self) -> None:
+        old_status = old_message(ControlStatus, "string message_json")
+        old_coverage = old_message(SurveyCoverage, "string[] failures_json", "string verdict_json")
+        recording = self.data / "old.mcap"
+        write_latched(
+            recording,
+            (
+                "/survey_coverage",
+                old_coverage(planned=2, failures=["1: lost"], verdict="INCOMPLETE"),
+            ),
+            ("/control_status", old_status(code=4, message="measuring", simulated=True)),
+            (
+                f"/control_status_{ControlStatus._md5sum[:8]}",
+                ControlStatus(code=5, message="Paused", message_json="{}"),
+            ),
+        )
+        received = []
+        for topic, kind in (
+            ("/control_status", ControlStatus),
+            ("/survey_coverage", SurveyCoverage),
+        ):
+            self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
+        self.run_node(recording, "--rate", "1")
+        statuses = [one for one in received if isinstance(one, ControlStatus)]
+        self.assertEqual(
+            [(one.message, one.message_json, one.simulated) for one in statuses],
+            [("measuring", "", True), ("Paused", "{}", False)],
+        )
+        (coverage,) = [one for one in received if isinstance(one, SurveyCoverage)]
+        self.assertEqual((coverage.failures, coverage.verdict), (["1: lost"], "INCOMPLETE"))
+        self.assertEqual((coverage.failures_json, coverage.verdict_json), ([], ""))
+
     def test_beside_a_robot_it_is_refused_and_no_trace_is_published(self) -> None:
         robot = rospy.Publisher("/trace", Trace, queue_size=1)
         try:
@@ -102,6 +138,30 @@ class ReplayTest(unittest.TestCase):
             self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
         self.assert_same()
         self.assertEqual(len(self.traces), len(POINTS))
+
+
+def old_message(kind: type, *added: str) -> type:
+    """Return a type as it was without the fields that were added."""
+    lines = [line for line in kind._full_text.splitlines() if not line.startswith(added)]
+    return generate_dynamic(kind._type, "\n".join(lines))[kind._type]
+
+
+def write_latched(path: Path, *messages: Tuple[str, Any]) -> None:
+    """Write messages, one a second, into an MCAP file as the storage does."""
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros1")
+        for second, (topic, message) in enumerate(messages):
+            buffer = io.BytesIO()
+            message.serialize(buffer)
+            schema = writer.register_schema(
+                message._type, "ros1msg", message._full_text.encode("utf-8")
+            )
+            metadata = {"md5sum": message._md5sum, "latching": "1"}
+            channel = writer.register_channel(topic, "ros1", schema, metadata)
+            time_ns = second * 1_000_000_000
+            writer.add_message(channel, time_ns, buffer.getvalue(), time_ns)
+        writer.finish()
 
 
 if __name__ == "__main__":

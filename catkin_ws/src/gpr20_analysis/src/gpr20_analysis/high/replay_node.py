@@ -9,6 +9,7 @@ import rosgraph
 import rospy
 
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.high.old_recordings import completed
 from gpr20_analysis.read.replay import Content
 from gpr20_common.high.raw_message import preserialized
 from gpr20_common.message import Message
@@ -50,7 +51,7 @@ class ReplayNode:
         """
         for content in contents:
             if isinstance(content, RecordedMessage):
-                self._publish_recorded(content)
+                self._publish_recorded(completed(content))
             else:
                 publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), None)
                 publisher.publish(preserialized(Trace, trace_message.encode(content)))

@@ -1,0 +1,48 @@
+"""Completes the messages of older recordings, so that the nodes of today receive them."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Dict, Tuple
+
+from gpr20_msgs.msg import AxisActionResult, ControlStatus, SurveyCoverage
+from gpr20_survey.recording.recording import RecordedMessage
+
+# Bytes of an empty string or an empty list in a ROS message.
+EMPTY = 4
+# By the checksum of the old definition: the present type, and the length of the fields that it
+# adds at its end. They are empty.
+ADDED: Dict[str, Tuple[type, int]] = {
+    "7b530785257ca423f317a80d75c5dad5": (ControlStatus, EMPTY),
+    "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
+    "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, EMPTY),
+}
+PRESENT = {kind._md5sum for kind, _length in ADDED.values()}  # type: ignore[attr-defined]
+
+
+def completed(message: RecordedMessage) -> RecordedMessage:
+    """Return a message of a recording as its topic carries it today.
+
+    A survey that was resumed with a later version has the later messages of a topic under
+    another name (`gpr20_survey.recording.topic_types`); they return to their topic.
+
+    Args:
+        message: Of any type; one that has not changed is returned as it is.
+    """
+    if message.md5sum in ADDED:
+        kind, length = ADDED[message.md5sum]
+        return dataclasses.replace(
+            message,
+            topic=_own_topic(message),
+            md5sum=kind._md5sum,  # type: ignore[attr-defined]
+            definition=kind._full_text,  # type: ignore[attr-defined]
+            data=message.data + bytes(length),
+        )
+    if message.md5sum in PRESENT:
+        return dataclasses.replace(message, topic=_own_topic(message))
+    return message
+
+
+def _own_topic(message: RecordedMessage) -> str:
+    ending = f"_{message.md5sum[:8]}"
+    return message.topic[: -len(ending)] if message.topic.endswith(ending) else message.topic
