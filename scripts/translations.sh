@@ -11,6 +11,12 @@ catalogue=catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
 
+# xgettext does not see what is inside an f-string.
+if git grep -nE "\\bf(\"|')[^\"']*\\{[^\"'}]*\\b(tr|Message)\\(" -- '*.py' >&2; then
+    echo "translations.sh: put these texts into variables of their own, before the f-string" >&2
+    exit 1
+fi
+
 # Templates are the first argument of Message(...) and of tr(...).
 git ls-files --cached --others --exclude-standard -z 'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' |
     xargs -0 xgettext --language=Python --from-code=UTF-8 --keyword --keyword=Message:1 --keyword=tr:1 \

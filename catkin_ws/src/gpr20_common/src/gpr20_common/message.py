@@ -14,6 +14,9 @@ BETWEEN_SENTENCES = "; "
 # A template from elsewhere may neither look into its values nor ask for a gigabyte of blanks.
 FIELD_FORMAT = re.compile(r"[<>+]?0?\d?\d?(\.\d\d?)?[defgs%]?")
 
+# More than any message of the robot has; the text of a received one is bounded by it.
+MAX_JSON_CHARACTERS = 16_384
+
 Value = Union[str, int, float, "Message", Tuple["Message", ...]]
 
 
@@ -107,9 +110,11 @@ def received_message(text: str, message_json: str) -> Message:
 
     Args:
         text: The complete English text.
-        message_json: What `Message.to_json` returned. If it is empty or unreadable, because
-            the sender knows no templates, the message is the text as it is.
+        message_json: What `Message.to_json` returned. If it is empty, unreadable or too long,
+            the message is the text as it is.
     """
+    if len(message_json) > MAX_JSON_CHARACTERS:
+        return verbatim(text)
     try:
         return _message(json.loads(message_json))
     except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
@@ -117,11 +122,16 @@ def received_message(text: str, message_json: str) -> Message:
 
 
 def _message(record: Any) -> Message:
+    fields = set()
     for _words, name, field_format, _conversion in string.Formatter().parse(record["template"]):
-        if name is not None and not (
-            name.isidentifier() and FIELD_FORMAT.fullmatch(str(field_format))
-        ):
+        if name is None:
+            continue
+        if not (name.isidentifier() and FIELD_FORMAT.fullmatch(str(field_format))):
             raise ValueError(f"the field {name!r} of a template has no plain name or format")
+        # Each level of messages inside messages would double the text.
+        if name in fields and isinstance(record["values"][name], (dict, list)):
+            raise ValueError(f"the field {name!r} repeats a message")
+        fields.add(name)
     values = {}
     for name, value in record["values"].items():
         if isinstance(value, dict):

@@ -113,6 +113,15 @@ def test_a_template_from_elsewhere_cannot_ask_for_more_than_its_values(template)
     assert received_message("as sent", received) == verbatim("as sent")
 
 
+def test_messages_inside_messages_cannot_multiply_the_text():
+    record = {"template": "a" * 100, "values": {}}
+    for _ in range(30):
+        record = {"template": "{x}{x}", "values": {"x": record}}
+    assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
+    long = json.dumps({"template": "{x}" * 5000, "values": {"x": "a" * 20_000}})
+    assert received_message("as sent", long) == verbatim("as sent")
+
+
 def test_text_that_looks_like_a_template_stays_as_it_is():
     assert str(verbatim("{x} {")) == "{x} {"
     assert str(Message("paused: {reason}", reason="{lost} and {0}")) == "paused: {lost} and {0}"
