@@ -24,6 +24,7 @@ from gpr20_analysis.errors import (
     wrong_ending,
 )
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
+from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
 from gpr20_common.message import Message
 
@@ -88,7 +89,7 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
     try:
         with np.errstate(invalid="ignore"):
             data = _read(path, lazy_bytes)
-    except MissingLibraryError:
+    except (MissingLibraryError, UnreadableFileError):
         raise
     # On damaged files the libraries raise exceptions of many kinds.
     except Exception as error:
@@ -107,6 +108,7 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
 def _read(path: Path, lazy_bytes: Optional[int]) -> xr.Dataset:
     if path.suffix == ZARR:
         _zarr_version()
+        refuse_unsafe_codecs(path)
         stored = xr.open_zarr(str(path), chunks=None)
         return _as_complex(_loaded(stored, lazy_bytes))
     stored = xr.open_dataset(str(path), engine="h5netcdf")
