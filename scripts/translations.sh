@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The catalogue of every sentence that people read, kept with GNU gettext.
-#   scripts/translations.sh           bring es.po up to date: new templates have an empty msgstr
-#   scripts/translations.sh --check   fail if a template has no Spanish entry, or an entry no template
+#   scripts/translations.sh           update es.po: new templates have an empty msgstr
+#   scripts/translations.sh --check   fail on a template without Spanish, or Spanish without template
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -18,8 +18,10 @@ if git grep -nE "\\bf(\"|')[^\"']*\\{[^\"'}]*\\b(tr|Message)\\(" -- '*.py' >&2; 
 fi
 
 # Templates are the first argument of Message(...) and of tr(...).
-git ls-files --cached --others --exclude-standard -z 'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' |
-    xargs -0 xgettext --language=Python --from-code=UTF-8 --keyword --keyword=Message:1 --keyword=tr:1 \
+git ls-files --cached --others --exclude-standard -z \
+    'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' |
+    xargs -0 xgettext --language=Python --from-code=UTF-8 \
+        --keyword --keyword=Message:1 --keyword=tr:1 \
         --add-location=file --sort-by-file --width=98 --output="$scratch/templates.pot"
 # msgcmp and msgmerge want the charset that xgettext leaves open where every template is ASCII.
 sed -i 's/charset=CHARSET/charset=UTF-8/' "$scratch/templates.pot"

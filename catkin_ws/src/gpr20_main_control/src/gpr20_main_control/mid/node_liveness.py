@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
+from functools import partial
 from typing import Callable, Dict, List, Mapping, Optional
 
 from gpr20_common.errors import NodeSilentError
@@ -177,10 +178,11 @@ class NodeLiveness:
             with self._changed:
                 self._answered[name] = self._asked[name]
                 self._changed.notify_all()
-                self._changed.wait_for(
-                    lambda before=refreshes: self._ended or self._refreshes != before,  # type: ignore[misc]
-                    self._period_s,
-                )
+                self._changed.wait_for(partial(self._must_look, refreshes), self._period_s)
+
+    def _must_look(self, refreshes: int) -> bool:
+        """Return whether a refresh was requested since that many, or the watch ended."""
+        return self._ended or self._refreshes != refreshes
 
 
 def _joined(messages: List[Message]) -> Optional[Message]:
