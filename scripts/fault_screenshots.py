@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Iterator, List
+from typing import List
 
 import rospy
 from PyQt5.QtWidgets import QApplication
@@ -19,7 +19,6 @@ from window_kit import Operator, new_window, run_events, run_until, virtual_scre
 from gpr20_common.catalogue import Language
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
-from gpr20_common.message import Message
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault
 from gpr20_simulator.mid.faults import ADC, VNA, VnaFault
@@ -53,15 +52,6 @@ class LastStatus:
         self.status = status
 
 
-def templates(message: Message) -> Iterator[str]:
-    """Return the templates of a message and of those inside it."""
-    yield message.template
-    for value in message.values.values():
-        for one in value if isinstance(value, tuple) else (value,):
-            if isinstance(one, Message):
-                yield from templates(one)
-
-
 def take_pictures(folder: Path, data: Path, application: QApplication) -> List[str]:
     """Meet each fault in a survey of its own; return the templates without a Spanish entry."""
     languages = Languages(application, Language.ENGLISH)
@@ -79,7 +69,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> List[s
         run_until(lambda: last.status.code in (ControlStatus.PAUSED, *ENDED), "it pauses", LIMIT_S)
         run_events(1.0)
         message = message_from(last.status)
-        untranslated += [one for one in templates(message) if one not in spanish]
+        untranslated += [one.template for one in message.nested() if one.template not in spanish]
         print(f"{device} {fault}: {message}")
         for language in Language:
             languages.use(language)

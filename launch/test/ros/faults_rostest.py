@@ -17,6 +17,8 @@ import rostest
 import vxi11
 from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
+from gpr20_common.high.graph_message import message_from
+from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_msgs.msg import ControlStatus, SurveyParameters, Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -40,6 +42,7 @@ from gpr20_survey.axes.axis_id import AxisId
 TRACES = 18
 RESUMABLE = "Fix the fault and resume, or stop."
 NAN = float("nan")
+SPANISH = read_translations(FOLDER / "es.po")
 # What each service must refuse before there is a survey or a connection.
 REFUSED = (
     ("set_survey_parameters", SetSurveyParameters, SurveyParameters(x_start_mm=NAN)),
@@ -96,7 +99,10 @@ class FaultsTest(unittest.TestCase):
         return [self.state.steps(axis) for axis in AxisId]
 
     def wait_for_pause(self, *words):
-        """Wait until the survey pauses; what the operator reads must hold the words."""
+        """Wait until the survey pauses; what the operator reads must hold the words.
+
+        A window in Spanish translates all of it.
+        """
         status = self.client.wait_for_status(
             ControlStatus.PAUSED, ControlStatus.FAILED, ControlStatus.FINISHED
         )
@@ -104,6 +110,10 @@ class FaultsTest(unittest.TestCase):
         for word in (*words, RESUMABLE):
             self.assertIn(word, status.message)
         self.assertTrue(status.message.isprintable(), status.message)
+        message = message_from(status)
+        self.assertEqual(str(message), status.message)
+        for one in message.nested():
+            self.assertIn(one.template, SPANISH)
 
     def begin_and_meet(self, device, *faults, after=3, **changes):
         """Start a survey, switch on faults once some traces are stored; return its id."""

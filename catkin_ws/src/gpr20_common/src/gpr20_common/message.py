@@ -64,7 +64,7 @@ class Message:
     @property
     def all_details(self) -> Tuple[str, ...]:
         """The details of this message and of those inside it, each once, the innermost last."""
-        found = dict.fromkeys(one.details for one in self._messages() if one.details)
+        found = dict.fromkeys(one.details for one in self.nested() if one.details)
         return tuple(found)
 
     def to_json(self) -> str:
@@ -79,12 +79,13 @@ class Message:
     def __hash__(self) -> int:
         return hash((self.template, self.details))
 
-    def _messages(self) -> Iterator[Message]:
+    def nested(self) -> Iterator[Message]:
+        """Yield this message and those inside it."""
         yield self
         for value in self.values.values():
             for one in value if isinstance(value, tuple) else (value,):
                 if isinstance(one, Message):
-                    yield from one._messages()
+                    yield from one.nested()
 
     def _record(self) -> Dict[str, Any]:
         record: Dict[str, Any] = {"template": self.template, "values": {}}
