@@ -1,5 +1,10 @@
 """The tests of the whole project are one run of pytest: see scripts/test.sh."""
 
+from hypothesis import settings
+
+# For another Python: what a test draws is examined under Debian's.
+settings.register_profile("few_examples", max_examples=20)
+
 # The others import the first.
 pytest_plugins = [
     "pytest_gpr20.last_line",

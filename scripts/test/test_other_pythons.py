@@ -62,6 +62,7 @@ def test_the_unit_tests_pass_under(python, package, request, record_property):
     environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
     cache = request.config.cache.mkdir(f"python{python.version}-{package}")
     options = ["-q", "-p", "no:rerunfailures", "-p", "no:xdist", "-o", f"cache_dir={cache}"]
+    options.append("--hypothesis-profile=few_examples")
     if getattr(request.node, "execution_count", 1) > 1:
         options.append("--last-failed")
     ended = run_limited(
