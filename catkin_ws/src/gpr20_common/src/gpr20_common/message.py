@@ -116,8 +116,11 @@ def received_message(text: str, message_json: str) -> Message:
     if len(message_json) > MAX_JSON_CHARACTERS:
         return verbatim(text)
     try:
-        return _message(json.loads(message_json))
-    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
+        message = _message(json.loads(message_json))
+        # Half of a character, which JSON can hold, can be neither sent nor shown.
+        str(message).encode("utf-8")
+        return message
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return verbatim(text)
 
 
