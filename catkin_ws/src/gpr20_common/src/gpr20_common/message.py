@@ -150,9 +150,12 @@ def _value(value: object) -> Value:
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value
-    # numpy's numbers; item() is the Python number.
+    # numpy's numbers; item() is the Python number, and refuses arrays of several.
     item = getattr(value, "item", None)
-    number = item() if callable(item) else None
+    try:
+        number = item() if callable(item) else None
+    except (ValueError, TypeError):
+        number = None
     return number if isinstance(number, (int, float)) else str(value)
 
 

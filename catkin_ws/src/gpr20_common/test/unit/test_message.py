@@ -152,6 +152,8 @@ def test_other_values_become_numbers_or_text():
     )
     assert str(message).startswith("2.5 3 <class")
     assert received_message("", message.to_json()) == message
+    assert str(Message("{a} m", a=numpy.array([1.0, 2.0]))) == "[1. 2.] m"
+    assert str(Message("{a} m", a=numpy.array([]))) == "[] m"
 
 
 def test_an_error_carries_its_message():
