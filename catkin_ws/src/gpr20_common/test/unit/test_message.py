@@ -140,6 +140,13 @@ def test_a_received_message_that_cannot_be_sent_leaves_the_text(record):
     assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
 
 
+def test_a_received_message_nested_too_deeply_to_be_shown_leaves_the_text():
+    message = Message("x")
+    for _ in range(200):
+        message = Message("{x}", x=message)
+    assert received_message("as sent", message.to_json()) == verbatim("as sent")
+
+
 def test_text_that_looks_like_a_template_stays_as_it_is():
     assert str(verbatim("{x} {")) == "{x} {"
     assert str(Message("paused: {reason}", reason="{lost} and {0}")) == "paused: {lost} and {0}"
