@@ -89,6 +89,8 @@ def _recorded(attributes: Mapping[str, Any]) -> Dict[str, str]:
     # A file without checksum may hold anything; without templates the sentences stay English.
     try:
         recorded = json.loads(attributes.get(MESSAGES, "{}"))
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         return {}
-    return recorded if isinstance(recorded, dict) else {}
+    if not isinstance(recorded, dict):
+        return {}
+    return {text: one for text, one in recorded.items() if isinstance(one, str)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+import xarray as xr
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands import main as gpr20
@@ -12,7 +13,7 @@ from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import sentences_of, shown, with_sentences
 from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Message, received_message, verbatim
 
 ALL = len(POINTS)
 SPANISH = {
@@ -101,6 +102,15 @@ def test_a_sentence_without_template_stays_as_it_is(stopped, messages):
     survey.attrs.update(notes=["written by hand"], messages=messages)
     (note,) = sentences_of(survey, "notes")
     assert str(note) == "written by hand"
+
+
+@pytest.mark.parametrize(
+    "messages",
+    ['{"x": 5}', '{"x": null}', '{"x": true}', '{"x": ["x"]}', "[]", "5", "[" * 100_000, 5],
+)
+def test_templates_of_another_type_leave_sentences_in_english(messages):
+    survey = xr.Dataset(attrs={"notes": ["x"], "messages": messages})
+    assert sentences_of(survey, "notes") == [verbatim("x")]
 
 
 def test_lists_of_sentences_hold_the_english_text_with_details():

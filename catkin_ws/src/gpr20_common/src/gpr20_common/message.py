@@ -16,6 +16,8 @@ FIELD_FORMAT = re.compile(r"[<>+]?0?\d?\d?(\.\d\d?)?[defgs%]?")
 
 # More than any message of the robot has; the text of a received one is bounded by it.
 MAX_JSON_CHARACTERS = 16_384
+# Far deeper ones are read, but exceed the recursion limit where they are shown.
+MAX_DEPTH = 32
 
 Value = Union[str, int, float, "Message", Tuple["Message", ...]]
 
@@ -117,12 +119,17 @@ def received_message(text: str, message_json: str) -> Message:
     if len(message_json) > MAX_JSON_CHARACTERS:
         return verbatim(text)
     try:
-        return _message(json.loads(message_json))
-    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
+        message = _message(json.loads(message_json))
+        # Half of a character, which JSON can hold, can be neither sent nor shown.
+        str(message).encode("utf-8")
+        return message
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return verbatim(text)
 
 
-def _message(record: Any) -> Message:
+def _message(record: Any, depth: int = 1) -> Message:
+    if depth > MAX_DEPTH:
+        raise ValueError(f"messages are nested more than {MAX_DEPTH} levels deep")
     fields = set()
     for _words, name, field_format, _conversion in string.Formatter().parse(record["template"]):
         if name is None:
@@ -136,9 +143,9 @@ def _message(record: Any) -> Message:
     values = {}
     for name, value in record["values"].items():
         if isinstance(value, dict):
-            value = _message(value)
+            value = _message(value, depth + 1)
         elif isinstance(value, list):
-            value = tuple(_message(one) for one in value)
+            value = tuple(_message(one, depth + 1) for one in value)
         values[name] = value
     return Message(record["template"], details=record.get("details", ""), **values)
 
@@ -148,9 +155,12 @@ def _value(value: object) -> Value:
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value
-    # numpy's numbers; item() is the Python number.
+    # numpy's numbers; item() is the Python number, and refuses arrays of several.
     item = getattr(value, "item", None)
-    number = item() if callable(item) else None
+    try:
+        number = item() if callable(item) else None
+    except (ValueError, TypeError):
+        number = None
     return number if isinstance(number, (int, float)) else str(value)
 
 

@@ -122,6 +122,31 @@ def test_messages_inside_messages_cannot_multiply_the_text():
     assert received_message("as sent", long) == verbatim("as sent")
 
 
+@pytest.mark.parametrize("field", ["{x:g}", "{x:f}", "{x:%}"])
+def test_a_received_number_too_large_for_its_format_leaves_the_text(field):
+    record = {"template": f"height {field}", "values": {"x": 10**400}}
+    assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        {"template": "\ud800", "values": {}},
+        {"template": "{x}", "values": {"x": "\udcff"}},
+        {"template": "x", "values": {}, "details": "\ud800"},
+    ],
+)
+def test_a_received_message_that_cannot_be_sent_leaves_the_text(record):
+    assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
+
+
+def test_a_received_message_nested_too_deeply_to_be_shown_leaves_the_text():
+    message = Message("x")
+    for _ in range(200):
+        message = Message("{x}", x=message)
+    assert received_message("as sent", message.to_json()) == verbatim("as sent")
+
+
 def test_text_that_looks_like_a_template_stays_as_it_is():
     assert str(verbatim("{x} {")) == "{x} {"
     assert str(Message("paused: {reason}", reason="{lost} and {0}")) == "paused: {lost} and {0}"
@@ -134,6 +159,8 @@ def test_other_values_become_numbers_or_text():
     )
     assert str(message).startswith("2.5 3 <class")
     assert received_message("", message.to_json()) == message
+    assert str(Message("{a} m", a=numpy.array([1.0, 2.0]))) == "[1. 2.] m"
+    assert str(Message("{a} m", a=numpy.array([]))) == "[] m"
 
 
 def test_an_error_carries_its_message():

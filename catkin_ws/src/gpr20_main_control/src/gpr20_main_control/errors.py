@@ -5,6 +5,9 @@ from __future__ import annotations
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 
+# The storage refuses to close a survey for a reason of more than 4096 characters.
+MAX_DETAILS = 1000
+
 
 class SurveyError(Gpr20Error):
     """A survey was refused or failed."""
@@ -30,4 +33,5 @@ def message_of(error: Exception) -> Message:
     """Return the message of an error; a fault in the software has a general one."""
     if isinstance(error, Gpr20Error):
         return error.message
-    return Message("internal error in the main control", details=f"{type(error).__name__}: {error}")
+    details = f"{type(error).__name__}: {error}"[:MAX_DETAILS]
+    return Message("internal error in the main control", details=details)

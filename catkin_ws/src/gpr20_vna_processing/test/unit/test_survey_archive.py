@@ -127,6 +127,22 @@ def test_a_verdict_that_is_old_or_was_changed_is_text_alone(kit, archive, record
     assert verdict_of(kit, archive, {"verdict": str(VERDICT), "verdict_message": record}) == ""
 
 
+def test_a_number_too_large_for_its_format_hides_no_survey(kit, archive):
+    record = {"template": "INCOMPLETE: {stored:g} of 18", "values": {"stored": 10**400}}
+    assert verdict_of(kit, archive, {"verdict": str(VERDICT), "verdict_message": record}) == ""
+
+
+def test_half_of_a_character_hides_no_survey(kit, archive):
+    folder = fill(kit)
+    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    path = folder / "survey.json"
+    report = {"verdict": "\ud800", "verdict_message": {"template": "\ud800", "values": {}}}
+    values = {**json.loads(path.read_text()), "started": "\udcff", "report": report}
+    path.write_text(json.dumps(values))
+    (survey,), _more = archive.list("", 10)
+    assert (survey.started, survey.verdict, survey.verdict_json) == ("\\udcff", "\\ud800", "")
+
+
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
     folder = fill(kit, range(18))
     kit.processing.close_survey(SURVEY, "finished", "")

@@ -277,4 +277,7 @@ def _verdict_json(report: Dict[str, Any], verdict: str) -> str:
 
 
 def _text(value: Any) -> str:
-    return value if isinstance(value, str) else ""
+    if not isinstance(value, str):
+        return ""
+    # Half of a character, which JSON can hold, cannot be sent: no survey would be listed.
+    return value.encode("utf-8", "backslashreplace").decode("utf-8")
