@@ -57,6 +57,13 @@ def test_the_last_line_counts_and_names_the_reasons(own, workers):
     assert ended.ret == pytest.ExitCode.TESTS_FAILED
 
 
+def test_only_a_run_with_workers_names_a_failed_test_at_once(own):
+    own.makepyfile("def test_bad(): assert False")
+    named = "*::test_bad failed in call"
+    own.runpytest_subprocess(*LOADED).stdout.no_fnmatch_line(named)
+    own.runpytest_subprocess(*LOADED, "-n1").stdout.fnmatch_lines([named])
+
+
 def test_a_run_without_tests_has_failed(own):
     ended = own.runpytest_subprocess(*LOADED)
     assert ended.ret == pytest.ExitCode.NO_TESTS_COLLECTED
