@@ -200,7 +200,10 @@ def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_
     if not (ROOT / "catkin_ws/devel/setup.bash").exists():
         pytest.skip("the workspace is not built")
     program = "import gpr20_simulator.srv, gpr20_msgs.msg, gpr20_survey, sys; print(sys.prefix)"
-    plain = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "ROS_HOSTNAME": "elsewhere"}
+    plain = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    odd = {"ROS_HOSTNAME": "elsewhere", "ROS_IPV6": "on", "ROSCONSOLE_CONFIG_FILE": "/missing"}
+    odd.update({"ROS_PYTHON_LOG_CONFIG_FILE": "/missing", "GPR20_DATA": "/missing"})
+    plain.update(odd)
     for shell in (plain, without_ros(plain), without_ros(os.environ)):
         environment = with_ros(shell)
         ended = subprocess.run(
@@ -212,7 +215,7 @@ def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_
         )
         assert ended.stdout.strip() == sys.prefix
         assert environment["ROS_IP"] == "127.0.0.1"
-        assert "ROS_HOSTNAME" not in environment
+        assert not odd.keys() & environment.keys()
 
 
 @pytest.mark.parametrize("workers", [[], ["-n1"]])
