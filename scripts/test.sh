@@ -50,10 +50,14 @@ make_venv() {
 }
 
 installations=()
+# If the setup fails or is interrupted, nothing keeps running. Each is a process group of its own.
+trap 'for group in "${installations[@]}"; do kill -- "-$group" 2>/dev/null || true; done' EXIT
 if [ "$other_pythons" = yes ]; then
+    set -m
     for version in 3.8 3.13; do
         make_venv "$version" & installations+=($!)
     done
+    set +m
 fi
 scripts/setup.sh --dev
 for installation in "${installations[@]}"; do wait "$installation"; done
