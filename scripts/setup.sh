@@ -59,7 +59,10 @@ install_python_packages() {
         echo "setup.sh: $pins is missing; add Python $version to scripts/requirements.sh" >&2
         exit 1
     fi
-    if [ ! -x "$GPR20_VENV/bin/python" ]; then
+    # Its programs name its folder, so it is made again after the checkout was moved.
+    if [ ! -x "$GPR20_VENV/bin/python" ] ||
+        ! grep -qsE "VIRTUAL_ENV=[\"']?$GPR20_VENV[\"']?\$" "$GPR20_VENV/bin/activate"; then
+        rm -rf "$GPR20_VENV"
         echo "making the virtual environment $GPR20_VENV"
         /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
     fi
@@ -102,6 +105,10 @@ build_workspace() {
     inputs="$(build_inputs)"
     if [ -f "$stamp" ] && [ "$inputs" = "$(cat "$stamp")" ]; then return 0; fi
     echo "building the catkin workspace"
+    # The build names its folder too.
+    grep -qsxF "CMAKE_HOME_DIRECTORY:INTERNAL=$GPR20_WORKSPACE/src" \
+        "$GPR20_WORKSPACE/build/CMakeCache.txt" ||
+        rm -rf "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"
     log="$(mktemp)"
     if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
         -DCATKIN_ENABLE_TESTING=OFF >"$log" 2>&1; then
