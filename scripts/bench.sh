@@ -6,7 +6,8 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 if [ $# -eq 0 ] || [ ! -f "$GPR20_ROOT/benchmarks/$1.py" ]; then
     echo "usage: scripts/bench.sh NAME; benchmarks are:" >&2
-    find "$GPR20_ROOT/benchmarks" -maxdepth 1 -name '*.py' -printf '  %f\n' | sed 's/\.py$//' | sort >&2
+    find "$GPR20_ROOT/benchmarks" -maxdepth 1 -name '*.py' -printf '  %f\n' |
+        sed 's/\.py$//' | sort >&2
     exit 2
 fi
 "$GPR20_ROOT/scripts/setup.sh" --dev

@@ -21,14 +21,18 @@ for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
-        *) echo "setup.sh: unknown argument '$argument'; allowed are --dev and --robot" >&2; exit 2 ;;
+        *)
+            echo "setup.sh: unknown argument '$argument'; allowed are --dev and --robot" >&2
+            exit 2
+            ;;
     esac
 done
 [ "$dev" = no ] || DEBIAN_PACKAGES+=("${DEBIAN_DEV_PACKAGES[@]}")
 
 case "$GPR20_ROOT" in
     *[[:space:]]*)
-        echo "setup.sh: the path '$GPR20_ROOT' has a space, which catkin cannot build in; move the checkout" >&2
+        echo "setup.sh: the path '$GPR20_ROOT' has a space, which catkin cannot build in;" \
+            "move the checkout" >&2
         exit 1
         ;;
 esac
@@ -40,12 +44,14 @@ as_root() {
 install_debian_packages() {
     local missing=() package
     for package in "${DEBIAN_PACKAGES[@]}"; do
-        dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+        dpkg-query -W -f '${Status}' "$package" 2>/dev/null |
+            grep -q 'ok installed' || missing+=("$package")
     done
     [ ${#missing[@]} -gt 0 ] || return 0
     echo "installing Debian packages: ${missing[*]}"
     as_root apt-get update -qq
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+    as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
@@ -94,9 +100,11 @@ is_installed() {
 
 # Python sources run from where they are; only these files decide what the build makes.
 build_inputs() {
-    (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 \( -name package.xml -o -name CMakeLists.txt \
-        -o -name setup.py -o -name CATKIN_IGNORE -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
-        -o -path '*/env-hooks/*' \) -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
+    (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 \
+        \( -name package.xml -o -name CMakeLists.txt -o -name setup.py -o -name CATKIN_IGNORE \
+        -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \
+        -o -path '*/nodes/*' -o -path '*/env-hooks/*' \) \
+        -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
         echo "$GPR20_ROOT")
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The catalogue of every sentence that people read, kept with GNU gettext.
 #   scripts/translations.sh           bring es.po up to date: new templates have an empty msgstr
-#   scripts/translations.sh --check   fail if a template has no Spanish entry, or an entry no template
+#   scripts/translations.sh --check   fail if a template has no Spanish entry, or the reverse
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
