@@ -1,7 +1,7 @@
 # Sourced by the other scripts: where things are, and the ROS environment on loopback.
 # shellcheck shell=bash
 
-GPR20_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+GPR20_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 GPR20_VENV="$GPR20_ROOT/.venv"
 GPR20_WORKSPACE="$GPR20_ROOT/catkin_ws"
 export GPR20_ROOT GPR20_VENV GPR20_WORKSPACE

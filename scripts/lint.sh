@@ -20,5 +20,9 @@ MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)$messages" \
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
+if grep -nE '^.{101}' scripts/*.sh .ci/run >&2; then
+    echo "lint.sh: break these lines after at most 100 characters" >&2
+    exit 1
+fi
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
 echo "lint: nothing to complain about"

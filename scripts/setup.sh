@@ -44,8 +44,8 @@ as_root() {
 install_debian_packages() {
     local missing=() package
     for package in "${DEBIAN_PACKAGES[@]}"; do
-        dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' ||
-            missing+=("$package")
+        dpkg-query -W -f '${Status}' "$package" 2>/dev/null |
+            grep -q 'ok installed' || missing+=("$package")
     done
     [ ${#missing[@]} -gt 0 ] || return 0
     echo "installing Debian packages: ${missing[*]}"
@@ -65,7 +65,10 @@ install_python_packages() {
         echo "setup.sh: $pins is missing; add Python $version to scripts/requirements.sh" >&2
         exit 1
     fi
-    if [ ! -x "$GPR20_VENV/bin/python" ]; then
+    # Its programs name its folder, so it is made again after the checkout was moved.
+    if [ ! -x "$GPR20_VENV/bin/python" ] ||
+        ! grep -qsE "VIRTUAL_ENV=[\"']?$GPR20_VENV[\"']?\$" "$GPR20_VENV/bin/activate"; then
+        rm -rf "$GPR20_VENV"
         echo "making the virtual environment $GPR20_VENV"
         /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
     fi
@@ -97,10 +100,11 @@ is_installed() {
 
 # Python sources run from where they are; only these files decide what the build makes.
 build_inputs() {
-    (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 -type f -not -path '*/__pycache__/*' \
+    (cd "$GPR20_ROOT" && find -L catkin_ws/src -mindepth 2 \
         \( -name package.xml -o -name CMakeLists.txt -o -name setup.py -o -name CATKIN_IGNORE \
-        -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -path '*/nodes/*' \
-        -o -path '*/env-hooks/*' \) -print0 | sort -z | xargs -0 sha256sum
+        -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \
+        -o -path '*/nodes/*' -o -path '*/env-hooks/*' \) \
+        -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
         echo "$GPR20_ROOT")
 }
 
@@ -109,6 +113,10 @@ build_workspace() {
     inputs="$(build_inputs)"
     if [ -f "$stamp" ] && [ "$inputs" = "$(cat "$stamp")" ]; then return 0; fi
     echo "building the catkin workspace"
+    # The build names its folder too.
+    grep -qsxF "CMAKE_HOME_DIRECTORY:INTERNAL=$GPR20_WORKSPACE/src" \
+        "$GPR20_WORKSPACE/build/CMakeCache.txt" ||
+        rm -rf "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"
     log="$(mktemp)"
     if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
         -DCATKIN_ENABLE_TESTING=OFF >"$log" 2>&1; then

@@ -23,8 +23,8 @@ log="$logs/roslaunch.log"
 port="$(gpr20_free_port)"
 export ROS_MASTER_URI="http://127.0.0.1:$port"
 
-setsid roslaunch -p "$port" gpr20 survey.launch \
-    ui:=false "data:=$data" "time_scale:=$time_scale" >"$log" 2>&1 &
+setsid roslaunch -p "$port" gpr20 survey.launch ui:=false "data:=$data" \
+    "time_scale:=$time_scale" >"$log" 2>&1 &
 launch=$!
 shut_down() {
     trap - EXIT
@@ -51,11 +51,12 @@ if [ "$status" -ne 0 ]; then
     exit "$status"
 fi
 rm -r "$logs"
+traces="$(find "$survey/traces" -name '*.json' | wc -l)"
 
 cat <<END
 
 The survey is in $survey
-  traces, one JSON file each:  $survey/traces/  ($(find "$survey/traces" -name '*.json' | wc -l) files)
+  traces, one JSON file each:  $survey/traces/  ($traces files)
   ROS bag:                     $survey/survey.bag
   MCAP:                        $survey/survey.mcap
 Replay it, on a ROS master of its own, away from any robot:

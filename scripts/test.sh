@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Install what is missing, then run the tests: one run of pytest, side by side.
 #   scripts/test.sh                  everything
-#   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, pythons, or files of tests
+#   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, pythons, or test files
 # The last line counts the tests that passed, failed, were skipped (why) or were repeated.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -19,7 +19,8 @@ for argument in "$@"; do
         pythons) paths+=("$GPR20_ROOT/scripts/test/test_other_pythons.py") other_pythons=yes ;;
         *)
             if [ ! -e "${argument%%::*}" ]; then
-                echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros, commands, pythons" >&2
+                echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros," \
+                    "commands, pythons" >&2
                 exit 2
             fi
             paths+=("$(realpath -s "${argument%%::*}")${argument#"${argument%%::*}"}") ;;
@@ -50,10 +51,14 @@ make_venv() {
 }
 
 installations=()
+# If the setup fails or is interrupted, nothing keeps running. Each is a process group of its own.
+trap 'for group in "${installations[@]}"; do kill -- "-$group" 2>/dev/null || true; done' EXIT
 if [ "$other_pythons" = yes ]; then
+    set -m
     for version in 3.8 3.13; do
         make_venv "$version" & installations+=($!)
     done
+    set +m
 fi
 scripts/setup.sh --dev
 for installation in "${installations[@]}"; do wait "$installation"; done

@@ -11,23 +11,21 @@ catalogue=catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
 
-# xgettext does not see what is inside an f-string.
-if git grep -nE "\\bf(\"|')[^\"']*\\{[^\"'}]*\\b(tr|Message)\\(" -- '*.py' >&2; then
-    echo "translations.sh: put these texts into variables of their own, before the f-string" >&2
-    exit 1
-fi
+mapfile -d '' -t sources < <(git ls-files --cached --others --exclude-standard -z \
+    'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*')
+/usr/bin/python3 scripts/literal_templates.py "${sources[@]}"
 
 # Templates are the first argument of Message(...) and of tr(...).
-git ls-files --cached --others --exclude-standard -z \
-    'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' |
-    xargs -0 xgettext --language=Python --from-code=UTF-8 \
-        --keyword --keyword=Message:1 --keyword=tr:1 \
-        --add-location=file --sort-by-file --width=98 --output="$scratch/templates.pot"
+xgettext --language=Python --from-code=UTF-8 --keyword --keyword=Message:1 --keyword=tr:1 \
+    --add-location=file --sort-by-file --width=98 --output="$scratch/templates.pot" "${sources[@]}"
 # msgcmp and msgmerge want the charset that xgettext leaves open where every template is ASCII.
 sed -i 's/charset=CHARSET/charset=UTF-8/' "$scratch/templates.pot"
 
 if [ "${1:-}" = --check ]; then
-    msgfmt --check-format --output-file=/dev/null "$catalogue"
+    if ! msgfmt --check-format --output-file=/dev/null "$catalogue"; then
+        echo "translations.sh: $catalogue: give each msgstr the {values} of its msgid" >&2
+        exit 1
+    fi
     # Unlike msgcmp's warnings, an entry that no template has is an error here.
     if ! msgcmp "$catalogue" "$scratch/templates.pot" 2>"$scratch/complaints" ||
         [ -s "$scratch/complaints" ]; then

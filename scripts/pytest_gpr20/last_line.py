@@ -19,7 +19,7 @@ INSIDE = "tests inside"
 
 
 class LastLine:
-    """Names a failed test at once, and prints the counts after everything else.
+    """Names a worker's failed test at once, and prints the counts after everything else.
 
     Args:
         reporter: The terminal reporter of pytest.
@@ -29,8 +29,8 @@ class LastLine:
         self._reporter = reporter
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Name a test that failed or will be repeated; the details come at the end."""
-        if report.outcome not in ("passed", "skipped"):
+        """Name a test of a worker that failed or will be repeated; the details come at the end."""
+        if hasattr(report, "node") and report.outcome not in ("passed", "skipped"):
             self._reporter.ensure_newline()
             self._reporter.write_line(f"{report.nodeid} {report.outcome} in {report.when}")
 
@@ -112,12 +112,9 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
 def show_inside(reporter: Any) -> None:
     """Show the tests that run others, how long they took and how many tests they ran."""
     reports = [*reporter.stats.get("passed", []), *reporter.stats.get("failed", [])]
-    found = [
-        f"{report.duration:5.0f} s  {report.nodeid}: {value}"
-        for report in reports
-        for name, value in getattr(report, "user_properties", ())
-        if name == INSIDE
-    ]
+    # A repeated test notes the property at each try; the last one counts.
+    inside = [(one, dict(getattr(one, "user_properties", ())).get(INSIDE)) for one in reports]
+    found = [f"{one.duration:5.0f} s  {one.nodeid}: {value}" for one, value in inside if value]
     if found:
         reporter.section("tests inside tests")
         for line in sorted(found, reverse=True):

@@ -21,8 +21,9 @@ from pytest_gpr20.processes import end_descendants
 ROOT = Path(__file__).resolve().parents[2]
 WORKSPACE = ROOT / "catkin_ws"
 SOURCES = [str(path) for path in sorted((WORKSPACE / "src").glob("gpr20_*/src"))]
-# They would make the nodes of a test listen elsewhere or look for another robot.
-UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "GPR20_ROBOT", "GPR20_SERVER")
+# Variables of a shell that begin so would make the nodes of a test listen elsewhere, write
+# elsewhere or look for another robot.
+UNSET = ("ROS_", "ROSCONSOLE_", "GPR20_DATA", "GPR20_ROBOT", "GPR20_SERVER")
 
 
 def has_ros() -> bool:
@@ -44,7 +45,7 @@ def with_ros(environment: Mapping[str, str]) -> Dict[str, str]:
     setup = WORKSPACE / "devel/setup.bash"
     if not setup.exists():
         raise pytest.UsageError(f"{setup} is missing; run scripts/setup.sh --dev first")
-    clean = {name: value for name, value in environment.items() if name not in UNSET}
+    clean = {name: value for name, value in environment.items() if not name.startswith(UNSET)}
     # The sources would hide the generated modules (gpr20_simulator.srv).
     paths = clean.get("PYTHONPATH", "").split(os.pathsep)
     clean["PYTHONPATH"] = os.pathsep.join(one for one in paths if one and one not in SOURCES)

@@ -67,6 +67,7 @@ def test_a_rostest_that_passes_when_it_is_repeated_is_counted_as_such(run, pytes
     )
     ended = run(body)
     counted = "1 passed, 0 failed, 0 skipped, 1 rerun (1 x trial.test::rostest)"
+    assert ended.stdout.str().count("trial.test::rostest: 1 tests") == 1
     assert (ended.ret, ended.outlines[-1]) == (0, counted)
 
 

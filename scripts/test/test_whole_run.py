@@ -57,6 +57,13 @@ def test_the_last_line_counts_and_names_the_reasons(own, workers):
     assert ended.ret == pytest.ExitCode.TESTS_FAILED
 
 
+def test_only_a_run_with_workers_names_a_failed_test_at_once(own):
+    own.makepyfile("def test_bad(): assert False")
+    named = "*::test_bad failed in call"
+    own.runpytest_subprocess(*LOADED).stdout.no_fnmatch_line(named)
+    own.runpytest_subprocess(*LOADED, "-n1").stdout.fnmatch_lines([named])
+
+
 def test_a_run_without_tests_has_failed(own):
     ended = own.runpytest_subprocess(*LOADED)
     assert ended.ret == pytest.ExitCode.NO_TESTS_COLLECTED
@@ -193,7 +200,10 @@ def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_
     if not (ROOT / "catkin_ws/devel/setup.bash").exists():
         pytest.skip("the workspace is not built")
     program = "import gpr20_simulator.srv, gpr20_msgs.msg, gpr20_survey, sys; print(sys.prefix)"
-    plain = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "ROS_HOSTNAME": "elsewhere"}
+    plain = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    odd = {"ROS_HOSTNAME": "elsewhere", "ROS_IPV6": "on", "ROSCONSOLE_CONFIG_FILE": "/missing"}
+    odd.update({"ROS_PYTHON_LOG_CONFIG_FILE": "/missing", "GPR20_DATA": "/missing"})
+    plain.update(odd)
     for shell in (plain, without_ros(plain), without_ros(os.environ)):
         environment = with_ros(shell)
         ended = subprocess.run(
@@ -205,7 +215,7 @@ def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_
         )
         assert ended.stdout.strip() == sys.prefix
         assert environment["ROS_IP"] == "127.0.0.1"
-        assert "ROS_HOSTNAME" not in environment
+        assert not odd.keys() & environment.keys()
 
 
 @pytest.mark.parametrize("workers", [[], ["-n1"]])

@@ -62,7 +62,7 @@ def test_no_line_is_longer_than_the_limit(document):
         for number, line in enumerate(lines, 1)
         if len(re.sub(r"https?://\S+", "", line)) > LONGEST_LINE
     ]
-    assert too_long == []
+    assert too_long == [], f"break the lines of more than {LONGEST_LINE} characters"
 
 
 def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
