@@ -21,7 +21,7 @@ for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
-        *) echo "setup.sh: unknown argument '$argument'; allowed are --dev and --robot" >&2; exit 2 ;;
+        *) echo "setup.sh: unknown argument '$argument'; allowed: --dev and --robot" >&2; exit 2 ;;
     esac
 done
 [ "$dev" = no ] || DEBIAN_PACKAGES+=("${DEBIAN_DEV_PACKAGES[@]}")
