@@ -2,7 +2,7 @@
 # Pictures of the window, 800x480, in both languages, from surveys of the simulated robot.
 #   scripts/screenshots.sh                   every tab, over two targets, into docs/images
 #   scripts/screenshots.sh FOLDER            the same into another folder
-#   scripts/screenshots.sh --faults FOLDER   STATUS, paused by each fault of the simulator
+#   scripts/screenshots.sh --faults FOLDER   STATUS, after each fault of the simulator
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

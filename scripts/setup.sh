@@ -22,7 +22,7 @@ for argument in "$@"; do
         --dev) dev=yes ;;
         --robot) robot=yes ;;
         *)
-            echo "setup.sh: unknown argument '$argument'; allowed are --dev and --robot" >&2
+            echo "setup.sh: unknown argument '$argument'; allowed: --dev and --robot" >&2
             exit 2
             ;;
     esac

@@ -33,7 +33,7 @@ shut_down() {
 }
 trap shut_down EXIT
 
-area=(--x-start 100 --x-stop 120 --x-points 3 --y-start 100 --y-stop 120 --y-points 3)
+area=(--x-start-mm 100 --x-stop-mm 120 --x-points 3 --y-start-mm 100 --y-stop-mm 120 --y-points 3)
 # A survey that exists has its own.
 case " $* " in *" --resume"*) area=() ;; esac
 status=0 survey=

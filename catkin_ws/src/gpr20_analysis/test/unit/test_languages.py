@@ -11,9 +11,11 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis.commands import main as gpr20
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.report.summary import settings_of, summary_of
 from gpr20_analysis.sentences import sentences_of, shown, with_sentences
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.message import Message, received_message, verbatim
+from gpr20_survey.trace.calibration import CalibrationStatus
 
 ALL = len(POINTS)
 SPANISH = {
@@ -87,6 +89,18 @@ def test_the_report_is_written_in_the_language(stopped, tmp_path):
     assert '<html lang="es">' in text
     for words in ("<h2>Veredicto</h2>", "INCOMPLETA", "falta: x ", "No hay imagen: "):
         assert words in text
+
+
+def test_reason_and_calibration_are_translated_where_their_template_is_known(stopped):
+    verdict = Message("complete: all {planned} planned traces are stored", planned=4)
+    calibration = CalibrationStatus.HIGH.meaning
+    report = {"verdict": str(verdict), "verdict_message": json.loads(verdict.to_json())}
+    described = {"report": report, "instrument": {"calibration": str(calibration)}}
+    survey = load_survey(stopped).assign_attrs(
+        survey_json=json.dumps(described), reason=str(verdict)
+    )
+    assert verdict in [text for _, text in summary_of(survey)]
+    assert calibration in [text for _, text in settings_of(survey)]
 
 
 def test_sentences_of_a_stored_dataset_can_be_translated_later(stopped, tmp_path):

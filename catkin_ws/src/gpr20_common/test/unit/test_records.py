@@ -55,7 +55,7 @@ def test_everything_can_be_given():
 @pytest.mark.parametrize(
     "change, message",
     [
-        ({"nmae": "a"}, "cart/nmae is unknown; known are colour, load"),
+        ({"nmae": "a"}, "cart/nmae is unknown; allowed: colour, load"),
         ({"name": 3}, "cart/name is 3; it must be of type str"),
         ({"load": True}, "cart/load is True; it must be a number"),
         ({"load": "3"}, "cart/load is '3'"),

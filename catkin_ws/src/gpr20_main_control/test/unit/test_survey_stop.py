@@ -105,7 +105,7 @@ def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
     at_rest = []
     threading.Timer(0.005, lambda: (at_rest.append(True), bench.x.blocked.set())).start()
     bench.wait_for(State.STOPPED)
-    assert at_rest or "STILL MOVES" in str(bench.board.status.message)
+    assert at_rest or "STILL MOVING" in str(bench.board.status.message)
 
 
 def test_an_axis_that_does_not_stop_is_told(bench):
@@ -114,7 +114,7 @@ def test_an_axis_that_does_not_stop_is_told(bench):
     assert bench.x.begun.wait(LIMIT_S)
     bench.control.stop()
     final = bench.wait_for(State.STOPPED)
-    assert "AN AXIS STILL MOVES" in str(final.message)
+    assert "AN AXIS IS STILL MOVING" in str(final.message)
 
 
 def test_a_stop_does_not_wait_for_an_instrument_that_hangs_in_the_checks(bench, monkeypatch):

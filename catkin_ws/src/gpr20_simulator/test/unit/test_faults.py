@@ -55,10 +55,10 @@ def test_fault_of_the_converter_reaches_the_state(switch, state):
 @pytest.mark.parametrize(
     ("device", "fault", "count", "message"),
     [
-        ("gpu", "HANG", 0, "unknown device 'gpu'; allowed are vna, endstop_x, endstop_y, adc"),
-        ("vna", "STUCK", 0, "unknown fault 'STUCK'; allowed are NONE, HANG"),
+        ("gpu", "HANG", 0, "unknown device 'gpu'; allowed: vna, endstop_x, endstop_y, adc"),
+        ("vna", "STUCK", 0, "unknown fault 'STUCK'; allowed: NONE, HANG"),
         ("vna", "HANG", -1, "count is -1"),
-        ("endstop_x", "HANG", 0, "allowed are NONE, STUCK_OPEN, STUCK_CLOSED"),
+        ("endstop_x", "HANG", 0, "allowed: NONE, STUCK_OPEN, STUCK_CLOSED"),
         ("adc", "STUCK", 3, "must be 0"),
         ("", "", 0, "unknown device"),
     ],

@@ -108,7 +108,7 @@ def test_refused_setting_counts_as_one(bench):
 
 @pytest.mark.parametrize(("name", "count"), [("EXPLODE", 0), ("", 0), ("HANG", -1)])
 def test_unknown_fault_is_refused_with_what_is_allowed(name, count):
-    with pytest.raises(FaultError, match=r"allowed are .*HANG|between 0 and"):
+    with pytest.raises(FaultError, match=r"allowed: .*HANG|between 0 and"):
         FaultBoard().set(name, count)
 
 

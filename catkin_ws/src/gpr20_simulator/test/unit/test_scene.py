@@ -71,7 +71,7 @@ def test_numbers_without_point_become_floats(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("soil: {permitivity: 4}", "scene/soil/permitivity is unknown; known are loss_tangent"),
+        ("soil: {permitivity: 4}", "scene/soil/permitivity is unknown; allowed: loss_tangent"),
         ("soil: {relative_permittivity: 0.5}", r"relative_permittivity is 0\.5.* 1 and 81"),
         ("soil: {relative_permittivity: .nan}", "relative_permittivity is nan"),
         ("soil: {relative_permittivity: .inf}", "relative_permittivity is inf"),

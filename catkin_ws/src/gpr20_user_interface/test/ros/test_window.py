@@ -204,7 +204,7 @@ class Window(WindowCase):
     def test_language_changes_at_once(self) -> None:
         self.start()
         self.touch(self.window.language_button)
-        wait_until(lambda: self.window.control.pause.text() == "PAUSA", "it speaks Spanish")
+        wait_until(lambda: self.window.control.pause.text() == "PAUSAR", "it speaks Spanish")
         self.assertEqual(self.window.language_button.text(), "English")
         self.touch(self.window.language_button)
         wait_until(lambda: self.window.control.pause.text() == "PAUSE", "it speaks English")

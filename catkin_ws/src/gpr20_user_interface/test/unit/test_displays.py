@@ -71,7 +71,7 @@ def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them(
     display.note(Message("permission denied", details="[Errno 13] Permission denied: '/data'"))
     display.show(progress(50), SURVEYING)
     assert stream.getvalue().splitlines() == [
-        "No se aceptó la parada: no hubo respuesta a tiempo",
+        "No se aceptó la orden de detener: no hubo respuesta a tiempo",
         "permiso denegado ([Errno 13] Permission denied: '/data')",
         " 25.0 %  50/200 trazas  quedan 0d:0h:2m:30s (según lo medido)",
     ]

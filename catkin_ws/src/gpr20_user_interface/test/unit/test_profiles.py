@@ -51,7 +51,7 @@ def test_there_are_none_before_the_first(profiles):
 )
 def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles, name):
     for act in (profiles.load, profiles.remove, lambda n: profiles.save(n, default_parameters())):
-        with pytest.raises(ProfileError, match="is no name for a profile"):
+        with pytest.raises(ProfileError, match="is not a valid profile name"):
             act(name)
 
 

@@ -51,7 +51,7 @@ def test_a_name_that_is_refused_says_what_is_allowed(window, name):
     window.profiles.name_pad.edit.setText(name)
     assert not window.profiles.name_pad.accept_button.isEnabled()
     hint = window.profiles.name_pad.hint.text()
-    assert all(words in hint for words in ("at most 32", "begin with", "no blank at the end"))
+    assert all(words in hint for words in ("at most 32", "begin with", "not end with a space"))
 
 
 def test_deleting_takes_two_touches(window):

@@ -94,7 +94,7 @@ def test_help_and_faults_are_in_the_language_of_the_catalogue(capsys):
     with pytest.raises(SystemExit):
         parse(["--help"], spanish)
     text = capsys.readouterr().out
-    assert "la campaña terminó: todas las trazas previstas están guardadas" in text
+    assert "la campaña terminó: todas las trazas planificadas están guardadas" in text
     assert "(por defecto 15)" in " ".join(text.split())
     with pytest.raises(SystemExit):
         parse(["--wait", "0"], spanish)

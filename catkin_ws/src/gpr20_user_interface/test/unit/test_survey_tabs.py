@@ -107,7 +107,7 @@ def test_the_language_changes_at_once(application):
     show(shown, TabName.RADAR)
     views = shown.window
     assert "Gris: no medido" in views.radar.note.text()
-    assert views.map.next_problem.text() == "Siguiente\nincompleto"
+    assert views.map.next_problem.text() == "Siguiente punto\nincompleto"
     assert views.past.table.item(0, 1).text() == "INCOMPLETA (simulada)"
     click(views.radar.controls.background)
     assert views.radar.controls.background.text() == "Fondo\nincluido"

@@ -47,6 +47,6 @@ def test_status_of_the_robot_changes_its_language_at_once(window, application, s
     spanish.use(Language.SPANISH)
     application.processEvents()
     assert window.status.message.title == "DETENIDO"
-    expected = "No se aceptó la parada: el disco está lleno"
+    expected = "No se aceptó la orden de detener: el disco está lleno"
     assert window.status.message.message == expected
     assert window.top_bar.message.whole == expected

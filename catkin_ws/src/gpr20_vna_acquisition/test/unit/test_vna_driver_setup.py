@@ -42,6 +42,14 @@ def test_another_instrument_is_refused_and_its_link_closed(identity):
     assert bench.vna.open_links == 0 and not bench.driver.vna_connected
 
 
+def test_an_unreadable_identification_is_in_the_details_not_in_the_sentence():
+    bench = Bench()
+    bench.vna.identity = "P\x006\x07"
+    with pytest.raises(VnaIdentityError, match=r"identifies itself as 'P\?6\?'") as refusal:
+        bench.driver.connect_to_vna(ADDRESS)
+    assert refusal.value.message.details == repr("P\x006\x07")
+
+
 def test_the_reports_say_why_no_connection_was_made_until_there_is_one():
     bench = Bench()
     expected, bench.vna.identity = bench.vna.identity, "garbage"

@@ -102,14 +102,17 @@ def _estimate_once(traces: Sequence[Traces], focus: Focus) -> PermittivityEstima
             sums += _coherent_sums(one, focus, echoes, permittivities)
     if count == 0:
         raise WrongDatasetError(
-            Message("no echo was found, so the permittivity cannot be estimated; set it by option")
+            Message(
+                "no echo was found, so the permittivity cannot be estimated; "
+                "give it with --permittivity"
+            )
         )
     best = int(np.argmax(sums))
     if best in (0, TRIALS - 1):
         raise WrongDatasetError(
             Message(
                 "the echoes focus best at the end of the range, permittivity {permittivity:.3g}, "
-                "so the permittivity cannot be estimated; set it by option",
+                "so the permittivity cannot be estimated; give it with --permittivity",
                 permittivity=permittivities[best],
             )
         )

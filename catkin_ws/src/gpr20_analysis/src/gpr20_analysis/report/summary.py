@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_common.message import Message, received_message, verbatim
+from gpr20_survey.trace.calibration import MEANINGS
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
 SIMULATED = Message("SIMULATED: the data show no real ground")
@@ -22,6 +23,7 @@ RECORDED = {
     "reason": Message("reason"),
     "software_revision": Message("software revision"),
 }
+CALIBRATIONS = {str(one): one for one in MEANINGS.values()}
 OUTCOMES = {
     "finished": Message("finished"),
     "stopped": Message("stopped"),
@@ -40,8 +42,9 @@ def summarize(survey: xr.Dataset) -> Dict[str, str]:
 
 def summary_of(survey: xr.Dataset) -> List[Row]:
     """Return the lines of a survey's summary."""
+    verdict = _verdict(_description(survey))
     rows = [
-        (title, _recorded(name, survey.attrs[name]))
+        (title, _recorded(name, survey.attrs[name], verdict))
         for name, title in RECORDED.items()
         if name in survey.attrs
     ]
@@ -66,9 +69,18 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     return rows
 
 
-def _recorded(name: str, value: object) -> Message:
+def _recorded(name: str, value: object, verdict: Optional[Message]) -> Message:
     text = verbatim(str(value))
+    if name == "reason" and verdict is not None and str(verdict) == str(value):
+        return verdict
     return OUTCOMES.get(str(value), text) if name == "outcome" else text
+
+
+def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
+    report = _mapping(described, "report")
+    if not report.get("verdict"):
+        return None
+    return received_message(str(report["verdict"]), json.dumps(report.get("verdict_message")))
 
 
 def _samples(survey: xr.Dataset) -> Message:
@@ -168,7 +180,7 @@ SETTINGS = {
 
 def settings_of(survey: xr.Dataset) -> List[Row]:
     """Return title and text of each recorded setting; none without survey.json."""
-    described: Dict[str, Any] = json.loads(survey.attrs.get("survey_json", "{}"))
+    described = _description(survey)
     parameters = _mapping(described, "parameters")
     rows: List[Row] = []
     for axis in PLAN:
@@ -192,7 +204,7 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
     rows += _rows(_mapping(described, "instrument"), INSTRUMENT)
     rows += _rows(_mapping(described, "settings"), SETTINGS)
     for axis, own in _mapping(described, "axes").items():
-        unit = "deg" if own.get("type") == "ROT" else "mm"
+        unit = Message("deg") if own.get("type") == "ROT" else verbatim("mm")
         text = Message(
             "{lower} to {upper} {unit}, in steps of {step} {unit}",
             lower=own.get("min_coord"),
@@ -201,12 +213,18 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
             unit=unit,
         )
         rows.append((Message("axis {axis}", axis=axis), text))
-    report = _mapping(described, "report")
-    if report.get("verdict"):
-        recorded = json.dumps(report.get("verdict_message"))
-        verdict = received_message(str(report["verdict"]), recorded)
+    verdict = _verdict(described)
+    if verdict is not None:
         rows.append((Message("verdict of the robot"), verdict))
     return rows
+
+
+def _description(survey: xr.Dataset) -> Mapping[str, Any]:
+    try:
+        found = json.loads(survey.attrs.get("survey_json", "{}"))
+    except (TypeError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _mapping(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
@@ -215,4 +233,9 @@ def _mapping(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 
 def _rows(values: Mapping[str, Any], titles: Mapping[str, Message]) -> List[Row]:
-    return [(title, verbatim(str(values[key]))) for key, title in titles.items() if key in values]
+    texts = {key: str(value) for key, value in values.items()}
+    return [
+        (title, CALIBRATIONS.get(texts[key], verbatim(texts[key])))
+        for key, title in titles.items()
+        if key in texts
+    ]

@@ -49,7 +49,7 @@ def record_from(
             known = ", ".join(sorted(fields))
             raise InvalidValueError(
                 Message(
-                    "{place} is unknown; known are {known}", place=f"{place}/{name}", known=known
+                    "{place} is unknown; allowed: {known}", place=f"{place}/{name}", known=known
                 )
             )
     hints = typing.get_type_hints(record_class)

@@ -263,7 +263,7 @@ class SurveyEngine:
             self._status.enter(SurveyState.STOPPING, stopping)
         messages = [message]
         if not self._positioner.wait_for_rest(REST_LIMIT_S):
-            messages.append(Message("AN AXIS STILL MOVES: switch the motors off"))
+            messages.append(Message("AN AXIS IS STILL MOVING: switch the motors off"))
         if self._archive.folder:
             messages.append(self._close_early(outcome, reason))
         self._status.enter(state, in_a_row(messages))

@@ -152,7 +152,7 @@ def open_shared_state(
         if words.layout == LAYOUT:
             return SharedState(words)
     raise SharedStateError(
-        Message("{path} is not a simulated robot of this version; remove the file", path=path)
+        Message("{path} was not written by this version of the simulator; remove it", path=path)
     )
 
 

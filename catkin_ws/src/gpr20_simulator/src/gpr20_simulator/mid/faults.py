@@ -133,7 +133,7 @@ class FaultSwitch:
             devices = ", ".join((VNA, *ENDSTOPS, ADC))
             raise FaultError(
                 Message(
-                    "unknown device '{device}'; allowed are {allowed}",
+                    "unknown device '{device}'; allowed: {allowed}",
                     device=device[:40],
                     allowed=devices,
                 )
@@ -182,5 +182,5 @@ def _name_of(faults: Type[enum.IntEnum], fault: str, count: int) -> str:
 
 def _unknown_fault(fault: str, allowed: str) -> FaultError:
     return FaultError(
-        Message("unknown fault '{fault}'; allowed are {allowed}", fault=fault[:40], allowed=allowed)
+        Message("unknown fault '{fault}'; allowed: {allowed}", fault=fault[:40], allowed=allowed)
     )

@@ -89,7 +89,7 @@ class Sweep:
         if not np.isfinite(values).all():
             refuse(
                 Message(
-                    "{name} holds {count} NaN or infinities",
+                    "{name} contains {count} NaN or infinite values",
                     name=name,
                     count=np.count_nonzero(~np.isfinite(values)),
                 )

@@ -60,7 +60,7 @@ def decode(content: bytes) -> Trace:
     except (ValueError, RecursionError) as error:
         raise TraceRefusedError(Message("the file is not strict JSON", details=error)) from error
     if content[-1:] != b"\n":
-        raise TraceRefusedError(Message("the file is incomplete: its last line does not end"))
+        raise TraceRefusedError(Message("the file is incomplete: its last line is cut off"))
     return from_values(values)
 
 

@@ -32,8 +32,8 @@ def check_name(name: str) -> str:
     if not is_name(name):
         raise ProfileError(
             Message(
-                "{name} is no name for a profile; use 1 to {most} letters, digits, blanks, - and "
-                "_, beginning with a letter or digit and without a blank at the end",
+                "{name} is not a valid profile name; use 1 to {most} letters, digits, spaces, - "
+                "and _; begin with a letter or digit and do not end with a space",
                 name=repr(name[:64]),
                 most=MAX_NAME_LENGTH,
             )

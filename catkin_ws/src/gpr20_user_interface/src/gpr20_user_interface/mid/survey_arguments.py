@@ -25,7 +25,7 @@ EXIT_STATUS = Message(
     "    1  it was refused or could not be started\n"
     "    2  the command line is wrong\n"
     "    3  it failed, another client stopped it, or contact with the main control was lost\n"
-    "    4  it is paused and stays so (--on-pause exit)\n"
+    "    4  it is paused and stays paused (--on-pause exit)\n"
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
 )
 
@@ -175,7 +175,7 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
         "--attach",
         action="store_true",
         help=tr(
-            "follow the survey that runs now; Ctrl-C stops it, a closed terminal leaves it running"
+            "follow the running survey; Ctrl-C stops it, closing the terminal leaves it running"
         ),
     )
     which.add_argument(

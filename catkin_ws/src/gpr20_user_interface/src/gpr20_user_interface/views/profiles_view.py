@@ -94,8 +94,8 @@ class ProfilesView(Overlay):
     def _ask_name(self) -> None:
         taken = self._profiles.names()
         hint = self.tr(
-            "a new name of at most {most} letters a to z, digits, blanks, - and _; "
-            "begin with a letter or digit, no blank at the end"
+            "a new name of at most {most} letters a to z, digits, spaces, - and _; "
+            "begin with a letter or digit and do not end with a space"
         ).format(most=MAX_NAME_LENGTH)
 
         def judge(name: str) -> str:

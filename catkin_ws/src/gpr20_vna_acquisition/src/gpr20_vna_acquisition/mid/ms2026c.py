@@ -105,9 +105,10 @@ class Ms2026c:
                 Message(
                     "the VNA identifies itself as {identity}; expected {maker} {model}; check its "
                     "address, or the parameters maker and model",
-                    identity=repr(identity[:80]),
+                    identity=repr(_printable(identity[:40])),
                     maker=expected[0],
                     model=expected[1],
+                    details=repr(identity[:200]),
                 )
             )
         self._has_time_domain = TIME_DOMAIN_OPTION in options
@@ -157,7 +158,7 @@ class Ms2026c:
         except ValueError as error:
             raise VnaDataError(
                 Message(
-                    "the VNA reports calibration status {status}; known are 0 to 4", status=status
+                    "the VNA reports calibration status {status}; expected 0 to 4", status=status
                 )
             ) from error
 
@@ -272,6 +273,11 @@ class Ms2026c:
     def _ask_raw(self, query: str) -> bytes:
         self._deadline.check()
         return self._transport.ask_raw(query)
+
+
+def _printable(text: str) -> str:
+    """Return a text from the instrument for a sentence: "?" instead of what has no place in it."""
+    return "".join(one if one.isascii() and one.isprintable() else "?" for one in text)
 
 
 def _described(differing: Sequence[Tuple[Setting, str]]) -> Message:

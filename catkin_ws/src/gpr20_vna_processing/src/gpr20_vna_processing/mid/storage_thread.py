@@ -169,7 +169,7 @@ class StorageThread:
                 if remaining_s <= 0.0:
                     raise StorageFailedError(
                         Message(
-                            "the disk did not begin within {limit_s:g} s, with {count} earlier "
+                            "the disk was not free within {limit_s:g} s, with {count} earlier "
                             "requests waiting; nothing was written; check the disk",
                             limit_s=timeout_s,
                             count=len(self._jobs),
