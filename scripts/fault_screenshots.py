@@ -7,6 +7,7 @@ catalogue.
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import List
@@ -20,9 +21,10 @@ from gpr20_common.catalogue import Language
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_msgs.msg import ControlStatus
-from gpr20_simulator.low.shared_state import AdcFault, EndstopFault
+from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.mid.faults import ADC, VNA, VnaFault
 from gpr20_simulator.srv import SetFault
+from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
 
@@ -30,10 +32,36 @@ from gpr20_user_interface.views.translation import Languages
 PARAMETERS = {"x_points": 3, "x_stop_mm": 600.0, "y_points": 3, "frequency_points": 51}
 ENDED = (ControlStatus.FINISHED, ControlStatus.STOPPED, ControlStatus.FAILED)
 LIMIT_S = 180.0
-FAULTS = (
-    *((VNA, one.value) for one in VnaFault),
-    *((ADC, one.name) for one in AdcFault if one is not AdcFault.NONE),
-    *(("endstop_x", one.name) for one in EndstopFault if one is not EndstopFault.NONE),
+
+
+@dataclass(frozen=True)
+class Case:
+    """A survey that meets a fault.
+
+    Attributes:
+        device: Whose fault it is.
+        fault: Name of the fault.
+        at_start: Whether it is switched on before the survey starts; else during it.
+        drops: Whether the VNA closes its connections once: only a new one asks who is there.
+    """
+
+    device: str
+    fault: str
+    at_start: bool = False
+    drops: bool = False
+
+
+# Of the endstops first: an axis is homed once, by the first survey that does not fail at it.
+CASES = (
+    *(Case(f"endstop_{axis}", "STUCK_OPEN", at_start=True) for axis in "xy"),
+    Case("endstop_y", "STUCK_CLOSED", at_start=True),
+    Case("endstop_x", "STUCK_CLOSED"),
+    *(Case(ADC, one.name) for one in AdcFault if one is not AdcFault.NONE),
+    # Settings that stay as they are cannot be refused.
+    *(
+        Case(VNA, one.value, one is VnaFault.REFUSE_SETTINGS, one is VnaFault.WRONG_IDENTITY)
+        for one in VnaFault
+    ),
 )
 
 
@@ -44,6 +72,15 @@ class LastStatus:
         self.status = ControlStatus()
         self._subscriber = rospy.Subscriber("control_status", ControlStatus, self._note)
 
+    def is_new(self, former: str) -> bool:
+        """Return whether another survey than a former one has begun to measure, or has halted."""
+        begun = self.status.code == ControlStatus.SURVEYING or self.has_halted()
+        return self.status.survey_id != former and begun
+
+    def has_halted(self) -> bool:
+        """Return whether the survey is paused or has ended."""
+        return self.status.code in (ControlStatus.PAUSED, *ENDED)
+
     def ended(self, survey: str) -> bool:
         """Return whether a survey has ended."""
         return self.status.survey_id == survey and self.status.code in ENDED
@@ -52,39 +89,62 @@ class LastStatus:
         self.status = status
 
 
-def take_pictures(folder: Path, data: Path, application: QApplication) -> List[str]:
-    """Meet each fault in a survey of its own; return the templates without a Spanish entry."""
-    languages = Languages(application, Language.ENGLISH)
-    spanish = read_translations(FOLDER / "es.po")
-    interface = new_window(languages, data)
-    interface.begin()
-    operator, last = Operator(), LastStatus()
-    untranslated = []
-    for device, fault in FAULTS:
-        operator.start(**PARAMETERS)
-        run_until(lambda: last.status.code == ControlStatus.SURVEYING, "a survey runs", LIMIT_S)
-        survey = last.status.survey_id
-        run_events(1.0)
-        operator.call("simulator/set_fault", SetFault, device=device, fault=fault, count=0)
-        run_until(lambda: last.status.code in (ControlStatus.PAUSED, *ENDED), "it pauses", LIMIT_S)
-        run_events(1.0)
-        message = message_from(last.status)
-        untranslated += [one.template for one in message.nested() if one.template not in spanish]
-        print(f"{device} {fault}: {message}")
-        for language in Language:
-            languages.use(language)
-            interface.window.show_tab(TabName.STATUS)
+class FaultPictures:
+    """Meets each fault in a survey of its own, and takes pictures of STATUS.
+
+    Attributes:
+        untranslated: Templates without a Spanish entry that were shown.
+    """
+
+    def __init__(self, folder: Path, interface: UserInterface, languages: Languages) -> None:
+        self._folder = folder
+        self._interface = interface
+        self._languages = languages
+        self._operator, self._last = Operator(), LastStatus()
+        self._spanish = read_translations(FOLDER / "es.po")
+        self.untranslated: List[str] = []
+
+    def meet(self, case: Case) -> None:
+        """Run a survey that meets a fault, until it pauses or ends."""
+        former = self._last.status.survey_id
+        if case.at_start:
+            self._set_fault(case.device, case.fault)
+        # Other settings than before, so that there is one to refuse.
+        points = {"frequency_points": 52} if case.at_start else {}
+        self._operator.start(**{**PARAMETERS, **points})
+        run_until(partial(self._last.is_new, former), "a survey runs", LIMIT_S)
+        survey = self._last.status.survey_id
+        if not case.at_start:
             run_events(1.0)
-            interface.window.grab().save(
-                str(folder / f"{device}_{fault.lower()}_{language.value}.png")
-            )
-        operator.call("simulator/set_fault", SetFault, device=device, fault="NONE", count=0)
-        if last.status.code == ControlStatus.PAUSED:
-            operator.stop()
-        run_until(partial(last.ended, survey), "the survey ends", LIMIT_S)
-    interface.end()
-    languages.close()
-    return untranslated
+            self._set_fault(case.device, case.fault)
+        if case.drops:
+            self._set_fault(case.device, "DROP", 1)
+        run_until(self._last.has_halted, f"{case} halts the survey", LIMIT_S)
+        self._take(case)
+        self._set_fault(case.device, "NONE")
+        if self._last.status.code == ControlStatus.PAUSED:
+            self._operator.stop()
+        run_until(partial(self._last.ended, survey), "the survey ends", LIMIT_S)
+
+    def _take(self, case: Case) -> None:
+        run_events(1.0)
+        message = message_from(self._last.status)
+        self.untranslated += [
+            one.template for one in message.nested() if one.template not in self._spanish
+        ]
+        print(f"{case.device} {case.fault}: {message}", flush=True)
+        for language in Language:
+            self._languages.use(language)
+            self._interface.window.show_tab(TabName.STATUS)
+            run_events(1.0)
+            name = f"{case.device}_{case.fault.lower()}_{language.value}.png"
+            if not self._interface.window.grab().save(str(self._folder / name)):
+                raise SystemExit(f"{self._folder / name} cannot be written")
+
+    def _set_fault(self, device: str, fault: str, count: int = 0) -> None:
+        self._operator.call(
+            "simulator/set_fault", SetFault, device=device, fault=fault, count=count
+        )
 
 
 def main() -> None:
@@ -94,10 +154,17 @@ def main() -> None:
     with virtual_screen(), simulated_robot("time_scale:=20") as robot:
         application = QApplication([])
         rospy.init_node("fault_screenshots", disable_signals=True)
-        untranslated = take_pictures(folder, robot.data, application)
+        languages = Languages(application, Language.ENGLISH)
+        interface = new_window(languages, robot.data)
+        interface.begin()
+        pictures = FaultPictures(folder, interface, languages)
+        for case in CASES:
+            pictures.meet(case)
+        interface.end()
+        languages.close()
         rospy.signal_shutdown("the pictures are taken")
-    if untranslated:
-        sys.exit(f"without a Spanish entry: {sorted(set(untranslated))}")
+    if pictures.untranslated:
+        sys.exit(f"without a Spanish entry: {sorted(set(pictures.untranslated))}")
 
 
 if __name__ == "__main__":

@@ -46,7 +46,8 @@ if [ "$status" -eq 0 ]; then
 fi
 shut_down
 if [ "$status" -ne 0 ]; then
-    tail -n 20 "$log" >&2
+    # A refusal has been printed; the log of the nodes says nothing more.
+    [ "$status" -eq 1 ] || tail -n 20 "$log" >&2
     echo "the survey did not finish (status $status); the whole log of the nodes is $log" >&2
     exit "$status"
 fi

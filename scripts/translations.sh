@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The catalogue of every sentence that people read, kept with GNU gettext.
 #   scripts/translations.sh           update es.po: new templates have an empty msgstr
-#   scripts/translations.sh --check   fail on a template without Spanish, or Spanish without template
+#   scripts/translations.sh --check   fail on a template without Spanish, or the reverse
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
