@@ -84,7 +84,7 @@ def _controls_of(former_json: str, planned: int) -> List[Dict[str, Any]]:
         return controls
     except (ValueError, TypeError, KeyError) as error:
         raise SurveyError(
-            Message("the report in the survey's survey.json cannot be read", details=repr(error))
+            Message("the report in survey.json cannot be read", details=repr(error))
         ) from error
 
 
