@@ -156,5 +156,5 @@ def test_every_change_of_the_coverage_is_announced_once():
 
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
-    with pytest.raises(SurveyError, match="the report in the survey's survey.json cannot be read"):
+    with pytest.raises(SurveyError, match="survey.json cannot be read"):
         SurveyReport(Coverage(1), former)
