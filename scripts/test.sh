@@ -9,7 +9,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 paths=()
 other_pythons=no coverage=()
-[ $# -gt 0 ] || { other_pythons=yes coverage=(--cov --cov-report=); }
+[ $# -gt 0 ] || other_pythons=yes
 for argument in "$@"; do
     case "$argument" in
         lint) paths+=("$GPR20_ROOT/scripts/test/test_lint.py") ;;

@@ -115,7 +115,7 @@ def test_without_a_copy_a_description_with_another_id_does_not_cost_the_traces(k
     with_another_id(folder)
     (folder / "survey.mcap").unlink()
     before = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
-    with pytest.raises(SurveyRefusedError, match="every trace there belongs to another"):
+    with pytest.raises(SurveyRefusedError, match="every readable trace there"):
         kit.processing.reopen_survey(folder.name)
     assert {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()} == before
 

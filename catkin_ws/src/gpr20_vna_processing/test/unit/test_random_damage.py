@@ -128,6 +128,11 @@ def reopen(kit, folder, before, after):
         if data_of(before) == data_of(after):
             assert "finished and complete" in str(error)
             return None
+        if "every readable trace" in str(error):
+            # A flipped digit of the survey's id, and no trace is intact in any form.
+            traces = [name for name in before if name.startswith("traces/")]
+            assert not any(intact_forms(before, after, index) for index in range(len(traces)))
+            return None
         for name in ("survey.json", "survey.mcap"):
             assert after.get(name) != before[name], str(error)
         return None

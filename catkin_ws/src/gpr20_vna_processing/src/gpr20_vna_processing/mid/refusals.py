@@ -77,8 +77,8 @@ def only_foreign_traces(folder: Path, survey_id: str) -> SurveyRefusedError:
     """Return the error: the survey.json in a folder is not that of its traces."""
     return SurveyRefusedError(
         Message(
-            "survey.json in {folder} is that of survey {survey}, but every trace there belongs to "
-            "another; put the right survey.json there",
+            "survey.json in {folder} is that of survey {survey}, but every readable trace there "
+            "belongs to another; put the right survey.json there",
             folder=printable(folder),
             survey=survey_id,
         )
