@@ -43,7 +43,7 @@ class Survey:
     def set_parameters(self, parameters):
         pass
 
-    def read_axis_limits(self):
+    def check_master(self):
         pass
 
     def start(self, parameters):

@@ -60,10 +60,10 @@ string frame_id
 class StoreSurveyTest(unittest.TestCase):
     @classmethod
     def tearDownClass(cls) -> None:
-        shutil.rmtree(rospy.get_param("vna_processing/data"))
+        shutil.rmtree(rospy.get_param("~data"))
 
     def setUp(self) -> None:
-        self.data = rospy.get_param("vna_processing/data")
+        self.data = rospy.get_param("~data")
         self.services = {
             name: self.service(name, kind)
             for name, kind in (
