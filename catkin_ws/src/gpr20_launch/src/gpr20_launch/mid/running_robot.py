@@ -64,8 +64,8 @@ def _remedy(nodes: Sequence[RunningNode]) -> Message:
     left_over = [one.number for one in nodes if one.is_left_over]
     if left_over:
         return Message(
-            "Their launch was killed. This command ends them, and stops and closes a survey: "
-            "{command}",
+            "Their launch was killed. To end them, run this; a survey that runs is stopped and can "
+            "be resumed: {command}",
             command="kill " + " ".join(str(number) for number in (*launches, *left_over)),
         )
     if launches:

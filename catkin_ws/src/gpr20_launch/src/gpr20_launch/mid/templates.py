@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import inspect
+import math
 import re
 import textwrap
 from pathlib import Path
@@ -71,8 +72,8 @@ def _attributes(kind: Type) -> Dict[str, str]:
 
 
 def _commented(name: str, value: Any) -> str:
-    text = yaml.safe_dump({name: value}, default_flow_style=None, width=10_000, allow_unicode=True)
-    return f"# {text.strip()}"
+    text = yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=True)
+    return f"#{name}: {text.splitlines()[0]}"  # a plain value is followed by a line of dots
 
 
 def _default(field: dataclasses.Field) -> Any:

@@ -9,7 +9,13 @@ from gpr20_common.mid.checks import number_between
 
 @dataclass(frozen=True)
 class TimeLimits:
-    """How long the main control waits for the answers of other nodes [s]."""
+    """How long the main control waits for the answers of other nodes.
+
+    Attributes:
+        analyzer_limit_s: For an answer of the VNA driver [s].
+        height_limit_s: For an answer of the height sensor [s].
+        storage_limit_s: For an answer of the storage [s].
+    """
 
     analyzer_limit_s: float = 90.0
     height_limit_s: float = 10.0
