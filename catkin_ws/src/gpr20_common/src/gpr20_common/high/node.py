@@ -39,7 +39,8 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     _refuse_second(_full_name(name))
     rospy.init_node(name)
     try:
-        refuse_private_parameters()
+        if not configuration_name():
+            refuse_private_parameters()
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)

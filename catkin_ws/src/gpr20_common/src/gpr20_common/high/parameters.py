@@ -47,7 +47,7 @@ def read_parameters(record_class: Type[Record], section: str) -> Record:
 
 
 def refuse_private_parameters() -> None:
-    """Check that nobody gave this node a private parameter, because it reads none.
+    """Check that nobody gave a node that was started alone a private parameter: it reads none.
 
     Raises:
         InvalidValueError: There is one; it is named.
