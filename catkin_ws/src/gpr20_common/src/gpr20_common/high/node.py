@@ -37,7 +37,10 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     """
     enable_line_buffering()
     _refuse_second(_full_name(name))
-    rospy.init_node(name)
+    try:
+        rospy.init_node(name)
+    except rospy.ROSInitException as error:
+        sys.exit(f"{name} was ended before it had started: {error}")
     try:
         if not configuration_name():
             refuse_private_parameters()
