@@ -41,20 +41,22 @@ def refusal(nodes: Sequence[RunningNode], master: str) -> Message:
         master: Address of the ROS master.
     """
     names = ", ".join(f"{one.name} (process {one.number})" for one in nodes)
-    return Message(
-        "a robot is running on {master}{since}: {names}. {remedy}",
-        master=master,
-        since=_since(nodes),
-        names=names,
-        remedy=_remedy(nodes),
-    )
-
-
-def _since(nodes: Sequence[RunningNode]) -> Message:
+    remedy = _remedy(nodes)
     times = [one.process.started for one in nodes if one.process]
     if not times:
-        return Message("")
-    return Message(" since {time}", time=min(times).strftime(TIME_FORMAT))
+        return Message(
+            "a robot is running on {master}: {names}. {remedy}",
+            master=master,
+            names=names,
+            remedy=remedy,
+        )
+    return Message(
+        "a robot is running on {master} since {time}: {names}. {remedy}",
+        master=master,
+        time=min(times).strftime(TIME_FORMAT),
+        names=names,
+        remedy=remedy,
+    )
 
 
 def _remedy(nodes: Sequence[RunningNode]) -> Message:
