@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Any, Callable, Type, TypeVar
 
@@ -40,7 +41,9 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     try:
         rospy.init_node(name)
     except rospy.ROSInitException as error:
-        sys.exit(f"{name} was ended before it had started: {error}")
+        print(f"{name} was ended before it had started: {error}", file=sys.stderr)
+        # At once: rospy's own threads may wait for a master that is gone.
+        os._exit(1)
     try:
         if not configuration_name():
             refuse_private_parameters()
