@@ -37,28 +37,34 @@ class DescribedRobot:
         """
         self.site = site
         self._on_change = on_change
-        self._lock = threading.Lock()
+        self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
 
     @property
     def nodes(self) -> Mapping[str, NodeDescription]:
         """The descriptions received so far, by their nodes."""
-        with self._lock:
+        with self._described:
             return dict(self._nodes)
 
     def note(self, description: NodeDescription) -> None:
         """Note what a node is now."""
-        with self._lock:
+        with self._described:
             self._nodes[description.node] = description
+            self._described.notify_all()
         self._on_change(self)
 
-    def config(self) -> RobotConfig:
+    def config(self, wait_s: float = 0.0) -> RobotConfig:
         """Return what is fixed for the robot.
+
+        Args:
+            wait_s: How long to wait for the descriptions of nodes that are starting [s].
 
         Raises:
             InvalidValueError: A node has not described itself, or they disagree.
         """
-        return robot_config(self.nodes)
+        with self._described:
+            self._described.wait_for(lambda: self.problem() is None, wait_s)
+            return robot_config(self._nodes)
 
     def analyzer_address(self) -> str:
         """Return the address of the analyzer in the robot's configuration.
@@ -72,7 +78,7 @@ class DescribedRobot:
     def problem(self) -> Optional[Message]:
         """Return why no survey can be measured; None if nothing is wrong."""
         try:
-            self.config()
+            robot_config(self.nodes)
         except InvalidValueError as error:
             return error.message
         return None

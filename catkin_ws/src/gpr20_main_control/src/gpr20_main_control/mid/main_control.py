@@ -25,6 +25,8 @@ from gpr20_survey.plan.survey_state import SurveyState
 
 # A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0
+# Nodes that are launched together have described themselves within this time [s].
+STARTING_LIMIT_S = 4.0
 # The thread of a survey ends right after it has entered its final state [s].
 ENDING_LIMIT_S = 10.0
 
@@ -65,9 +67,10 @@ class MainControl:
                 )
             )
             description = self._robot.description
+            config = description.config(STARTING_LIMIT_S)
             address = parameters.vna_address or description.analyzer_address()
             parameters = replace(parameters, vna_address=address)
-            self._plan = plan_survey(parameters, description.config(), self._settings)
+            self._plan = plan_survey(parameters, config, self._settings)
             self._status.show_parameters(parameters)
             ready = Message("Ready for {count} traces", count=self._plan.total_points)
             self._status.enter(SurveyState.CONFIGURED, ready)
@@ -215,7 +218,7 @@ class MainControl:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
-            config = self._robot.description.config()
+            config = self._robot.description.config(STARTING_LIMIT_S)
             plan = plan_resumption(reopened, config, self._settings)
             self._begin(plan)
         except Gpr20Error as error:
