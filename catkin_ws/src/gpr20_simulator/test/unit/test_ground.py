@@ -275,9 +275,7 @@ def test_empty_scene_has_no_scatterers():
     assert len(scatterers_of([]).x_m) == 0
 
 
-@given(
-    st.integers(0, 16_000_000), st.integers(0, 999), st.integers(0, 999), st.integers(-50, 50)
-)
+@given(st.integers(0, 16_000_000), st.integers(0, 999), st.integers(0, 999), st.integers(-50, 50))
 def test_probe_tells_sweep_position_and_rotation_even_after_float32(number, x_mm, y_mm, step):
     position = AntennaPosition(float(x_mm), float(y_mm), step * 1.8)
     values = PositionProbe().s21(FREQUENCY_HZ[:3], position, number).astype(np.complex64)
