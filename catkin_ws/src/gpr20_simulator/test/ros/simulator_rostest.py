@@ -70,6 +70,7 @@ class SimulatorTest(unittest.TestCase):
 
     def test_a_sweep_sees_the_carriage_where_the_state_has_it(self):
         numbers = set()
+        self.addCleanup(self.state.set_steps, AxisId.Z, 0)
         for x_mm, y_mm, z_steps in ((8, 6, 0), (120, 40, 50), (121, 40, -50)):
             self.state.set_steps(AxisId.X, x_mm * STEPS_PER_MM)
             self.state.set_steps(AxisId.Y, y_mm * STEPS_PER_MM)
