@@ -17,7 +17,6 @@ import tempfile
 from pathlib import Path
 from typing import Iterator
 
-SIZE_MIB = 256
 # <linux/sched.h> and <linux/ext4.h>; the number of the call is _IOR('X', 125, __u32).
 CLONE_NEWNS = 0x00020000
 EXT4_IOC_SHUTDOWN = 0x8004587D
@@ -33,17 +32,18 @@ class PowerCutDisk:
 
     Args:
         place: A folder for the file that holds it and for its mount point.
+        size_mib: Its size [MiB]; the file is sparse.
 
     Raises:
         PowerCutError: It cannot be made here.
     """
 
-    def __init__(self, place: Path) -> None:
+    def __init__(self, place: Path, size_mib: int = 256) -> None:
         self._image = place / "disk.img"
         self.folder = place / "disk"
         self.folder.mkdir()
         with self._image.open("xb") as file:
-            file.truncate(SIZE_MIB << 20)
+            file.truncate(size_mib << 20)
         # Made at once, not in the background later.
         at_once = "lazy_itable_init=0,lazy_journal_init=0"
         _run("mkfs.ext4", "-q", "-F", "-E", at_once, str(self._image))
