@@ -14,9 +14,11 @@ import os
 import struct
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 from typing import Iterator
 
+UNMOUNT_LIMIT_S = 10.0
 # <linux/sched.h> and <linux/ext4.h>; the number of the call is _IOR('X', 125, __u32).
 CLONE_NEWNS = 0x00020000
 EXT4_IOC_SHUTDOWN = 0x8004587D
@@ -76,12 +78,19 @@ class PowerCutDisk:
                 raise PowerCutError(f"ext4 cannot be shut down: {error}") from error
 
     def unmount(self) -> None:
-        """Unmount it; nobody may use it any more.
+        """Unmount it, when the processes that used it and were killed have let go of it.
 
         Raises:
-            PowerCutError: Somebody does.
+            PowerCutError: Somebody still uses it.
         """
-        _run("umount", str(self.folder))
+        deadline_s = time.monotonic() + UNMOUNT_LIMIT_S
+        while True:
+            try:
+                return _run("umount", str(self.folder))
+            except PowerCutError:
+                if time.monotonic() > deadline_s:
+                    raise
+            time.sleep(0.02)
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[int]:

@@ -36,6 +36,7 @@ LAUNCH = "roslaunch"
 MARK = "GPR20_LAUNCHED_ROBOT"
 START_LIMIT_S = 60.0
 END_LIMIT_S = 60.0
+KILLED_LIMIT_S = 0.1
 
 
 def free_port() -> int:
@@ -143,7 +144,8 @@ class LaunchedRobot:
             for process in left:
                 with contextlib.suppress(psutil.NoSuchProcess):
                     process.kill()
-            psutil.wait_procs(left, END_LIMIT_S)
+            # Not longer: where no init collects the dead, they seem to be there for ever.
+            psutil.wait_procs(left, KILLED_LIMIT_S)
             left = self._left()
 
     def stop(self) -> None:
