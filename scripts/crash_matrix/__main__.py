@@ -44,8 +44,10 @@ GRID = [
     for axis in "xy"
     for name, value in (("start", PLACES_MM[0]), ("stop", PLACES_MM[-1]), ("points", 3))
 ]
-# From the start of the client to the end of such a survey, most often.
-KILLED_AFTER_S = (0.3, 4.0)
+# From the start of the client, or from its first request, to the end of such a survey, most often.
+AFTER_START_S = (0.3, 4.0)
+AFTER_REQUEST_S = (0.0, 2.5)
+FROM_REQUEST = 0.5  # how often it is counted from there
 CLIENT_LIMIT_S = 120.0
 NODES_LIMIT_S = 20
 KILLS_PER_SURVEY = 4
@@ -73,15 +75,21 @@ class Matrix:
         robot: Runs the surveys.
         victims: What may be killed or cut.
         chance: Chooses victims and instants.
+        output: A file for what the client prints.
     """
 
     def __init__(
-        self, robot: MonitoredRobot, victims: Sequence[str], chance: random.Random
+        self,
+        robot: MonitoredRobot,
+        victims: Sequence[str],
+        chance: random.Random,
+        output: Path,
     ) -> None:
         self.result = Result()
         self._robot = robot
         self._victims = victims
         self._chance = chance
+        self._output = output
         self._known: List[Path] = []
 
     def run_survey(self) -> None:
@@ -105,30 +113,39 @@ class Matrix:
             self._check(folder)
 
     def _run_client(self, options: List[str], victim: Optional[str]) -> int:
-        client = self._robot.client(
-            *("--wait", str(NODES_LIMIT_S), *options),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
-        if victim is not None:
-            try:
-                client.wait(self._chance.uniform(*KILLED_AFTER_S))
-            except subprocess.TimeoutExpired:
-                self._kill(victim)
-                if victim in (POWER, EVERYTHING):
-                    client.kill()
+        with self._output.open("w") as output:
+            client = self._robot.client(
+                *("--wait", str(NODES_LIMIT_S), *options), stdout=output, stderr=subprocess.STDOUT
+            )
+        if victim is not None and self._is_moment(client, victim):
+            self._kill(victim)
+            if victim in (POWER, EVERYTHING):
+                client.kill()
         try:
-            printed, _nothing = client.communicate(timeout=CLIENT_LIMIT_S)
+            client.wait(CLIENT_LIMIT_S)
         except subprocess.TimeoutExpired:
             client.kill()
             self.result.faults.append(f"the client hung after {victim} was killed")
             return -1
         if client.returncode != FINISHED:
-            print(
-                f"    status {client.returncode}: {printed.strip().splitlines()[-3:]}", flush=True
-            )
+            printed = self._output.read_text().strip().splitlines()[-3:]
+            print(f"    status {client.returncode}: {printed}", flush=True)
         return client.returncode
+
+    def _is_moment(self, client: subprocess.Popen, victim: str) -> bool:
+        """Wait for a random moment of a survey; return False if the client ended before."""
+        # A power cut matters only while something is written.
+        if victim == POWER or self._chance.random() < FROM_REQUEST:
+            while client.poll() is None and not self._output.stat().st_size:
+                time.sleep(0.02)
+            delay_s = self._chance.uniform(*AFTER_REQUEST_S)
+        else:
+            delay_s = self._chance.uniform(*AFTER_START_S)
+        try:
+            client.wait(delay_s)
+        except subprocess.TimeoutExpired:
+            return True
+        return False
 
     def _kill(self, victim: str) -> None:
         if not self._robot.kill(victim):
@@ -179,7 +196,8 @@ def kill_processes(folder: Path, count: int, seed: int) -> List[str]:
     """Kill processes; return the faults."""
     robot = MonitoredRobot(folder, TIME_SCALE)
     try:
-        return run_matrix(Matrix(robot, PROCESSES, random.Random(seed)), count, "process kills")
+        matrix = Matrix(robot, PROCESSES, random.Random(seed), folder / "client.log")
+        return run_matrix(matrix, count, "process kills")
     finally:
         robot.stop()
 
@@ -188,7 +206,8 @@ def cut_power(folder: Path, count: int, seed: int) -> List[str]:
     """Cut the power of the disk; return the faults."""
     robot = PoweredRobot(folder, TIME_SCALE)
     try:
-        faults = run_matrix(Matrix(robot, [POWER], random.Random(seed)), count, "power cuts")
+        matrix = Matrix(robot, [POWER], random.Random(seed), folder / "client.log")
+        faults = run_matrix(matrix, count, "power cuts")
         if faults:
             shutil.copytree(str(robot.data), str(folder / "data"))
     finally:
