@@ -130,10 +130,6 @@ class LaunchedRobot:
         process.kill()
         return True
 
-    def is_launched(self) -> bool:
-        """Return whether roslaunch runs."""
-        return self._launch is not None and self._launch.poll() is None
-
     def kill_all(self) -> None:
         """Kill every process of the launch; return when they have ended."""
         # First, so that nothing is started again meanwhile.
