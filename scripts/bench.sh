@@ -10,7 +10,7 @@ if [ $# -eq 0 ] || [ ! -f "$GPR20_ROOT/benchmarks/$1.py" ]; then
         sed 's/\.py$//' | sort >&2
     exit 2
 fi
-"$GPR20_ROOT/scripts/setup.sh" --dev
+"$GPR20_ROOT/scripts/setup.sh"
 gpr20_use_workspace
 name="$1"
 shift

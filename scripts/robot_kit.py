@@ -12,8 +12,9 @@ import socket
 import subprocess
 import tempfile
 import time
+import uuid
 from pathlib import Path
-from typing import Any, Dict, Iterator, Optional
+from typing import Any, Dict, Iterator, List, Optional
 
 import psutil
 
@@ -30,8 +31,12 @@ NODES = (
     "simulator",
     "rosout",
 )
+LAUNCH = "roslaunch"
+# In the environment of every process of a launch.
+MARK = "GPR20_LAUNCHED_ROBOT"
 START_LIMIT_S = 60.0
 END_LIMIT_S = 60.0
+KILLED_LIMIT_S = 0.1
 
 
 def free_port() -> int:
@@ -45,15 +50,21 @@ class LaunchedRobot:
     """The processes of one launch; this process and those that it starts use its master.
 
     Args:
-        folder: Where the surveys (`data`) and the log of the launch are kept.
+        folder: Where the log of the launch is kept, and the surveys unless `data` is given.
         arguments: Arguments of the launch file.
         launch: How roslaunch finds the launch file.
+        data: The folder of the surveys.
     """
 
     def __init__(
-        self, folder: Path, *arguments: str, launch: str = "gpr20 survey.launch ui:=false"
+        self,
+        folder: Path,
+        *arguments: str,
+        launch: str = "gpr20 survey.launch ui:=false",
+        data: Optional[Path] = None,
     ) -> None:
-        self.data = folder / "data"
+        self.data = data or folder / "data"
+        self._mark = str(uuid.uuid4())
         self._log = (folder / "launch.log").open("ab")
         self._command = [*launch.split(), f"data:={self.data}", *arguments]
         self._launch: Optional[subprocess.Popen] = None
@@ -66,7 +77,7 @@ class LaunchedRobot:
         """
         port = free_port()
         os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
-        self._launch = self.run(["roslaunch", "-p", str(port), *self._command])
+        self._launch = self.run(["roslaunch", "-p", str(port), *self._command], {MARK: self._mark})
         deadline_s = time.monotonic() + START_LIMIT_S
         while not {*NODES, MASTER} <= set(self.processes()):
             if time.monotonic() > deadline_s:
@@ -74,10 +85,19 @@ class LaunchedRobot:
                 raise RuntimeError(f"the robot does not start; see {self._log.name}")
             time.sleep(0.1)
 
-    def run(self, command: list) -> subprocess.Popen:
-        """Start a process that writes into the log; a Ctrl-C in the terminal does not reach it."""
+    def run(self, command: list, environment: Optional[Dict[str, str]] = None) -> subprocess.Popen:
+        """Start a process that writes into the log; a Ctrl-C in the terminal does not reach it.
+
+        Args:
+            command: The program and its arguments.
+            environment: What is added to the environment.
+        """
         return subprocess.Popen(
-            command, stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True
+            command,
+            stdout=self._log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env={**os.environ, **(environment or {})},
         )
 
     def client(self, *options: str, **streams: Any) -> subprocess.Popen:
@@ -97,7 +117,13 @@ class LaunchedRobot:
         return found
 
     def kill(self, name: str) -> bool:
-        """Kill a node or the master; return whether it was there to be killed."""
+        """Kill a node, the master or roslaunch; return whether it was there to be killed."""
+        if name == LAUNCH:
+            if self._launch is None or self._launch.poll() is not None:
+                return False
+            self._launch.kill()
+            self._launch.wait()
+            return True
         process = self.processes().get(name)
         if process is None:
             return False
@@ -105,25 +131,37 @@ class LaunchedRobot:
         return True
 
     def kill_all(self) -> None:
-        """Kill everything at once, as when the power fails."""
-        assert self._launch is not None
-        launch = psutil.Process(self._launch.pid)
-        # Stopped first, so that nothing is started again meanwhile.
-        launch.suspend()
-        for process in [*launch.children(recursive=True), launch]:
-            with contextlib.suppress(psutil.NoSuchProcess):
-                process.kill()
-        self._launch.wait()
+        """Kill every process of the launch; return when they have ended."""
+        # First, so that nothing is started again meanwhile.
+        self.kill(LAUNCH)
+        self._launch = None
+        left = self._left()
+        while left:
+            for process in left:
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    process.kill()
+            # Not longer: where no init collects the dead, they seem to be there for ever.
+            psutil.wait_procs(left, KILLED_LIMIT_S)
+            left = self._left()
 
     def stop(self) -> None:
-        """End everything, as Ctrl-C does."""
+        """End everything, as Ctrl-C does; also what a roslaunch that was killed has left."""
         end(self._launch, signal.SIGINT)
-        self._launch = None
+        self.kill_all()
 
     def _children(self) -> list:
         with contextlib.suppress(psutil.NoSuchProcess):
             return psutil.Process(self._launch.pid).children() if self._launch else []
         return []
+
+    def _left(self) -> List[psutil.Process]:
+        """Return the processes of the launch, whoever is their parent now."""
+        found = []
+        for process in psutil.process_iter():
+            with contextlib.suppress(psutil.Error):  # ended meanwhile, or another user's
+                if process.environ().get(MARK) == self._mark:
+                    found.append(process)
+        return found
 
 
 def end(process: Optional[subprocess.Popen], number: signal.Signals) -> None:

@@ -8,15 +8,18 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any, Iterable, List, Set, Tuple
+from typing import Any, Iterable, Iterator, List, Set, Tuple
 
 from mcap.exceptions import McapError
-from mcap.reader import NonSeekingReader, make_reader
-from mcap_ros1.decoder import DecoderFactory
+from mcap.reader import McapReader, NonSeekingReader, make_reader
 from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from gpr20_simulator.mid.medium import probed_position_mm
+from gpr20_simulator.mid.medium import probed_position_mm, probed_rotation_deg
 
+TRACE = "gpr20_msgs/msg/Trace"
+# The position probe tells the rotation to 0.4 degrees; a step of the motor is 1.8 degrees.
+ROTATION_TOLERANCE_DEG = 0.9
 VERIFY = Path(__file__).resolve().parents[1] / "verify.sh"
 Place = Tuple[float, float, float]
 
@@ -89,11 +92,16 @@ def _description(folder: Path) -> dict:
 def _faults_of_place(trace: dict) -> List[str]:
     """Compare where a trace says it was measured with where the carriage truly was."""
     said = (trace["x_coord_mm"], trace["y_coord_mm"])
+    said_deg = trace["z_coord_deg"]
     values = {complex(*pair) for pair in zip(trace["s21_real"], trace["s21_imag"])}
     if len(values) != 1:
         return [f"trace {trace['index']} was measured while the carriage moved"]
-    truth = probed_position_mm(values.pop())
-    return [] if truth == said else [f"trace {trace['index']} says {said}, true is {truth}"]
+    value = values.pop()
+    truth, truth_deg = probed_position_mm(value), probed_rotation_deg(value)
+    if truth == said and abs(truth_deg - said_deg) < ROTATION_TOLERANCE_DEG:
+        return []
+    said_text, truth_text = f"{said} mm, {said_deg:g} deg", f"{truth} mm, {truth_deg:g} deg"
+    return [f"trace {trace['index']} says {said_text}, true is {truth_text}"]
 
 
 def _copied(source: Path, target: Path) -> Path:
@@ -121,11 +129,9 @@ def _torn_mcap(path: Path) -> Set[str]:
     """Read forward, without the index, up to where the file was torn."""
     found = set()
     with path.open("rb") as file:
-        reader = NonSeekingReader(file, decoder_factories=[DecoderFactory()])
-        messages = reader.iter_decoded_messages(topics=["/trace"], log_time_order=False)
         try:
-            for _schema, _channel, _raw, message in messages:
-                found.add(message.sample_id)
+            for sample in _samples_of(NonSeekingReader(file)):
+                found.add(sample)
         except (McapError, EOFError):
             # Torn here; what was acknowledged must have come before.
             return found
@@ -147,8 +153,13 @@ def _bag_samples(path: Path) -> List[str]:
 
 def _mcap_samples(path: Path) -> List[str]:
     with path.open("rb") as file:
-        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        return [
-            message.sample_id
-            for _schema, _channel, _raw, message in reader.iter_decoded_messages(topics=["/trace"])
-        ]
+        return list(_samples_of(make_reader(file, validate_crcs=True)))
+
+
+def _samples_of(reader: McapReader) -> Iterator[str]:
+    types = get_typestore(Stores.ROS1_NOETIC)
+    for schema, _channel, message in reader.iter_messages(["/trace"], log_time_order=False):
+        if schema is not None and TRACE not in types.types:
+            types.register(get_types_from_msg(schema.data.decode(), TRACE))
+        trace: Any = types.deserialize_ros1(message.data, TRACE)
+        yield trace.sample_id

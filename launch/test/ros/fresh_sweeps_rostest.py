@@ -15,6 +15,7 @@ from survey_client import SurveyClient, bits, described, json_traces
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_simulator.mid.medium import probed_rotation_deg
 
 
 class FrontPanel:
@@ -71,6 +72,8 @@ class FreshSweepsTest(unittest.TestCase):
             self.assertEqual(set(one["s21_real"]), {one["s21_real"][0]})
             place = np.float32(one["x_coord_mm"] + one["y_coord_mm"] / 1000.0)
             self.assertEqual(set(one["s21_imag"]), {float(place)})
+            turned_deg = probed_rotation_deg(one["s21_real"][0])
+            self.assertAlmostEqual(turned_deg, one["z_coord_deg"], delta=0.4)
 
     def test_1_every_trace_is_one_sweep_made_at_its_own_place(self):
         survey_id, status = self.client.run_to_end()

@@ -13,12 +13,13 @@ from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
-from gpr20_simulator.mid.medium import probed_position_mm, probed_sweep
+from gpr20_simulator.mid.medium import probed_position_mm, probed_rotation_deg, probed_sweep
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 
 LIMIT_S = 60.0
 STEPS_PER_MM = 100
+DEG_PER_STEP = 1.8
 
 
 class SimulatorTest(unittest.TestCase):
@@ -69,11 +70,15 @@ class SimulatorTest(unittest.TestCase):
 
     def test_a_sweep_sees_the_carriage_where_the_state_has_it(self):
         numbers = set()
-        for x_mm, y_mm in ((8, 6), (120, 40), (121, 40)):
+        self.addCleanup(self.state.set_steps, AxisId.Z, 0)
+        for x_mm, y_mm, z_steps in ((8, 6, 0), (120, 40, 50), (121, 40, -50)):
             self.state.set_steps(AxisId.X, x_mm * STEPS_PER_MM)
             self.state.set_steps(AxisId.Y, y_mm * STEPS_PER_MM)
+            self.state.set_steps(AxisId.Z, z_steps)
             values = self.swept_values()
             self.assertEqual({probed_position_mm(one) for one in values}, {(x_mm, y_mm)})
+            (turned_deg,) = {probed_rotation_deg(complex(one)) for one in values}
+            self.assertAlmostEqual(turned_deg, z_steps * DEG_PER_STEP, delta=0.4)
             numbers |= {probed_sweep(one) for one in values}
         self.assertEqual(len(numbers), 3)
 

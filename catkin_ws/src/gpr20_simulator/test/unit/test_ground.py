@@ -16,6 +16,7 @@ from gpr20_simulator.mid.medium import (
     AntennaPosition,
     PositionProbe,
     probed_position_mm,
+    probed_rotation_deg,
     probed_sweep,
 )
 from gpr20_simulator.mid.refraction import refracted_path
@@ -274,9 +275,11 @@ def test_empty_scene_has_no_scatterers():
     assert len(scatterers_of([]).x_m) == 0
 
 
-@given(st.integers(0, 16_000_000), st.integers(0, 999), st.integers(0, 999))
-def test_probe_tells_sweep_and_position_even_after_float32(number, x_mm, y_mm):
-    position = AntennaPosition(float(x_mm), float(y_mm), 90.0)
+@given(st.integers(0, 16_000_000), st.integers(0, 999), st.integers(0, 999), st.integers(-50, 50))
+def test_probe_tells_sweep_position_and_rotation_even_after_float32(number, x_mm, y_mm, step):
+    position = AntennaPosition(float(x_mm), float(y_mm), step * 1.8)
     values = PositionProbe().s21(FREQUENCY_HZ[:3], position, number).astype(np.complex64)
-    assert [probed_sweep(value) for value in values] == [number] * 3
-    assert [probed_position_mm(value) for value in values] == [(x_mm, y_mm)] * 3
+    for value in values:
+        assert probed_sweep(value) == number % 65_536
+        assert probed_position_mm(value) == (x_mm, y_mm)
+        assert probed_rotation_deg(value) == pytest.approx(position.rotation_deg, abs=0.4)

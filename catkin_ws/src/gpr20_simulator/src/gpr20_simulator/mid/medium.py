@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol, Tuple
 
 import numpy as np
 
 Y_SCALE = 1000.0
+ROTATION_START_DEG = -90.0
+ROTATION_SCALE_DEG = 200.0
+# Leaves 8 of the 24 bits of a float32 for the rotation.
+PROBED_SWEEPS = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -41,25 +46,29 @@ class SweptMedium(Protocol):
 
 
 class PositionProbe:
-    """Answers with the number of the sweep and the position, instead of physics.
+    """Answers with the number of the sweep, the position and the rotation, instead of physics.
 
-    The real part is the number of the sweep, exact in a float32 up to 16 million. The
-    imaginary part is x_mm + y_mm / 1000: whole millimetres can be distinguished exactly
-    (x below 1000, y from 0 to 999), and any movement of 0.01 mm along X or 0.1 mm along
-    Y changes it. The rotation does not appear.
+    The integer part of the real part is the number of the sweep, counted from 0 again after
+    65,536 sweeps; its fraction is the rotation, (rotation_deg + 90) / 200, exact to 0.4 degrees
+    from -90 to 109 degrees. The imaginary part is x_mm + y_mm / 1000: whole millimetres can be
+    distinguished exactly (x below 1000, y from 0 to 999), and any movement of 0.01 mm along X or
+    0.1 mm along Y changes it. All this is still so in a float32.
     """
 
     def s21(
         self, frequency_hz: np.ndarray, position: AntennaPosition, sweep_number: int
     ) -> np.ndarray:
         """Return the same number for every frequency."""
-        value = complex(sweep_number, position.x_mm + position.y_mm / Y_SCALE)
+        turned = (position.rotation_deg - ROTATION_START_DEG) / ROTATION_SCALE_DEG
+        value = complex(
+            sweep_number % PROBED_SWEEPS + turned, position.x_mm + position.y_mm / Y_SCALE
+        )
         return np.full(len(frequency_hz), value, dtype=np.complex128)
 
 
 def probed_sweep(value: complex) -> int:
-    """Return the number of the sweep that a value is from."""
-    return round(value.real)
+    """Return the number of the sweep that a value is from, modulo 65,536."""
+    return math.floor(value.real)
 
 
 def probed_position_mm(value: complex) -> Tuple[int, int]:
@@ -67,3 +76,8 @@ def probed_position_mm(value: complex) -> Tuple[int, int]:
     thousandths = round(value.imag * Y_SCALE)
     x_mm, y_mm = divmod(thousandths, int(Y_SCALE))
     return x_mm, y_mm
+
+
+def probed_rotation_deg(value: complex) -> float:
+    """Return the rotation, to 0.4 degrees, that a value was measured at [deg]."""
+    return (value.real - probed_sweep(value)) * ROTATION_SCALE_DEG + ROTATION_START_DEG

@@ -1,0 +1,137 @@
+"""A file system whose power can be cut: ext4 in a file, shut down without flushing its log.
+
+A cut loses what a program gave to the kernel without waiting for fsync. Needs root, the program
+mkfs.ext4 and a loop device. The mounts are private to the process that called `hide_mounts` and to
+its children: they end with the last of them, however it ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import fcntl
+import os
+import struct
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Iterator
+
+UNMOUNT_LIMIT_S = 10.0
+# <linux/sched.h> and <linux/ext4.h>; the number of the call is _IOR('X', 125, __u32).
+CLONE_NEWNS = 0x00020000
+EXT4_IOC_SHUTDOWN = 0x8004587D
+EXT4_GOING_FLAGS_NOLOGFLUSH = 2
+
+
+class PowerCutError(Exception):
+    """This machine does not let a file system be mounted or shut down."""
+
+
+class PowerCutDisk:
+    """An empty file system, not mounted yet.
+
+    Args:
+        place: A folder for the file that holds it and for its mount point.
+        size_mib: Its size [MiB]; the file is sparse.
+
+    Raises:
+        PowerCutError: It cannot be made here.
+    """
+
+    def __init__(self, place: Path, size_mib: int = 256) -> None:
+        self._image = place / "disk.img"
+        self.folder = place / "disk"
+        self.folder.mkdir()
+        with self._image.open("xb") as file:
+            file.truncate(size_mib << 20)
+        # Made at once, not in the background later.
+        at_once = "lazy_itable_init=0,lazy_journal_init=0"
+        _run("mkfs.ext4", "-q", "-F", "-E", at_once, str(self._image))
+
+    def mount(self) -> None:
+        """Mount it; after a cut, what its journal holds is restored first.
+
+        Raises:
+            PowerCutError: It cannot be mounted here.
+        """
+        # The system frees the loop device with the mount.
+        _run("mount", "-t", "ext4", "-o", "loop", str(self._image), str(self.folder))
+
+    def write_back(self) -> None:
+        """Write everything to the disk, as the kernel does by itself now and then."""
+        with self._opened() as descriptor:
+            ctypes.CDLL(None, use_errno=True).syncfs(descriptor)
+
+    def cut(self) -> None:
+        """Cut the power: every call for the disk fails until it was unmounted and mounted.
+
+        Raises:
+            PowerCutError: The file system cannot be shut down here.
+        """
+        flags = struct.pack("I", EXT4_GOING_FLAGS_NOLOGFLUSH)
+        with self._opened() as descriptor:
+            try:
+                fcntl.ioctl(descriptor, EXT4_IOC_SHUTDOWN, flags)
+            except OSError as error:
+                raise PowerCutError(f"ext4 cannot be shut down: {error}") from error
+
+    def unmount(self) -> None:
+        """Unmount it, when the processes that used it and were killed have let go of it.
+
+        Raises:
+            PowerCutError: Somebody still uses it.
+        """
+        deadline_s = time.monotonic() + UNMOUNT_LIMIT_S
+        while True:
+            try:
+                return _run("umount", str(self.folder))
+            except PowerCutError:
+                if time.monotonic() > deadline_s:
+                    raise
+            time.sleep(0.02)
+
+    @contextlib.contextmanager
+    def _opened(self) -> Iterator[int]:
+        descriptor = os.open(str(self.folder), os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            yield descriptor
+        finally:
+            os.close(descriptor)
+
+
+def hide_mounts() -> None:
+    """Let what this process mounts from now on be seen by it and its children only.
+
+    Raises:
+        PowerCutError: It is not allowed.
+    """
+    if ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS) != 0:
+        reason = os.strerror(ctypes.get_errno())
+        raise PowerCutError(f"a mount namespace needs root: {reason}")
+    _run("mount", "--make-rprivate", "/")
+
+
+def check() -> None:
+    """Cut the power of a file system once.
+
+    Raises:
+        PowerCutError: It cannot be done here.
+    """
+    with tempfile.TemporaryDirectory(prefix="gpr20_power_cut_") as place:
+        disk = PowerCutDisk(Path(place))
+        disk.mount()
+        try:
+            disk.cut()
+        finally:
+            disk.unmount()
+
+
+def _run(*command: str) -> None:
+    try:
+        ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise PowerCutError(f"{command[0]} cannot be run: {error.strerror}") from error
+    if ended.returncode != 0:
+        raise PowerCutError(f"{' '.join(command)}: {ended.stderr.strip()}")
