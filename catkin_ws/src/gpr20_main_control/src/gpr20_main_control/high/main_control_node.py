@@ -39,6 +39,7 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan import annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -105,8 +106,8 @@ class MainControlNode:
             **message_fields(Message("Parameters accepted")),
         )
 
-    def _start(self, _request: Any) -> StartSurveyResponse:
-        survey_id = self._control.start()
+    def _start(self, request: Any) -> StartSurveyResponse:
+        survey_id = self._control.start(annotation.from_fields(request.annotation))
         started = message_fields(Message("Survey started"))
         return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 

@@ -26,6 +26,8 @@ from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_common.os_reason import os_reason
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
+    AnnotateSurvey,
+    AnnotateSurveyResponse,
     CloseSurvey,
     CloseSurveyResponse,
     OpenSurvey,
@@ -39,10 +41,12 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.plan import annotation
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
 from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.high.archive_services import ArchiveServices
+from gpr20_vna_processing.high.subscribers import wait_for_subscribers
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -149,6 +153,7 @@ class ProcessingNode:
             advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
             advertise("report_survey", ReportSurvey, self._report_survey),
             advertise("store_data", StoreData, self._store_data),
+            advertise("annotate_survey", AnnotateSurvey, self._annotate_survey),
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
         self._archive = ArchiveServices(SurveyArchive(self._data))
@@ -175,6 +180,7 @@ class ProcessingNode:
     def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
         self._connect_recorder()
+        self._connect_subscribers()
         reopened = self._processing.reopen_survey(request.survey)
         stored = len(reopened.stored_indices)
         last = Trace()
@@ -207,6 +213,16 @@ class ProcessingNode:
         if missing:
             rospy.logwarn("recording begins without a publisher of %s", ", ".join(missing))
 
+    def _connect_subscribers(self) -> None:
+        # Reopening publishes the last trace again, maybe as the first act of this process.
+        try:
+            connected = wait_for_subscribers(self._trace, CONNECTION_LIMIT_S)
+        except (rosgraph.MasterException, OSError) as error:
+            rospy.logwarn("the master did not list the subscribers: %s", error)
+            return
+        if not connected:
+            rospy.logwarn("a subscriber of %s is not connected", self._trace.resolved_name)
+
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""
 
@@ -238,6 +254,18 @@ class ProcessingNode:
             **message_fields(message),
             path=str(closed.folder),
             stored_traces=closed.stored_traces,
+        )
+
+    def _annotate_survey(self, request: Any) -> AnnotateSurveyResponse:
+        annotated = self._processing.annotate(
+            request.survey, annotation.from_fields(request.annotation)
+        )
+        message = Message("the annotation of survey {survey} is stored", survey=annotated.survey_id)
+        return AnnotateSurveyResponse(
+            success=True,
+            **message_fields(message),
+            path=str(annotated.folder),
+            survey_id=annotated.survey_id,
         )
 
     def _shut_down(self) -> None:

@@ -9,15 +9,23 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
-from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
+from gpr20_vna_processing.mid.processing_records import (
+    AnnotatedSurvey,
+    ClosedSurvey,
+    ReopenedSurvey,
+    Storage,
+)
 from gpr20_vna_processing.mid.reopening import Reopening
+from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 
 class CurrentSurvey:
@@ -38,13 +46,13 @@ class CurrentSurvey:
             disk_reserve_bytes: What a new survey must leave free [bytes].
             latched: The last messages of latched topics, with which a recording begins.
             on_opened: Called with the JSON description of a survey that was opened.
-            on_stored: Called with the message of every trace once, when it is durable.
+            on_stored: Called with the message of every trace when it is durable; must not raise.
         """
         self._storage = storage
         self._disk_reserve_bytes = disk_reserve_bytes
         self._latched = latched
         self._on_opened = on_opened
-        self._on_stored = on_stored
+        self._publication = TracePublication(on_stored)
         self._survey: Optional[OpenSurvey] = None
         self._closed: Optional[ClosedSurvey] = None
 
@@ -105,7 +113,7 @@ class CurrentSurvey:
             new_survey.make_folder(folder)
             recordings = self._storage.open_recordings(folder, description)
         self._take(
-            OpenSurvey(folder, description, recordings, self._storage.topics, self._on_stored),
+            OpenSurvey(folder, description, recordings, self._storage.topics, self._publication),
             now_ns,
         )
 
@@ -135,12 +143,18 @@ class CurrentSurvey:
             repaired.description,
             repaired.recordings,
             self._storage.topics,
-            self._on_stored,
+            self._publication,
             repaired.stored,
             repaired.last,
             repaired.types,
         )
         self._take(survey, now_ns)
+        self._publication.reopened(
+            survey.survey_id,
+            repaired.stored,
+            repaired.last,
+            lambda trace: self._storage.topics.trace(trace, now_ns),
+        )
         return survey.reopened(repaired.repairs)
 
     def _take(self, survey: OpenSurvey, now_ns: int) -> None:
@@ -213,6 +227,25 @@ class CurrentSurvey:
         if not closed or description.get("outcome") != outcome or not isinstance(stored, int):
             return None
         return ClosedSurvey(survey_id, folder, stored)
+
+    def annotate(self, survey: str, annotation: Annotation) -> AnnotatedSurvey:
+        """Replace the annotation of a survey, whether it is open or not.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            annotation: The new annotation, whole.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, or its survey.json is damaged.
+            StorageFailedError: The disk refused; the former annotation remains.
+        """
+        opened = self.opened() if not survey else self._survey
+        if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
+            opened.annotate(annotation)
+            return AnnotatedSurvey(opened.survey_id, opened.folder)
+        folder, description = find_survey(self._storage.data, survey)
+        annotate_folder(folder, annotation)
+        return AnnotatedSurvey(description["survey_id"], folder)
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.

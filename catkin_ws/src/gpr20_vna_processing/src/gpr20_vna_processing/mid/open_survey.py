@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import (
     AbstractSet,
     Any,
-    Callable,
     ContextManager,
     Dict,
     List,
@@ -27,6 +26,7 @@ from gpr20_survey.errors import (
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.trace_files import TraceFile
+from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
@@ -34,6 +34,7 @@ from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
+from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 COMMIT_BYTES = 1 << 20
 
@@ -57,7 +58,7 @@ class OpenSurvey:
         description: Dict[str, Any],
         recordings: Sequence[Recording],
         topics: SurveyTopics,
-        on_stored: Callable[[RecordedMessage], None],
+        publication: TracePublication,
         stored: Optional[Mapping[int, TraceFile]] = None,
         last: Optional[Trace] = None,
         types: Optional[Mapping[str, AbstractSet[str]]] = None,
@@ -69,7 +70,7 @@ class OpenSurvey:
             description: The content of survey.json.
             recordings: Where every message goes; they hold the traces that are stored.
             topics: Makes the messages of traces.
-            on_stored: Called with the message of every trace once, when it is durable.
+            publication: Publishes every trace when it is durable.
             stored: The traces that are stored already, by their index.
             last: The trace that was stored last.
             types: The checksums of the message types that the recordings hold of each topic.
@@ -88,7 +89,7 @@ class OpenSurvey:
         self._unfinished = list(recordings)
         self._recordings = list(recordings)
         self._topics = topics
-        self._on_stored = on_stored
+        self._publication = publication
         self._types = TopicTypes(types or {})
 
     def store(self, trace: Trace, time_ns: int) -> Path:
@@ -125,6 +126,7 @@ class OpenSurvey:
             ):
                 durable_files.write_new_file(path, trace_json.encode(trace))
             message = self._topics.trace(trace, time_ns)
+            self._publication.expect(trace, message)
             self._pending[trace.index] = _PendingTrace(trace, message, list(self._recordings))
             self._prints[trace.index] = trace.fingerprint()
             self._indices[trace.sample_id] = trace.index
@@ -199,7 +201,7 @@ class OpenSurvey:
             stored = self._pending.pop(next(iter(self._pending)))
             self.stored_traces += 1
             self.last = stored.trace
-            self._on_stored(stored.message)
+            self._publication.stored(stored.trace)
 
     def report(self, report: Dict[str, Any]) -> None:
         """Write a report into survey.json; it replaces the former one.
@@ -210,6 +212,16 @@ class OpenSurvey:
         """
         self._refuse_ending()
         self._describe({**self.description, "report": report})
+
+    def annotate(self, annotation: Annotation) -> None:
+        """Write an annotation into survey.json; it replaces the former one.
+
+        Raises:
+            SurveyRefusedError: The survey is being closed.
+            StorageFailedError: The disk refused; the former annotation remains.
+        """
+        self._refuse_ending()
+        self._describe({**self.description, ANNOTATION: annotation.values()})
 
     def close(self, outcome: str, reason: str, ended: str) -> None:
         """Finish the recordings and write how the survey ended; may be repeated.

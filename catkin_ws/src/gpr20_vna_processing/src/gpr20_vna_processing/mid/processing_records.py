@@ -53,6 +53,14 @@ class ClosedSurvey:
 
 
 @dataclass(frozen=True)
+class AnnotatedSurvey:
+    """A survey whose annotation was changed."""
+
+    survey_id: str
+    folder: Path
+
+
+@dataclass(frozen=True)
 class ReopenedSurvey:
     """A survey that was opened again."""
 
