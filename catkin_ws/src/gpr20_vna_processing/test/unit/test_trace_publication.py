@@ -45,9 +45,7 @@ def spoil(folder, name="survey.mcap"):
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
-def test_a_trace_whose_recording_failed_is_published_when_the_survey_is_reopened(
-    kit, folder, name
-):
+def test_a_trace_whose_recording_failed_is_published_when_the_survey_is_reopened(kit, folder, name):
     spoil(folder, name)
     with pytest.raises(StorageFailedError):
         kit.processing.store(TRACES[3])

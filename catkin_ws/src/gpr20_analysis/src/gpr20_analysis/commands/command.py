@@ -35,6 +35,7 @@ SUMMARIES: Dict[str, str] = {
     "process": "apply a chain of steps and store the result with its recipe",
     "image": "image the ground below a survey and list the echoes in it",
     "plot": "draw a survey, its A-scans or an image",
+    "annotate": "set operator, site, notes and position of a survey",
     "verify": "check a survey's folder against its manifest, recordings and plan",
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "read measurements and simulations of other programs as a survey",

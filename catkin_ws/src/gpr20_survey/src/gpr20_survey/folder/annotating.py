@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 from typing import Any, Dict
 
@@ -35,8 +37,26 @@ def annotate_folder(folder: Path, annotation: Annotation) -> Dict[str, Any]:
     with storing(Message("{path} could not be written", path=printable(path)), path):
         _check_as_written(folder, description)
         changed = {**description, ANNOTATION: annotation.values()}
-        durable_files.replace_file(path, survey_metadata.encode(changed))
+        _replace(folder, changed)
     return changed
+
+
+def _replace(folder: Path, changed: Dict[str, Any]) -> None:
+    content = survey_metadata.encode(changed)
+    if not (folder / manifest.MANIFEST_FILE).exists():
+        durable_files.replace_file(folder / survey_folder.SURVEY_FILE, content)
+        return
+    if not manifest.is_unchanged(folder, survey_folder.SURVEY_FILE, manifest.read_sums(folder)):
+        raise SurveyRefusedError(
+            Message("survey.json in {folder} differs from its manifest", folder=printable(folder))
+        )
+    sealed = json.loads((folder / manifest.MANIFEST_FILE).read_text("ascii"))
+    durable_files.replace_file(folder / survey_folder.SURVEY_FILE, content)
+    sealed["files"][survey_folder.SURVEY_FILE] = {
+        "sha256": hashlib.sha256(content).hexdigest(),
+        "size": len(content),
+    }
+    durable_files.replace_file(folder / manifest.MANIFEST_FILE, survey_metadata.encode(sealed))
 
 
 def _check_as_written(folder: Path, description: Dict[str, Any]) -> None:

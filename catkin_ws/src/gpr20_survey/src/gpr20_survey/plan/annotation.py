@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from dataclasses import dataclass, replace
 from typing import Any, Dict, Mapping, Optional, Protocol, Union
@@ -21,6 +22,8 @@ MAX_LONGITUDE_DEG = 180.0
 _REFUSED_CATEGORIES = frozenset({"Cc", "Cs", "Zl", "Zp"})
 # They reverse the order in which the text after them is shown.
 _DIRECTIONS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+# Exponents too: some floats have no shorter text.
+_DECIMAL = re.compile(r"[-+]?[0-9]{1,20}(\.[0-9]{0,20})?(e[-+]?[0-9]{1,3})?", re.ASCII)
 
 Name = Union[str, Message]
 
@@ -162,6 +165,46 @@ def annotation_of(description: Mapping[str, Any]) -> Annotation:
         InvalidValueError: It has one that is not allowed.
     """
     return from_values(description[ANNOTATION]) if ANNOTATION in description else Annotation()
+
+
+def position_from_text(text: str) -> Wgs84Position:
+    """Return the position of a text such as "4.60283, -74.06514".
+
+    Raises:
+        InvalidValueError: It is not two numbers with a comma between them, or not on the earth.
+    """
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise InvalidValueError(
+            Message(
+                "position is {text}; it must be latitude and longitude in degrees, such as "
+                "{example}",
+                text=repr(text[:64]),
+                example="4.60283,-74.06514",
+            )
+        )
+    return Wgs84Position(
+        degrees_from_text("latitude_deg", parts[0]), degrees_from_text("longitude_deg", parts[1])
+    )
+
+
+def degrees_from_text(name: Name, text: str) -> float:
+    """Return the angle [deg] of a text.
+
+    Raises:
+        InvalidValueError: The text is no decimal number.
+    """
+    # Not float() alone: it accepts digits of other scripts, and words.
+    if not _DECIMAL.fullmatch(text.strip()):
+        raise InvalidValueError(
+            Message(
+                "{name} is {text}; it must be a decimal number of degrees, such as {example}",
+                name=name,
+                text=repr(text[:64]),
+                example="-74.06514",
+            )
+        )
+    return float(text)
 
 
 def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:

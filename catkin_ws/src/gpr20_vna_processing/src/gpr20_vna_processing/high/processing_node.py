@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Tuple
 
-import rosgraph
 import rospy
 from std_msgs.msg import String
 
@@ -26,8 +25,6 @@ from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_common.os_reason import os_reason
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
-    AnnotateSurvey,
-    AnnotateSurveyResponse,
     CloseSurvey,
     CloseSurveyResponse,
     OpenSurvey,
@@ -41,12 +38,12 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_survey.plan import annotation
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
 from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.high.annotation_service import AnnotationService
 from gpr20_vna_processing.high.archive_services import ArchiveServices
-from gpr20_vna_processing.high.subscribers import wait_for_subscribers
+from gpr20_vna_processing.high.connections import connect_recorder, connect_subscribers
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -71,8 +68,6 @@ DEFAULT_TOPICS = (
     "/diagnostics",
 )
 MAX_REPAIRS_SHOWN = 10
-# Connections to nodes that were just started are made within this time [s].
-CONNECTION_LIMIT_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -153,15 +148,15 @@ class ProcessingNode:
             advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
             advertise("report_survey", ReportSurvey, self._report_survey),
             advertise("store_data", StoreData, self._store_data),
-            advertise("annotate_survey", AnnotateSurvey, self._annotate_survey),
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
+        self._annotation = AnnotationService(self._processing)
         self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
 
     def _open_survey(self, request: Any) -> OpenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
-        self._connect_recorder()
+        connect_recorder(self._recorder)
         folder = self._processing.open_survey(
             request.survey_id,
             microseconds(request.started),
@@ -179,8 +174,9 @@ class ProcessingNode:
 
     def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
-        self._connect_recorder()
-        self._connect_subscribers()
+        connect_recorder(self._recorder)
+        # Reopening publishes the last trace again, maybe as the first act of this process.
+        connect_subscribers(self._trace)
         reopened = self._processing.reopen_survey(request.survey)
         stored = len(reopened.stored_indices)
         last = Trace()
@@ -202,26 +198,6 @@ class ProcessingNode:
             last=last,
             interrupted=interrupted,
         )
-
-    def _connect_recorder(self) -> None:
-        try:
-            missing = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
-        except (rosgraph.MasterException, OSError) as error:
-            # Traces do not depend on the master; missing positions do not refuse a survey.
-            rospy.logwarn("the master did not list the publishers: %s", error)
-            return
-        if missing:
-            rospy.logwarn("recording begins without a publisher of %s", ", ".join(missing))
-
-    def _connect_subscribers(self) -> None:
-        # Reopening publishes the last trace again, maybe as the first act of this process.
-        try:
-            connected = wait_for_subscribers(self._trace, CONNECTION_LIMIT_S)
-        except (rosgraph.MasterException, OSError) as error:
-            rospy.logwarn("the master did not list the subscribers: %s", error)
-            return
-        if not connected:
-            rospy.logwarn("a subscriber of %s is not connected", self._trace.resolved_name)
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""
@@ -254,18 +230,6 @@ class ProcessingNode:
             **message_fields(message),
             path=str(closed.folder),
             stored_traces=closed.stored_traces,
-        )
-
-    def _annotate_survey(self, request: Any) -> AnnotateSurveyResponse:
-        annotated = self._processing.annotate(
-            request.survey, annotation.from_fields(request.annotation)
-        )
-        message = Message("the annotation of survey {survey} is stored", survey=annotated.survey_id)
-        return AnnotateSurveyResponse(
-            success=True,
-            **message_fields(message),
-            path=str(annotated.folder),
-            survey_id=annotated.survey_id,
         )
 
     def _shut_down(self) -> None:
