@@ -49,7 +49,7 @@ def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
     printed = capsys.readouterr().out.splitlines()
     assert [line.split(maxsplit=1)[-1] for line in printed[:2]] == ["Lucía Peña", "here"]
     assert printed[3] == f"{'':24}soil"
-    assert printed[4].endswith("none")
+    assert printed[4].endswith("-")
     assert (folder / "survey.json").read_bytes() == before
 
 
@@ -63,9 +63,9 @@ def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (["--position", "91,0"], "latitude_deg is 91 deg; it must lie between -90 and 90 deg"),
+        (["--position", "91,0"], "latitude is 91 deg; it must lie between -90 and 90 deg"),
         (["--position", "4.6"], "it must be latitude and longitude in degrees"),
-        (["--position", "4.6,nan"], "longitude_deg is 'nan'; it must be a decimal number"),
+        (["--position", "4.6,nan"], "longitude is 'nan'; it must be a decimal number"),
         (["--position", "٤,5"], "it must be a decimal number"),
         (["--operator", "a" * 201], "operator has 201 characters; at most 200"),
         (["--site", "a\x07"], r"site holds U+0007 at character 2"),

@@ -36,13 +36,13 @@ REFUSED = (
     ({"notes": None}, "notes is of type NoneType"),
 )
 REFUSED_POSITIONS = (
-    ((90.001, 0.0), "latitude_deg is 90.001 deg; it must lie between -90 and 90 deg"),
-    ((-91.0, 0.0), "latitude_deg is -91 deg"),
-    ((0.0, 180.5), "longitude_deg is 180.5 deg; it must lie between -180 and 180 deg"),
-    ((float("nan"), 0.0), "latitude_deg is nan deg"),
-    ((0.0, float("inf")), "longitude_deg is inf deg"),
-    ((10**400, 0.0), "latitude_deg is inf deg"),
-    (("4.6", 0.0), "latitude_deg is of type str; it must be a number"),
-    ((True, 0.0), "latitude_deg is of type bool"),
-    ((0.0, None), "longitude_deg is of type NoneType"),
+    ((90.001, 0.0), "latitude is 90.001 deg; it must lie between -90 and 90 deg"),
+    ((-91.0, 0.0), "latitude is -91 deg"),
+    ((0.0, 180.5), "longitude is 180.5 deg; it must lie between -180 and 180 deg"),
+    ((float("nan"), 0.0), "latitude is nan deg"),
+    ((0.0, float("inf")), "longitude is inf deg"),
+    ((10**400, 0.0), "latitude is inf deg"),
+    (("4.6", 0.0), "latitude is of type str; it must be a number"),
+    ((True, 0.0), "latitude is of type bool"),
+    ((0.0, None), "longitude is of type NoneType"),
 )

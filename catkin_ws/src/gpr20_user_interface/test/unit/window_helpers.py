@@ -33,6 +33,7 @@ class Survey:
         self.snapshot = snapshot()
         self.preview = None
         self.asked = []
+        self.annotations = []
 
     def refresh(self):
         return self.snapshot
@@ -46,8 +47,9 @@ class Survey:
     def read_axis_limits(self):
         pass
 
-    def start(self, parameters):
+    def start(self, parameters, annotation):
         self.asked.append(parameters)
+        self.annotations.append(annotation)
 
     def stop(self):
         self.asked.append("stop")
@@ -73,6 +75,12 @@ class Storage:
 
     def read_traces(self, survey, first_index):
         self.asked.append(("traces", survey, first_index))
+
+    def read_annotation(self, survey):
+        self.asked.append(("annotation", survey))
+
+    def annotate(self, survey, annotation):
+        self.asked.append(("annotate", survey, annotation))
 
 
 @pytest.fixture(scope="session")

@@ -23,7 +23,7 @@ from gpr20_survey.plan.annotation import (
     position_from_text,
 )
 
-NONE = Message("none")
+NONE = verbatim("-")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -13,6 +13,8 @@ from gpr20_common.mid.checks import number_between
 
 ANNOTATION = "annotation"
 """Key of survey.json."""
+OPERATOR, SITE, NOTES = Message("operator"), Message("site"), Message("notes")
+LATITUDE, LONGITUDE = Message("latitude"), Message("longitude")
 MAX_NAME_CHARACTERS = 200
 MAX_NOTES_CHARACTERS = 4000
 MAX_LATITUDE_DEG = 90.0
@@ -41,14 +43,14 @@ class Wgs84Position:
     longitude_deg: float
 
     def __post_init__(self) -> None:
-        for name, most in (
-            ("latitude_deg", MAX_LATITUDE_DEG),
-            ("longitude_deg", MAX_LONGITUDE_DEG),
+        for name, title, most in (
+            ("latitude_deg", LATITUDE, MAX_LATITUDE_DEG),
+            ("longitude_deg", LONGITUDE, MAX_LONGITUDE_DEG),
         ):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise _wrong_type(name, value, Message("a number"))
-            number_between(name, value, -most, most, "deg")
+                raise _wrong_type(title, value, Message("a number"))
+            number_between(title, value, -most, most, "deg")
             object.__setattr__(self, name, float(value))
 
     def __str__(self) -> str:
@@ -83,11 +85,11 @@ class Annotation:
     position: Optional[Wgs84Position] = None
 
     def __post_init__(self) -> None:
-        check_text("operator", self.operator, MAX_NAME_CHARACTERS)
-        check_text("site", self.site, MAX_NAME_CHARACTERS)
-        check_text("notes", self.notes, MAX_NOTES_CHARACTERS, lines=True)
+        check_text(OPERATOR, self.operator, MAX_NAME_CHARACTERS)
+        check_text(SITE, self.site, MAX_NAME_CHARACTERS)
+        check_text(NOTES, self.notes, MAX_NOTES_CHARACTERS, lines=True)
         if not (self.position is None or isinstance(self.position, Wgs84Position)):
-            raise _wrong_type("position", self.position, Message("a position"))
+            raise _wrong_type(Message("position"), self.position, Message("a position"))
 
     def with_defaults(self, defaults: Annotation) -> Annotation:
         """Return this annotation with its empty fields taken from another one.
@@ -184,7 +186,7 @@ def position_from_text(text: str) -> Wgs84Position:
             )
         )
     return Wgs84Position(
-        degrees_from_text("latitude_deg", parts[0]), degrees_from_text("longitude_deg", parts[1])
+        degrees_from_text(LATITUDE, parts[0]), degrees_from_text(LONGITUDE, parts[1])
     )
 
 

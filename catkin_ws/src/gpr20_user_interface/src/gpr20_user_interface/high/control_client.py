@@ -17,6 +17,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
@@ -109,9 +110,14 @@ class ControlClient(RosEvents):
         subscribe("measured_height", Range, conversions.measured_height, 1)
         self._subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
 
-    def start_survey(self, parameters: SurveyParameters) -> None:
-        """Ask to accept the parameters and to start; the answer is an event."""
-        self._ask(Request.START, lambda: self._ask_start(parameters))
+    def start_survey(self, parameters: SurveyParameters, annotation: Annotation = EMPTY) -> None:
+        """Ask to accept the parameters and to start; the answer is an event.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey; empty fields become the robot's defaults.
+        """
+        self._ask(Request.START, lambda: self._ask_start(parameters, annotation))
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
@@ -145,13 +151,14 @@ class ControlClient(RosEvents):
         finally:
             self._reading_limits.release()
 
-    def _ask_start(self, parameters: SurveyParameters) -> Any:
+    def _ask_start(self, parameters: SurveyParameters, annotation: Annotation) -> Any:
         message = conversions.parameters_message(parameters)
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
-        return self._start.call(START_TIMEOUT_S)
+        note = conversions.annotation_message(annotation)
+        return self._start.call(START_TIMEOUT_S, annotation=note)
 
     def _stop_answer(self) -> Answer:
         try:
