@@ -60,10 +60,8 @@ class Verification:
         """0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory."""
         if self.faults:
             return DAMAGED
-        whole = (
-            self.sealed and self.closed and self.planned is not None and self.stored == self.planned
-        )
-        return COMPLETE if whole else INCOMPLETE
+        whole = self.planned is not None and self.stored == self.planned
+        return COMPLETE if whole and self.sealed and self.closed else INCOMPLETE
 
     @property
     def verdict(self) -> Message:

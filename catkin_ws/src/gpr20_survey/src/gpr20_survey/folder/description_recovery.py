@@ -21,7 +21,8 @@ from gpr20_survey.folder.description_differences import Difference, constant_ent
 
 SHOWN = 10  # entries that are named in a repair
 # How survey.json begins: the entries that change later, as they are at the start.
-START = {"ended": None, "outcome": None, "reason": "", "stored_traces": 0}
+FIRST_KEYS = ("format", "survey_id", "started")
+START: Dict[str, Any] = {"ended": None, "outcome": None, "reason": "", "stored_traces": 0}
 
 
 class Basis(enum.Enum):
@@ -57,8 +58,8 @@ class RecoveredDescription:
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
     """Return a description as it was when the survey began."""
     constant = constant_entries(description)
-    own = {key: constant[key] for key in ("format", "survey_id", "started") if key in constant}
-    return {**own, **START, **constant}
+    first = {key: constant[key] for key in FIRST_KEYS if key in constant}
+    return {**first, **START, **constant}
 
 
 def repairs_of(recovered: RecoveredDescription, chosen: Dict[str, Any]) -> List[Message]:

@@ -69,7 +69,7 @@ class StoredBag:
             yield from found
 
     def frame_faults(self) -> List[Message]:
-        """Return what is damaged before and behind the chunks, after `messages` has come to the end.
+        """Return what is damaged before and behind the chunks; `messages` must have ended.
 
         Behind the last whole chunk of a bag that was not finished, a crash may leave anything.
         """
