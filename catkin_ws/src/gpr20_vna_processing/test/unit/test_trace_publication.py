@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import shutil
@@ -19,6 +20,12 @@ DRAWS = int(os.environ.get("GPR20_PUBLICATION_DRAWS", "6"))
 FAULT = OSError(5, "Input/output error")
 
 
+def end(kit: Kit) -> None:
+    """End the thread of a storage, whose survey may be spoiled."""
+    with contextlib.suppress(StorageFailedError):
+        kit.processing.shut_down()
+
+
 def published(kit: Kit):
     return [trace.index for trace in kit.stored]
 
@@ -27,7 +34,7 @@ def published(kit: Kit):
 def kit(tmp_path):
     kit = Kit(tmp_path / "data", open_recordings)
     yield kit
-    kit.processing.shut_down()
+    end(kit)
 
 
 @pytest.fixture
@@ -103,6 +110,7 @@ def test_the_last_trace_is_published_again_when_another_process_stored_it(tmp_pa
         first.processing.store(TRACES[3])
     # What a kill leaves is what is on the disk now.
     shutil.copytree(str(tmp_path / "data"), str(tmp_path / "left"))
+    end(first)
     second = Kit(tmp_path / "left", open_recordings)
     second.processing.reopen_survey(SURVEY)
     assert published(second) == [3]
@@ -174,6 +182,7 @@ def test_each_trace_is_published_once_in_a_process_whatever_fails(tmp_path, seed
                 assert len(published(kit)) == len(set(published(kit))), seed
                 seen |= set(published(kit))
                 data, folder = left, left / folder.name
+                end(kit)
                 kit = Kit(data, open_recordings)
         except (ProcessingError, FileNotFoundError):
             pass  # refused while closed, or spoiled already; what counts is below

@@ -11,7 +11,7 @@ from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
@@ -134,9 +134,9 @@ class CurrentSurvey:
             survey.resume(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, description = find_survey(self._storage.data, name, recover=True)
+        folder, recovered = find_damaged_survey(self._storage.data, name)
         new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
-        reopening = Reopening(folder, description, self._storage.topics)
+        reopening = Reopening(folder, recovered, self._storage.topics)
         repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
         survey = OpenSurvey(
             folder,
@@ -208,9 +208,8 @@ class CurrentSurvey:
         survey = self.opened_as(survey_id)
         ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
         survey.close(outcome, reason, ended)
-        if outcome != INTERRUPTED:
-            # It reads the whole survey, for which a shut down leaves no time.
-            survey.write_manifest(self._storage.revision)
+        # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
+        survey.write_manifest(self._storage.revision)
         self._latched.end()
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None
