@@ -23,6 +23,7 @@ from gpr20_main_control.mid.robot import (
 )
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
@@ -223,7 +224,9 @@ class HandNotedNodes(NodeLiveness):
 class Bench:
     """A main control over a fake robot, and its history."""
 
-    def __init__(self, time_scale=1.0, clock=None, analyzer=None, storage=None, **settings):
+    def __init__(
+        self, time_scale=1.0, clock=None, analyzer=None, storage=None, defaults=EMPTY, **settings
+    ):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
         self.storage = storage or FakeStorage()
@@ -246,6 +249,7 @@ class Bench:
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.board,
             clock,
+            defaults,
         )
 
     def _note(self, _before, after):
