@@ -148,7 +148,8 @@ class AnnotationSheet(Overlay):
     def _line(name: str) -> TouchEdit:
         edit = TouchEdit(name)
         edit.setMaxLength(MAX_LENGTH)
-        edit.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        left = Qt.Alignment() | Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+        edit.setAlignment(left)
         return edit
 
     def _lay_out(self) -> None:
