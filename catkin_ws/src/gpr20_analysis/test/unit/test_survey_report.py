@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import math
 import re
+import shutil
 
 import pytest
 from survey_kit import POINTS, make_survey
@@ -12,7 +13,7 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.imaging.image import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.report import pictures
+from gpr20_analysis.report import pdf_pages, pictures
 from gpr20_analysis.report.page import Section, page
 
 pytestmark = pytest.mark.takes(40)
@@ -43,6 +44,27 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
     assert all(base64.b64decode(one).startswith(b"\x89PNG") for one in figures)
     for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
         assert words in text
+
+
+def test_operator_site_notes_and_position_are_shown(whole, tmp_path):
+    folder = shutil.copytree(str(whole), str(tmp_path / "survey"))
+    note = ["--operator", "Lucía Peña", "--notes", "wet\n<b>soil</b>", "--position", "4.6,-74.1"]
+    assert main(["annotate", folder, *note]) == 0
+    output = tmp_path / "report.html"
+    assert main(["report", folder, "--output", str(output), *OPTIONS, *LOW]) == 0
+    text = output.read_text(encoding="utf-8")
+    for words in (
+        "Lucía Peña",
+        "wet\n&lt;b&gt;soil&lt;/b&gt;",
+        "4.6, -74.1",
+        "complete and intact",
+    ):
+        assert words in text
+
+
+def test_a_text_of_several_lines_keeps_them_in_a_pdf():
+    rows = pdf_pages._aligned([("notes", "wet\n\nsoil"), ("size", "1 MB")])
+    assert rows == ["notes  wet", "       soil", "size   1 MB"]
 
 
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import random
 import shutil
 from dataclasses import replace
 
@@ -20,6 +23,7 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
 from gpr20_survey.recording.recordings import open_recordings
 
 AT_START = Annotation("Ana", "El Carmen", "at the start")
+DRAWS = int(os.environ.get("GPR20_ANNOTATION_DRAWS", "20"))
 WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.values()})
 
 
@@ -172,3 +176,48 @@ def test_a_disk_that_refuses_leaves_the_former_annotation(kit, closed, monkeypat
 def test_any_annotation_is_stored_as_it_is(closed, annotation):
     annotate_folder(closed, annotation)
     assert repr(stored(closed)) == repr(annotation)
+
+
+class PowerCutError(Exception):
+    """Nothing reaches the disk any more."""
+
+
+@pytest.mark.parametrize("calls", range(12))
+def test_a_cut_at_any_step_leaves_the_former_annotation_or_the_new_one(closed, monkeypatch, calls):
+    """Each call of the disk is the last one in turn."""
+    left = calls
+
+    def cut(real):
+        def call(*arguments, **named):
+            nonlocal left
+            if left == 0:
+                raise PowerCutError
+            left -= 1
+            return real(*arguments, **named)
+
+        return call
+
+    with monkeypatch.context() as patch, contextlib.suppress(PowerCutError):
+        for name in ("fsync", "replace"):
+            patch.setattr(os, name, cut(getattr(os, name)))
+        annotate_folder(closed, EXAMPLE)
+    assert stored(closed) in (AT_START, EXAMPLE)
+    found = verify_survey(closed)
+    assert found.status == 0, (calls, found.faults)
+    annotate_folder(closed, EXAMPLE)
+    assert stored(closed) == EXAMPLE
+    assert_intact(closed)
+
+
+@pytest.mark.parametrize("seed", range(DRAWS))
+def test_a_flipped_bit_is_never_covered_by_a_new_checksum(closed, seed):
+    random_source = random.Random(seed)
+    path = closed / random_source.choice(["survey.json", "manifest.json"])
+    content = bytearray(path.read_bytes())
+    place = random_source.randrange(len(content))
+    content[place] ^= 1 << random_source.randrange(8)
+    path.write_bytes(content)
+    with pytest.raises(SurveyRefusedError):
+        annotate_folder(closed, EXAMPLE)
+    assert path.read_bytes() == content, seed
+    assert verify_survey(closed).status == 2, seed
