@@ -163,8 +163,9 @@ class _Verifier:
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
+        before = len(self._found.faults)
         self._check_recordings(files.prints)
-        if not self._found.sealed:
+        if not self._found.sealed and len(self._found.faults) == before:
             self._compare_recordings(files.prints)
         self._check_description(len(files.prints))
         self._found.notes += self._times.notes()
@@ -323,8 +324,7 @@ class _Verifier:
     def _compare_recordings(self, stored: Dict[int, bytes]) -> None:
         """Check all that has a checksum or a second copy; no manifest covers the files."""
         compared = RecordingComparison(self._folder)
-        # What the traces have shown already is not repeated.
-        self._found.faults += [one for one in compared.faults if not self._found.faults]
+        self._found.faults += compared.faults
         if compared.alone:
             self._note(
                 Message(
