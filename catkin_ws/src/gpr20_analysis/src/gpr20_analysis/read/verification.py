@@ -30,8 +30,8 @@ FILES = (
 )
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 UNCOVERED = Message(
-    "how survey.json says that the survey ended, its report, messages that only one recording "
-    "contains, and the index of an unfinished survey.mcap"
+    "entries of survey.json that change during a survey, messages that only one recording "
+    "contains, and bytes outside the messages of an unfinished recording"
 )
 REMEDY = Message(
     "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
