@@ -30,8 +30,8 @@ FILES = (
 )
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 UNCOVERED = Message(
-    "how survey.json says that the survey ended, its report, messages that only one recording "
-    "contains, and the index of an unfinished survey.mcap"
+    "entries of survey.json that change during a survey, messages that only one recording "
+    "contains, and bytes outside the messages of an unfinished recording"
 )
 REMEDY = Message(
     "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
@@ -163,8 +163,9 @@ class _Verifier:
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
+        before = len(self._found.faults)
         self._check_recordings(files.prints)
-        if not self._found.sealed:
+        if not self._found.sealed and len(self._found.faults) == before:
             self._compare_recordings(files.prints)
         self._check_description(len(files.prints))
         self._found.notes += self._times.notes()
@@ -323,8 +324,7 @@ class _Verifier:
     def _compare_recordings(self, stored: Dict[int, bytes]) -> None:
         """Check all that has a checksum or a second copy; no manifest covers the files."""
         compared = RecordingComparison(self._folder)
-        # What the traces have shown already is not repeated.
-        self._found.faults += [one for one in compared.faults if not self._found.faults]
+        self._found.faults += compared.faults
         if compared.alone:
             self._note(
                 Message(

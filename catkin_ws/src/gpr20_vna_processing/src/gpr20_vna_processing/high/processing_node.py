@@ -12,6 +12,7 @@ import rospy
 from std_msgs.msg import String
 
 import gpr20_vna_processing
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
@@ -37,6 +38,7 @@ from gpr20_msgs.srv import (
     StoreDataResponse,
 )
 from gpr20_survey.errors import ProcessingError, printable
+from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
@@ -83,8 +85,19 @@ class ProcessingParameters:
     long_timeout_s: float = 600.0
     commit_period_s: float = 2.0
     recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
+    readable_by: str = Readers.GROUP.value
 
     def __post_init__(self) -> None:
+        readers = [one.value for one in Readers]
+        if self.readable_by not in readers:
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place="readable_by",
+                    value=repr(self.readable_by),
+                    allowed=", ".join(readers),
+                )
+            )
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
         for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
@@ -133,6 +146,7 @@ class ProcessingNode:
                 now_ns=time.time_ns,
                 clock=Clock(),
                 revision=software_revision(version, Path(__file__).resolve().parent),
+                readers=Readers(parameters.readable_by),
             ),
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),

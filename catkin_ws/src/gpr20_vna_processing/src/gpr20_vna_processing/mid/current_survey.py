@@ -110,7 +110,7 @@ class CurrentSurvey:
             Message("the survey's folder {path} could not be made", path=printable(folder)),
             folder,
         ):
-            new_survey.make_folder(folder)
+            new_survey.make_folder(folder, self._storage.readers)
             recordings = self._storage.open_recordings(folder, description)
         self._take(
             OpenSurvey(folder, description, recordings, self._storage.topics, self._publication),
