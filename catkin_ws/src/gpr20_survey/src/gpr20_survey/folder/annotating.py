@@ -34,10 +34,11 @@ def annotate_folder(folder: Path, annotation: Annotation) -> None:
     changed = {**description, ANNOTATION: annotation.values()}
     with storing(Message("{path} could not be written", path=printable(path)), path):
         _check_as_written(folder, description)
-        if _is_sealed(folder):
-            sealing.reseal_description(folder, changed)
-        else:
+        sealed = _is_sealed(folder)
+        if not sealed:
             durable_files.replace_file(path, survey_metadata.encode(changed))
+    if sealed:
+        sealing.reseal_description(folder, changed)
 
 
 def _is_sealed(folder: Path) -> bool:
