@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import math
 import re
-import shutil
 
 import pytest
 from survey_kit import POINTS, make_survey
@@ -28,8 +27,9 @@ def whole(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
 
 
-def report(tmp_path, stored, outcome, changes=None, more=LOW):
+def report(tmp_path, stored, outcome, changes=None, more=LOW, annotation=()):
     folder = make_survey(tmp_path, stored, outcome, changes or {})
+    assert main(["annotate", str(folder), *annotation]) == 0
     output = tmp_path / "report.html"
     status = main(["report", str(folder), "--output", str(output), *OPTIONS, *more])
     return status, output.read_text(encoding="utf-8")
@@ -43,22 +43,6 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
     assert len(figures) >= 6
     assert all(base64.b64decode(one).startswith(b"\x89PNG") for one in figures)
     for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
-        assert words in text
-
-
-def test_operator_site_notes_and_position_are_shown(whole, tmp_path):
-    folder = shutil.copytree(str(whole), str(tmp_path / "survey"))
-    note = ["--operator", "Lucía Peña", "--notes", "wet\n<b>soil</b>", "--position", "4.6,-74.1"]
-    assert main(["annotate", folder, *note]) == 0
-    output = tmp_path / "report.html"
-    assert main(["report", folder, "--output", str(output), *OPTIONS, *LOW]) == 0
-    text = output.read_text(encoding="utf-8")
-    for words in (
-        "Lucía Peña",
-        "wet\n&lt;b&gt;soil&lt;/b&gt;",
-        "4.6, -74.1",
-        "complete and intact",
-    ):
         assert words in text
 
 
@@ -77,8 +61,11 @@ def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
 
 def test_words_of_a_survey_are_never_markup(tmp_path):
     remark = "<script>alert(1)</script>"
-    _, text = report(tmp_path, ALL, "finished", {2: {"quality": (remark,)}})
+    note = ["--operator", "Lucía Peña", "--notes", f"wet\n{remark}", "--position", "4.6,-74.1"]
+    _, text = report(tmp_path, ALL, "finished", {2: {"quality": (remark,)}}, annotation=note)
     assert "<script>" not in text
+    for words in ("Lucía Peña", "wet\n&lt;script&gt;", "4.6, -74.1", "complete and intact"):
+        assert words in text
     assert "&lt;script&gt;" in text
     assert "<b>" not in page("<b>", [Section("<b>", ["<b>"], ["<b>"], [("<b>",)])])
 
