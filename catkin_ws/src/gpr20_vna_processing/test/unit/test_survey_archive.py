@@ -161,6 +161,9 @@ def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, arch
     folder = fill(kit, range(18))
     kit.processing.close_survey(SURVEY, "finished", "")
     assert archive.list("", 1)[0][0].complete
+    (folder / "manifest.json").rename(folder / "away")
+    assert not archive.list("", 1)[0][0].complete
+    (folder / "away").rename(folder / "manifest.json")
     os.remove(next(iter((folder / "traces").glob("000007_*"))))
     assert not archive.list("", 1)[0][0].complete
 

@@ -20,6 +20,7 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.trace.trace import Trace
@@ -186,6 +187,8 @@ class SurveyArchive:
             survey_folder.check_survey_id(values["survey_id"])
             values = _with_sealed_plan(folder, values)
             stored = len(_trace_files(folder))
+            # Without a manifest nothing vouches for the outcome.
+            sealed = (folder / MANIFEST_FILE).is_file()
         except ProcessingError as error:
             return SurveySummary(folder.name, problem=error.message)
         planned = _planned_traces(values.get("parameters"))
@@ -204,7 +207,7 @@ class SurveyArchive:
             planned_traces=planned,
             verdict=verdict,
             verdict_json=_verdict_json(report, verdict),
-            complete=outcome == "finished" and 0 < planned == stored,
+            complete=sealed and outcome == "finished" and 0 < planned == stored,
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
         )
