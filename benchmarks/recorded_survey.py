@@ -13,7 +13,7 @@ from typing import Any, Dict
 
 import numpy as np
 
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder import sealing, survey_folder, survey_metadata
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recordings import open_recordings
@@ -71,7 +71,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     for recording in recordings:
         recording.commit()
         recording.finish()
-    manifest.write_manifest(folder, SURVEY_ID, "benchmark", str(description["ended"]))
+    sealing.write_manifest(folder, SURVEY_ID, "benchmark", str(description["ended"]))
     return len(points)
 
 

@@ -2,7 +2,7 @@
 # Check a survey's folder: manifest, files, numbers, coverage. Needs Python and the packages of
 # gpr20_analysis/pyproject.toml, no ROS.
 #   scripts/verify.sh FOLDER
-# Exit status: 0 complete and intact, 1 intact but not complete, 2 damaged or contradictory,
+# Exit status: 0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory,
 # 3 no survey.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh

@@ -20,6 +20,7 @@ SERVICES = (
     *(f"{axis}_axis/{name}" for axis in "xyz" for name in ("homing", "stop")),
     *("connection", "freq_sweep_setup", "get_freq", "get_data", "get_calibration_status"),
     *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
+    "annotate_survey",
     *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
     *("set_survey_parameters", "start_survey", "stop_survey", "pause_survey", "resume_survey"),
 )
@@ -97,14 +98,14 @@ class SurveyClient:
         """Set parameters that differ from the usual ones; return the answer."""
         return self.set_parameters(SurveyParameters(**{**PARAMETERS, **changes}))
 
-    def begin(self, **changes):
+    def begin(self, annotation=None, **changes):
         """Set parameters and start; return the survey's id."""
         answer = self.set(**changes)
         assert answer.success, answer.message
         with self._changed:
             self.statuses.clear()
             self.progress.clear()
-        started = self.start()
+        started = self.start() if annotation is None else self.start(annotation)
         assert started.success, started.message
         self.survey_id = started.survey_id
         # Messages about the survey before may arrive after the answer.

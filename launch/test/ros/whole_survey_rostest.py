@@ -15,7 +15,9 @@ from mcap_ros1.reader import read_ros1_messages
 from rosbags.highlevel import AnyReader
 from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until_connected
 
-from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_msgs.msg import Annotation, ControlStatus, Coordinates, CurrentCoordinate
+from gpr20_msgs.srv import AnnotateSurvey
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
@@ -61,6 +63,7 @@ GRAPH_SERVICES = {
     "/get_calibration_status",
     "/open_survey",
     "/reopen_survey",
+    "/annotate_survey",
     "/report_survey",
     "/list_surveys",
     "/read_survey",
@@ -236,6 +239,46 @@ class WholeSurveyTest(unittest.TestCase):
         self.assertTrue(any(current.x_mm > 10.0 for current in currents))
         for subscriber in subscribers:
             subscriber.unregister()
+
+    def test_4b_an_annotation_is_stored_at_the_start_and_changed_during_and_after_it(self):
+        annotate = rospy.ServiceProxy("annotate_survey", AnnotateSurvey)
+        wrong = Annotation(has_position=True, latitude_deg=91.0)
+        refused = self.client.start(wrong)
+        self.assertFalse(refused.success)
+        self.assertIn("latitude is 91 deg; it must lie between -90 and 90", refused.message)
+        at_start = Annotation(operator="Lucía Peña", site="El Carmen", notes="dry\nsoil")
+        survey_id = self.client.begin(at_start, x_stop_mm=300.0)
+        self.client.wait_for_visited(1)
+        folder = self.client.folder(survey_id)
+        self.assertEqual(self.annotation(folder)["operator"], "Lucía Peña")
+        self.assertIsNone(self.annotation(folder)["position"])
+        later = Annotation(
+            operator="Lucía Peña", notes="wet", has_position=True, latitude_deg=4.60283,
+            longitude_deg=-74.06514,
+        )  # fmt: skip
+        answer = annotate("", later)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual((answer.survey_id, answer.path), (survey_id, str(folder)))
+        self.client.wait_for_status(ControlStatus.FINISHED)
+        expected = {
+            "operator": "Lucía Peña",
+            "site": "",
+            "notes": "wet",
+            "position": {"latitude_deg": 4.60283, "longitude_deg": -74.06514},
+        }
+        self.assertEqual(self.annotation(folder), expected)
+        self.assertFalse(annotate("", later).success)
+        for name, notes in ((survey_id, "closed"), (folder.name, "again")):
+            later.notes = notes
+            answer = annotate(name, later)
+            self.assertTrue(answer.success, answer.message)
+            self.assertEqual(self.annotation(folder), {**expected, "notes": notes})
+            found = verify_survey(folder)
+            self.assertEqual((found.status, found.faults), (0, []))
+        self.assertIn("complete and intact", str(found.verdict))
+
+    def annotation(self, folder):
+        return json.loads((folder / "survey.json").read_text())["annotation"]
 
     def test_5_a_stop_ends_the_survey_and_the_motion_and_keeps_what_was_measured(self):
         survey_id = self.client.begin(x_stop_mm=600.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import struct
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
@@ -15,8 +16,14 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import open_recordings
-from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.recording.survey_topics import (
+    TEXT_DEFINITION,
+    TEXT_MD5SUM,
+    TEXT_TYPE,
+    SurveyTopics,
+)
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage
@@ -64,11 +71,25 @@ def planned_trace(index: int, **changes: Any) -> Trace:
     return Trace(**{**fields, **changes})
 
 
+def _text_message(text: str, number: int) -> RecordedMessage:
+    content = text.encode()
+    return RecordedMessage(
+        "/control_status",
+        TEXT_TYPE,
+        TEXT_MD5SUM,
+        TEXT_DEFINITION,
+        struct.pack("<I", len(content)) + content,
+        NOW_NS + number,
+    )
+
+
 def make_survey(
     data: Path,
     stored: int,
     outcome: Optional[str],
     misplaced: Mapping[int, Mapping[str, Any]] = MappingProxyType({}),
+    recorded: bool = False,
+    more: Mapping[str, Any] = MappingProxyType({}),
 ) -> Path:
     """Store a survey and return its folder.
 
@@ -77,6 +98,8 @@ def make_survey(
         stored: How many of the planned traces are stored.
         outcome: How the survey ends; None leaves it as a kill would.
         misplaced: What some traces have other than planned.
+        recorded: Whether the recordings hold messages of another topic too.
+        more: More entries of survey.json.
     """
     processing = DataProcessing(
         Storage(
@@ -93,9 +116,11 @@ def make_survey(
         on_stored=lambda _: None,
     )
     processing.start()
-    metadata = {"planned_traces": len(POINTS), "parameters": PARAMETERS, "axes": AXES}
+    metadata = {"planned_traces": len(POINTS), "parameters": PARAMETERS, "axes": AXES, **more}
     folder = processing.open_survey(SURVEY, STARTED_US, json.dumps(metadata), 1000)
     for index in range(stored):
+        if recorded:
+            processing.record(_text_message(f"measuring trace {index}", index))
         processing.store(planned_trace(index, **misplaced.get(index, {})))
     if outcome is None:
         folder = Path(shutil.copytree(str(folder), str(data / folder.name)))

@@ -12,7 +12,7 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.imaging.image import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.report import pictures
+from gpr20_analysis.report import pdf_pages, pictures
 from gpr20_analysis.report.page import Section, page
 
 pytestmark = pytest.mark.takes(40)
@@ -27,8 +27,9 @@ def whole(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
 
 
-def report(tmp_path, stored, outcome, changes=None, more=LOW):
+def report(tmp_path, stored, outcome, changes=None, more=LOW, annotation=()):
     folder = make_survey(tmp_path, stored, outcome, changes or {})
+    assert main(["annotate", str(folder), *annotation]) == 0
     output = tmp_path / "report.html"
     status = main(["report", str(folder), "--output", str(output), *OPTIONS, *more])
     return status, output.read_text(encoding="utf-8")
@@ -45,6 +46,11 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
         assert words in text
 
 
+def test_a_text_of_several_lines_keeps_them_in_a_pdf():
+    rows = pdf_pages._aligned([("notes", "wet\n\nsoil"), ("size", "1 MB")])
+    assert rows == ["notes  wet", "       soil", "size   1 MB"]
+
+
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     status, text = report(tmp_path, ALL - 4, "stopped")
     assert status == 1
@@ -55,8 +61,11 @@ def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
 
 def test_words_of_a_survey_are_never_markup(tmp_path):
     remark = "<script>alert(1)</script>"
-    _, text = report(tmp_path, ALL, "finished", {2: {"quality": (remark,)}})
+    note = ["--operator", "Lucía Peña", "--notes", f"wet\n{remark}", "--position", "4.6,-74.1"]
+    _, text = report(tmp_path, ALL, "finished", {2: {"quality": (remark,)}}, annotation=note)
     assert "<script>" not in text
+    for words in ("Lucía Peña", "wet\n&lt;script&gt;", "4.6, -74.1", "complete and intact"):
+        assert words in text
     assert "&lt;script&gt;" in text
     assert "<b>" not in page("<b>", [Section("<b>", ["<b>"], ["<b>"], [("<b>",)])])
 

@@ -82,11 +82,12 @@ def test_a_full_survey_that_was_not_closed_is_not_complete(tmp_path, capsys):
     assert "complete" not in capsys.readouterr().out
 
 
-def test_a_survey_that_was_interrupted_has_no_manifest_and_is_not_complete(tmp_path, capsys):
+def test_a_survey_that_was_interrupted_is_intact_but_not_complete(tmp_path, capsys):
     folder = make_survey(tmp_path, len(POINTS), "interrupted")
-    assert not (folder / "manifest.json").exists()
     assert main([str(folder)]) == 1
-    assert "INCOMPLETE, but intact: 18 of 18" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "INCOMPLETE, but intact: 18 of 18" in printed
+    assert "and the survey was interrupted" in printed
 
 
 def test_no_byte_of_any_file_can_be_changed_unseen(copy):

@@ -25,6 +25,7 @@ from gpr20_main_control.mid.robot import (
 )
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -240,7 +241,9 @@ class HandNotedNodes(NodeLiveness):
 class Bench:
     """A main control over a fake robot, and its history."""
 
-    def __init__(self, time_scale=1.0, clock=None, analyzer=None, storage=None, **settings):
+    def __init__(
+        self, time_scale=1.0, clock=None, analyzer=None, storage=None, defaults=EMPTY, **settings
+    ):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
         self.storage = storage or FakeStorage()
@@ -264,6 +267,7 @@ class Bench:
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.board,
             clock,
+            defaults,
         )
 
     def _note(self, _before, after):

@@ -4,12 +4,13 @@ import json
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, FakeStorage
+from fake_robot import LIMIT_S, PARAMETERS, Bench, FakeStorage
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid import engine, instruments
 from gpr20_main_control.mid.storage_queue import StorageQueue
+from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -25,6 +26,33 @@ def test_the_metadata_say_what_was_measured_with_what(bench):
     assert metadata["instrument"]["identity"] == "Anritsu,MS2026C/2,SIMULATED,1.0"
     assert metadata["axes"]["x"]["max_coord"] == 650.0
     assert record.needed_bytes > 24 * 5 * 100
+
+
+def annotated(bench, survey_id):
+    records = {one.survey_id: json.loads(one.metadata_json) for one in bench.storage.records}
+    return annotation_of(records[survey_id])
+
+
+def test_a_survey_has_the_annotation_it_was_started_with_and_the_next_one_has_none():
+    bench = Bench()
+    bench.control.set_parameters(PARAMETERS)
+    own = Annotation("Ana", "here", "wet", Wgs84Position(4.6, -74.1))
+    first = bench.control.start(own)
+    bench.wait_for(State.FINISHED)
+    second = bench.control.start()
+    bench.wait_for(State.FINISHED)
+    assert annotated(bench, first) == own
+    assert annotated(bench, second) == EMPTY
+
+
+def test_what_a_survey_is_started_without_is_that_of_the_robot():
+    bench = Bench(defaults=Annotation("Ana", "here", position=Wgs84Position(4.6, -74.1)))
+    bench.control.set_parameters(PARAMETERS)
+    survey_id = bench.control.start(Annotation(site="there", notes="wet"))
+    bench.wait_for(State.FINISHED)
+    assert annotated(bench, survey_id) == Annotation(
+        "Ana", "there", "wet", Wgs84Position(4.6, -74.1)
+    )
 
 
 def test_a_full_disk_at_the_start_is_refused_before_anything_moves(bench):

@@ -29,6 +29,10 @@ class SurveyRefusedError(ProcessingError, ValueError):
     """A survey cannot be opened or closed as requested; nothing was changed."""
 
 
+class ManifestDamagedError(ProcessingError, ValueError):
+    """A manifest is not as it was written."""
+
+
 class StorageFailedError(ProcessingError, OSError):
     """The disk refused something; it is not stored and may be stored again."""
 

@@ -35,6 +35,7 @@ from gpr20_msgs.srv import (
     StartSurvey,
     StartSurveyResponse,
 )
+from gpr20_survey.plan.annotation import EMPTY, from_fields
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel, check
 
 TRAVEL = RobotTravel(
@@ -84,6 +85,7 @@ class FakeMainControl:
         self._kept = self.code
         self.survey_id = ""
         self.starts = 0
+        self.annotation = EMPTY
         self.stops = 0
         self.may_stop = threading.Event()
         self.may_stop.set()
@@ -181,7 +183,7 @@ class FakeMainControl:
             estimated_time=estimate,
         )
 
-    def _start(self, _request: object) -> StartSurveyResponse:
+    def _start(self, request: Any) -> StartSurveyResponse:
         self.asked += 1
         if not self.may_answer.wait(ANSWER_LIMIT_S):
             raise Gpr20Error(verbatim("the test did not let the fake answer"))
@@ -190,6 +192,7 @@ class FakeMainControl:
         with self._lock:
             self._refuse_while_active()
             self.starts += 1
+            self.annotation = from_fields(request.annotation)
             self.survey_id = str(uuid.uuid4())
             self._visited = 0
             self._say(ControlStatus.CHECKING, "checking the devices")

@@ -21,6 +21,7 @@ from waiting import LIMIT_S, wait_until
 
 from gpr20_common.message import Message
 from gpr20_msgs.msg import ControlStatus
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
 
 SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
@@ -73,6 +74,15 @@ class RunSurvey(unittest.TestCase):
     def test_codes_are_those_of_the_message(self) -> None:
         for code in SurveyState:
             self.assertEqual(code, getattr(ControlStatus, code.name))
+
+    def test_operator_site_notes_and_position_go_with_the_start(self) -> None:
+        note = ["--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
+        process = self.client(*SMALL, *note, "--position=-4.60283,-74.06514")
+        output = self.end_of(process)
+        self.assertEqual(process.returncode, 0, output)
+        position = Wgs84Position(-4.60283, -74.06514)
+        expected = Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
+        self.assertEqual(self.fake.annotation, expected)
 
     def test_follows_a_survey_to_its_end(self) -> None:
         process = self.client(*SMALL)

@@ -15,6 +15,7 @@ from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_msgs.srv import Command, CommandResponse
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_user_interface.mid.survey_model import SurveyModel
 
 
@@ -56,6 +57,23 @@ class Window(WindowCase):
         wait_until(lambda: self.title() == "STOPPED", "main_control says stopped")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
         self.assertFalse(self.window.notice.isVisible())
+
+    def test_notes_written_with_a_finger_go_with_the_start(self) -> None:
+        sheet = self.window.annotation
+        self.touch(self.window.control.notes)
+        self.touch(sheet.fields["operator"])
+        sheet.text_pad.press("Lucía Peña")
+        self.touch(sheet.text_pad.accept_button)
+        for name, text in (("latitude", "4.6"), ("longitude", "-74.1")):
+            self.touch(sheet.fields[name])
+            for character in text:
+                sheet.number_pad.press(character)
+            self.touch(sheet.number_pad.accept_button)
+        self.keep_picture("notes")
+        self.touch(sheet.save)
+        self.start()
+        expected = Annotation("Lucía Peña", position=Wgs84Position(4.6, -74.1))
+        self.assertEqual(self.fake.annotation, expected)
 
     def test_paused_survey_is_resumed(self) -> None:
         self.start()

@@ -8,8 +8,10 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any, Dict
 
+import rospy
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
@@ -78,6 +80,45 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "FINISHED", "the survey ends")
         self.assertEqual(self.window.status.progress.thousandths, 1000)
         self.assertTrue(self.window.control.start.isEnabled())
+        self.assertFalse(self.window.notice.isVisible())
+
+    def annotation(self) -> Dict[str, Any]:
+        """Return what is stored of the survey that is shown."""
+        survey_id = self.window.survey.snapshot.state.survey_id
+        (folder,) = Path(rospy.get_param("vna_processing/data")).glob(f"*_{survey_id[:8]}")
+        return json.loads((folder / "survey.json").read_text("ascii"))["annotation"]
+
+    def write_note(self, name: str, text: str) -> None:
+        """Add text to a field of the open sheet, and save it."""
+        sheet = self.window.annotation
+        wait_until(sheet.isVisible, "the sheet opens")
+        sheet.fields[name].tapped.emit()
+        sheet.text_pad.press(text)
+        self.touch(sheet.text_pad.accept_button)
+        self.touch(sheet.save)
+        wait_until(lambda: not sheet.isVisible(), "the storage has the notes")
+
+    def test_notes_are_written_before_during_and_after_a_survey(self) -> None:
+        self.enter_with_arrows()
+        self.touch(self.window.control.notes)
+        self.write_note("operator", "Ana Peña")
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
+        wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
+        self.assertEqual(self.annotation()["operator"], "Ana Peña")
+        self.touch(self.window.control.notes)
+        self.write_note("notes", "wet")
+        self.assertEqual(self.annotation()["notes"], "wet")
+        wait_until(lambda: self.title() == "FINISHED", "the survey ends")
+        self.window.show_tab(TabName.SURVEYS)
+        past = self.window.past
+        wait_until(lambda: past.table.rowCount() > 0, "the list is there")
+        wait_until(lambda: past.table.item(0, 1).text().startswith("complete"), "it is listed")
+        past.table.selectRow(0)
+        self.touch(past.notes)
+        self.write_note("notes", ", then dry")
+        found = self.annotation()
+        self.assertEqual((found["operator"], found["notes"]), ("Ana Peña", "wet, then dry"))
         self.assertFalse(self.window.notice.isVisible())
 
     def test_stop_works_from_every_tab_and_stopped_is_said_when_it_is(self) -> None:

@@ -1,6 +1,11 @@
+import sys
 import threading
+from pathlib import Path
 
 import pytest
+
+# The example annotations of gpr20_survey's tests.
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test" / "unit"))
 
 
 class FakeClock:

@@ -1,19 +1,27 @@
 """Messages of the graph reach the window with their templates, or as plain text without them."""
 
+import json
+
 import pytest
 
 pytest.importorskip("gpr20_msgs.msg")
 pytest.importorskip("diagnostic_updater")
 
+from annotation_examples import EXAMPLE, annotations
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from hypothesis import given, settings
 
 from gpr20_common.high.diagnostics import MESSAGE_JSON
 from gpr20_common.high.graph_message import message_fields
+from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message, verbatim
+from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
-from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
+from gpr20_msgs.srv import ListSurveysResponse, ReadSurveyResponse, ReadTracesResponse
+from gpr20_survey.plan.annotation import EMPTY, from_fields
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.mid.events import HealthLevel
+from gpr20_user_interface.mid.trace_events import AnnotationFailed, AnnotationRead
 
 FULL = Message("the disk is full", details="errno 28")
 PAUSED = Message("Paused: {reason}", reason=FULL)
@@ -77,3 +85,24 @@ def test_traces_that_cannot_be_read_have_their_reasons():
         survey_id="id", unreadable=[f"3: {FULL}", "5: torn"], unreadable_json=[FULL.to_json()]
     )
     assert conversions.traces_read(3, response).unreadable == {3: FULL, 5: verbatim("torn")}
+
+
+@given(annotations)
+@settings(max_examples=50)
+def test_an_annotation_comes_out_of_a_ros_message_as_it_went_in(annotation):
+    data = serialized(conversions.annotation_message(annotation))
+    assert repr(from_fields(deserialized(AnnotationMessage, data))) == repr(annotation)
+
+
+def test_the_annotation_of_a_survey_is_read_and_one_of_an_older_survey_is_empty():
+    text = json.dumps({"annotation": EXAMPLE.values()})
+    read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
+    assert read == AnnotationRead("id", EXAMPLE)
+    read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json="{}"))
+    assert read == AnnotationRead("id", EMPTY)
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"annotation": 1}', '{"annotation": {"site": 1}}'])
+def test_an_annotation_that_cannot_be_read_is_a_failure(text):
+    read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
+    assert isinstance(read, AnnotationFailed)

@@ -11,6 +11,7 @@ from window_helpers import application, show, snapshot, window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
@@ -189,6 +190,26 @@ def test_neither_profiles_nor_their_keys_are_cut_off(spoken, tmp_path):
     assert_fits(spoken)
     spoken.profiles.save.click()
     assert_fits(spoken)
+
+
+def test_neither_notes_nor_their_keys_are_cut_off(spoken):
+    sheet = spoken.annotation
+    longest = Annotation("W" * 40, "W" * 40, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
+    for survey in ("", "20261121T051000_7c9e6679"):
+        sheet.show_annotation(survey, longest)
+        assert_fits(spoken)
+    sheet.fields["latitude"].setText("-100.123456")
+    assert sheet.problem.text()
+    assert_fits(spoken)
+    for name, field in sheet.fields.items():
+        field.tapped.emit()
+        assert_fits(spoken)
+        pad = sheet.number_pad if sheet.number_pad.isVisible() else sheet.text_pad
+        if pad is sheet.text_pad:
+            pad.shift.click()
+            assert_fits(spoken)
+            assert min(key.height() for key in pad.keys) >= TOUCH_PX, name
+        pad.hide()
 
 
 def test_tabs_are_all_seen(spoken):

@@ -2,6 +2,7 @@ import pytest
 
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
 from gpr20_user_interface.mid.survey_arguments import Bar, terminal_language
@@ -121,3 +122,26 @@ def test_unknown_language_is_refused(capsys):
     with pytest.raises(SystemExit):
         parse_arguments(["--language", "fr"])
     assert "fr" in capsys.readouterr().err
+
+
+def test_operator_site_notes_and_position_can_be_given():
+    line = ["--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
+    options = parse_arguments([*line, "--position=-4.6, -74.1"])
+    position = Wgs84Position(-4.6, -74.1)
+    assert options.annotation == Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
+    assert parse_arguments([]).annotation == EMPTY
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--position", "91,0"], "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        (["--operator", "a\nb"], "operator holds U+000A"),
+        (["--attach", "--notes", "x"], "--notes cannot be given with --attach"),
+        (["--resume", "--site", ""], "--site cannot be given with --resume"),
+    ],
+)
+def test_a_wrong_annotation_is_refused_before_anything_is_started(capsys, arguments, reason):
+    with pytest.raises(SystemExit):
+        parse_arguments(arguments)
+    assert reason in capsys.readouterr().err

@@ -30,7 +30,7 @@ class ControlThatRecords:
     def __init__(self):
         self.asked = []
 
-    def start_survey(self, parameters):
+    def start_survey(self, parameters, annotation):
         self.asked.append(parameters)
 
     def stop_survey(self):

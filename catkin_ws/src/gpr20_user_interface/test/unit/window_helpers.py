@@ -34,6 +34,7 @@ class Survey:
         self.snapshot = snapshot()
         self.preview = None
         self.asked = []
+        self.annotations = []
 
     def refresh(self):
         return self.snapshot
@@ -47,8 +48,9 @@ class Survey:
     def check_master(self):
         pass
 
-    def start(self, parameters):
+    def start(self, parameters, annotation):
         self.asked.append(parameters)
+        self.annotations.append(annotation)
 
     def stop(self):
         self.asked.append("stop")
@@ -74,6 +76,12 @@ class Storage:
 
     def read_traces(self, survey, first_index):
         self.asked.append(("traces", survey, first_index))
+
+    def read_annotation(self, survey):
+        self.asked.append(("annotation", survey))
+
+    def annotate(self, survey, annotation):
+        self.asked.append(("annotate", survey, annotation))
 
 
 @pytest.fixture(scope="session")

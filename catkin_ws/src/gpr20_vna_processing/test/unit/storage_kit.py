@@ -10,6 +10,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
 
 from gpr20_common.low.clock import Clock
+from gpr20_survey.files.access import Readers
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
@@ -101,6 +102,7 @@ class Kit:
         limits: Limits = Limits(timeout_s=10.0, period_s=0.05),  # noqa: B008, RUF100
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
+        readers: Readers = Readers.GROUP,
     ) -> None:
         self.stored: List[Trace] = []
         self.opened: List[str] = []
@@ -114,6 +116,7 @@ class Kit:
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),
                 revision="1.2.3",
+                readers=readers,
             ),
             limits,
             on_opened=self.opened.append,

@@ -10,7 +10,7 @@ from storage_kit import Kit
 from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.survey_search import recorded_description
+from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
@@ -66,18 +66,39 @@ def test_a_survey_goes_on_with_the_copy_of_its_description(kit, folder, damage, 
     assert_whole(folder, TRACES)
 
 
-def test_a_copy_that_is_damaged_too_is_not_believed(kit, folder):
-    empty(folder / "survey.json")
+def damage_sealed_copy(folder):
     content = (folder / "survey.mcap").read_bytes()
     place = content.index(b'"x_points"', content.index(b"application/json"))
     (folder / "survey.mcap").write_bytes(content[:place] + b'"y' + content[place + 2 :])
+
+
+def test_two_other_copies_that_agree_replace_a_sealed_one_that_is_damaged(kit, folder):
+    empty(folder / "survey.json")
+    damage_sealed_copy(folder)
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices == [0, 1, 2]
+    assert json.loads(reopened.metadata_json) == METADATA
+
+
+def test_a_copy_that_is_damaged_too_is_not_believed(kit, folder):
+    empty(folder / "survey.json")
+    (folder / "survey.bag").unlink()
+    damage_sealed_copy(folder)
     with pytest.raises(SurveyRefusedError, match=r"survey.json cannot be read"):
+        kit.processing.reopen_survey(SURVEY)
+
+
+def test_a_single_copy_without_a_plan_is_not_believed(kit, folder):
+    empty(folder / "survey.json")
+    (folder / "survey.mcap").unlink()
+    with pytest.raises(SurveyRefusedError, match="its only copy in the recordings has no plan"):
         kit.processing.reopen_survey(SURVEY)
 
 
 def test_without_a_recording_the_survey_is_refused(kit, folder):
     empty(folder / "survey.json")
     (folder / "survey.mcap").unlink()
+    (folder / "survey.bag").unlink()
     with pytest.raises(SurveyRefusedError, match=r"survey.json cannot be read"):
         kit.processing.reopen_survey(SURVEY)
 
@@ -124,5 +145,5 @@ def test_the_copy_stays_as_it_was_at_the_start_when_the_recording_is_written_aga
     for outcome in ("stopped", "finished"):
         kit.processing.reopen_survey(SURVEY)
         kit.processing.close_survey(SURVEY, outcome, "")
-    copy = recorded_description(folder)
+    copy = sealed_description(folder)
     assert (copy["outcome"], "resumed" in copy) == (None, False)

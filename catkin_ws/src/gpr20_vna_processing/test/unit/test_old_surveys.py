@@ -6,13 +6,15 @@ import shutil
 from pathlib import Path
 
 import pytest
+from annotation_examples import EXAMPLE
 from planned_survey import POINTS, planned_trace
 from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import SURVEY
+from trace_examples import SURVEY, read_json
 
 from gpr20_analysis.read.verification import COMPLETE, INCOMPLETE, verify_survey
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.recording.recordings import open_recordings
 
 # One that was finished, and one whose storage was killed behind its fourth trace.
@@ -70,3 +72,12 @@ def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data):
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
     assert_whole(folder, traces)
     assert verify_survey(folder).status == COMPLETE
+
+
+@pytest.mark.parametrize(("survey_id", "status"), [(SURVEY, COMPLETE), (OTHER_SURVEY, INCOMPLETE)])
+def test_surveys_without_an_annotation_are_given_one(kit, data, survey_id, status):
+    folder = folder_of(data, survey_id)
+    kit.processing.annotate(survey_id, EXAMPLE)
+    assert annotation_of(read_json(folder / "survey.json")) == EXAMPLE
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (status, [])

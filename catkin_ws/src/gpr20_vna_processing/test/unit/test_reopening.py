@@ -40,7 +40,8 @@ def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
     assert_same_numbers(TRACES[3], read_json(sorted((folder / "traces").iterdir())[3]))
     assert read_json(folder / "survey.json")["resumed"] == ["2026-09-21T14:15:00.000000+00:00"]
     finish(kit, folder, reopened)
-    assert [trace.index for trace in kit.stored] == [4, 5, 6]
+    # The last trace may not have been published before the cut.
+    assert [trace.index for trace in kit.stored] == [3, 4, 5, 6]
     texts = [message.data for message in messages_in_mcap(folder, "/t")]
     assert texts == ["first", *(f"before {index}" for index in range(7))]
 
@@ -72,6 +73,7 @@ def test_a_bag_that_is_right_is_not_copied(data, folder):
         assert_whole(folder, TRACES[:6])
         with open(path, "ab") as stream:
             stream.write(bytes(100))  # a torn tail
+        (folder / "manifest.json").unlink()
 
 
 def test_a_bag_whose_types_nothing_vouches_for_is_written_again(data, folder, kit):

@@ -139,14 +139,31 @@ def test_half_of_a_character_hides_no_survey(kit, archive):
     report = {"verdict": "\ud800", "verdict_message": {"template": "\ud800", "values": {}}}
     values = {**json.loads(path.read_text()), "started": "\udcff", "report": report}
     path.write_text(json.dumps(values))
+    (folder / "survey.mcap").unlink()  # its copy would take the place of the damaged start
     (survey,), _more = archive.list("", 10)
     assert (survey.started, survey.verdict, survey.verdict_json) == ("\\udcff", "\\ud800", "")
+
+
+def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive):
+    folder = fill(kit, range(6))
+    kit.processing.close_survey(SURVEY, "finished", "")
+    path = folder / "survey.json"
+    values = json.loads(path.read_text())
+    original = values["parameters"]["y_points"]
+    values["parameters"]["y_points"] = 1  # as many as are stored
+    path.write_text(json.dumps(values))
+    (survey,), _more = archive.list("", 10)
+    assert (survey.planned_traces, survey.complete) == (18, False)
+    assert archive.survey(SURVEY).description["parameters"]["y_points"] == original
 
 
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
     folder = fill(kit, range(18))
     kit.processing.close_survey(SURVEY, "finished", "")
     assert archive.list("", 1)[0][0].complete
+    (folder / "manifest.json").rename(folder / "away")
+    assert not archive.list("", 1)[0][0].complete
+    (folder / "away").rename(folder / "manifest.json")
     os.remove(next(iter((folder / "traces").glob("000007_*"))))
     assert not archive.list("", 1)[0][0].complete
 

@@ -11,8 +11,8 @@ from gpr20_common.catalogue import Catalogue
 
 DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3
 EXIT_STATUS = (
-    "exit status: 0 done, 1 survey intact but not complete, 2 survey damaged, 3 refused or failed; "
-    "the message gives the reason"
+    "exit status: 0 done, 1 survey not complete or not sealed, 2 survey damaged, 3 refused or "
+    "failed; the message gives the reason"
 )
 
 
@@ -35,7 +35,9 @@ SUMMARIES: Dict[str, str] = {
     "process": "apply a chain of steps and store the result with its recipe",
     "image": "image the ground below a survey and list the echoes in it",
     "plot": "draw a survey, its A-scans or an image",
+    "annotate": "set operator, site, notes and position of a survey",
     "verify": "check a survey's folder against its manifest, recordings and plan",
+    "repair": "write a lost or damaged manifest again if everything else agrees",
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",

@@ -7,11 +7,10 @@ import json
 
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.rows import print_rows
 from gpr20_analysis.report.summary import summarize, summary_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES
 from gpr20_common.catalogue import Catalogue
-
-TITLE_WIDTH = 24
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,8 +28,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         lists = {name: survey.attrs.get(name, []) for name in LIST_ATTRIBUTES}
         print(json.dumps({**summarize(survey), **lists}, indent=2))
     else:
-        for title, text in summary_of(survey):
-            print(f"{catalogue.text(title) + ':':{TITLE_WIDTH}}{catalogue.text(text)}")
+        print_rows(summary_of(survey), catalogue)
     return inputs.status_of(survey)
 
 

@@ -13,7 +13,7 @@ from typing import Dict
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_common.message import Message
-from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files, sha256_and_size
+from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files, sum_of_file
 
 WORD = b"\n#gpr20 sha256 "
 LINE_BYTES = len(WORD) + 64 + 1
@@ -30,7 +30,7 @@ def add_checksum(path: Path) -> None:
         lines = [f"{digest} {name}\n" for name, digest in _sums(path).items()]
         (path / SUMS_FILE).write_text("".join(lines), encoding="utf-8")
     else:
-        line = WORD + sha256_and_size(path)[0].encode("ascii") + b"\n"
+        line = WORD + sum_of_file(path)[0].encode("ascii") + b"\n"
         with path.open("ab") as stream:
             stream.write(line)
 
@@ -86,4 +86,4 @@ def _check_folder(path: Path) -> bool:
 
 def _sums(path: Path) -> Dict[str, str]:
     names = (name for name in regular_files(path) if name != SUMS_FILE)
-    return {name: sha256_and_size(path / name)[0] for name in names}
+    return {name: sum_of_file(path / name)[0] for name in names}

@@ -10,8 +10,8 @@ import numpy as np
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.plan.recorded_plan import recorded_plan
-from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
+from gpr20_survey.plan.plan_fit import PlanFit
+from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.trace.trace import Trace
 
 DECIMALS = 4  # of a millimetre: a hundredth of a motor step
@@ -140,50 +140,15 @@ class Plan:
             AnalysisError: Parameters or axes are missing or invalid.
         """
         try:
-            self._parameters, self._travel = recorded_plan(description)
+            self._fit = PlanFit(description)
         except InvalidValueError as error:
             raise AnalysisError(
                 Message("the plan is unknown: survey.json: {reason}", reason=error.message)
             ) from error
-        self.points: List[SurveyPoint] = survey_points(self._parameters, self._travel)
+        self.points: List[SurveyPoint] = self._fit.points
         self.positions = np.array([(one.z_deg, one.y_mm, one.x_mm) for one in self.points])
         """Rotation [deg], y and x [mm] of each, (samples, 3)."""
 
     def misplaced(self, trace: Trace) -> List[Message]:
         """Return the differences between a trace and the plan for its index."""
-        if trace.index >= len(self.points):
-            return [
-                Message(
-                    "trace {index} was not planned; the plan has {planned} traces",
-                    index=trace.index,
-                    planned=len(self.points),
-                )
-            ]
-        point = self.points[trace.index]
-        found: List[Message] = []
-        for name, own, planned, travel in (
-            ("x", trace.x_coord_mm, point.x_mm, self._travel.x),
-            ("y", trace.y_coord_mm, point.y_mm, self._travel.y),
-            ("z", trace.z_coord_deg, point.z_deg, self._travel.z),
-        ):
-            # Both are whole motor steps: more than half a step apart is another position.
-            if abs(own - planned) > travel.step / 2:
-                found.append(
-                    Message(
-                        "trace {index} was measured at {axis} {position:g} instead of {planned:g}",
-                        index=trace.index,
-                        axis=name,
-                        position=own,
-                        planned=planned,
-                    )
-                )
-        if len(trace.frequency_hz) != self._parameters.frequency_points:
-            found.append(
-                Message(
-                    "trace {index} has {count} frequencies instead of {planned}",
-                    index=trace.index,
-                    count=len(trace.frequency_hz),
-                    planned=self._parameters.frequency_points,
-                )
-            )
-        return found
+        return self._fit.misfits(trace)

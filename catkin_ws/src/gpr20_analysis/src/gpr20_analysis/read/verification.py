@@ -8,14 +8,18 @@ from typing import Any, Dict, List, Optional, Union
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read import manifest_check
+from gpr20_analysis.read import description_check, manifest_check
+from gpr20_analysis.read.manifest_check import Seal
+from gpr20_analysis.read.recording_comparison import RecordingComparison
 from gpr20_analysis.read.recordings import trace_messages
 from gpr20_analysis.read.survey_grid import Plan
+from gpr20_analysis.read.time_check import TimeCheck
 from gpr20_analysis.read.trace_table import of_other_survey
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.trace import trace_message
 
 FILES = (
@@ -25,6 +29,13 @@ FILES = (
     survey_folder.MCAP_FILE,
 )
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
+UNCOVERED = Message(
+    "entries of survey.json that change during a survey, messages that only one recording "
+    "contains, and bytes outside the messages of an unfinished recording"
+)
+REMEDY = Message(
+    "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
+)
 
 
 @dataclass
@@ -39,16 +50,18 @@ class Verification:
     """Number of planned samples; None if unknown."""
     stored: int = 0
     """Number of planned samples that are stored and readable."""
+    sealed: bool = False
+    """Whether a manifest covers every file, so that no change could be unseen."""
     closed: bool = False
     """Whether the survey was closed, not cut off or interrupted."""
 
     @property
     def status(self) -> int:
-        """0 complete and intact, 1 intact but not complete, 2 damaged or contradictory."""
+        """0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory."""
         if self.faults:
             return DAMAGED
-        whole = self.closed and self.planned is not None and self.stored == self.planned
-        return COMPLETE if whole else INCOMPLETE
+        whole = self.planned is not None and self.stored == self.planned
+        return COMPLETE if whole and self.sealed and self.closed else INCOMPLETE
 
     @property
     def verdict(self) -> Message:
@@ -64,10 +77,17 @@ class Verification:
                 "complete and intact: all {planned} planned traces are stored and readable",
                 planned=self.planned,
             )
+        if not self.sealed:
+            return Message(
+                "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
+                "manifest, changes to {uncovered} cannot be detected",
+                counted=self._counted,
+                uncovered=UNCOVERED,
+            )
         if self.closed:
             return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)
         return Message(
-            "INCOMPLETE, but intact: {counted}, and the survey was not closed",
+            "INCOMPLETE, but intact: {counted}, and the survey was interrupted",
             counted=self._counted,
         )
 
@@ -85,12 +105,15 @@ class Verification:
         )
 
 
-def verify_survey(folder: Union[str, Path], progress: Progress = no_progress) -> Verification:
+def verify_survey(
+    folder: Union[str, Path], progress: Progress = no_progress, use_manifest: bool = True
+) -> Verification:
     """Check a survey's folder; nothing in it is changed.
 
     Args:
         folder: The folder of one survey.
         progress: Shows the progress of each pass over its traces.
+        use_manifest: False: check it as if it had no manifest, so everything else is compared.
 
     Raises:
         AnalysisError: It is not the folder of a survey.
@@ -110,21 +133,26 @@ def verify_survey(folder: Union[str, Path], progress: Progress = no_progress) ->
         survey_folder.check_survey_id(description["survey_id"])
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
-    return _Verifier(folder, description, progress).run()
+    return _Verifier(folder, description, progress, use_manifest).run()
 
 
 class _Verifier:
-    def __init__(self, folder: Path, description: Dict[str, Any], progress: Progress) -> None:
+    def __init__(
+        self, folder: Path, description: Dict[str, Any], progress: Progress, use_manifest: bool
+    ) -> None:
         self._folder = folder
         self._progress = progress
+        self._use_manifest = use_manifest
         self._description = description
         self._survey_id: str = description["survey_id"]
         self._indexed = description.get("ended") is not None  # the recordings have their index
-        closed = self._indexed and description.get("outcome") != survey_metadata.INTERRUPTED
-        self._found = Verification(closed=closed)
+        self._interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
+        self._times = TimeCheck(description)
+        self._found = Verification(closed=self._indexed and not self._interrupted)
 
     def run(self) -> Verification:
-        self._check_manifest()
+        if self._use_manifest:
+            self._check_manifest()
         files = trace_files.read_all(
             self._traces, self._survey_id, lambda paths: iter(self._progress(paths, len(paths)))
         )
@@ -135,8 +163,12 @@ class _Verifier:
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
+        before = len(self._found.faults)
         self._check_recordings(files.prints)
+        if not self._found.sealed and len(self._found.faults) == before:
+            self._compare_recordings(files.prints)
         self._check_description(len(files.prints))
+        self._found.notes += self._times.notes()
         return self._found
 
     @property
@@ -150,12 +182,58 @@ class _Verifier:
         self._found.notes.append(message)
 
     def _check_manifest(self) -> None:
-        if self._found.closed:
-            self._found.faults += manifest_check.check_files(self._folder, self._survey_id)
-        elif (self._folder / manifest.MANIFEST_FILE).exists():
-            self._note(Message("the manifest is from before the survey was reopened"))
-        else:
+        found = manifest_check.check_manifest(self._folder, self._survey_id)
+        self._found.sealed = found.seal is Seal.VALID
+        self._found.faults += found.differences
+        if found.damage is not None:
+            self._fault(
+                Message(
+                    "manifest.json is damaged: {reason}; {remedy}",
+                    reason=found.damage,
+                    remedy=REMEDY,
+                )
+            )
+        elif found.seal is Seal.MISSING and self._found.closed:
+            self._fault(
+                Message(
+                    "manifest.json is missing, so changes to files cannot be detected: it was "
+                    "removed, or the survey was cut off while it was closed; {remedy}",
+                    remedy=REMEDY,
+                )
+            )
+        elif found.seal is Seal.MISSING:
             self._note(Message("the survey was not closed, so there is no manifest"))
+        elif found.manifest is not None:
+            self._note_manifest(found.manifest)
+        self._note_damaged()
+
+    def _note_manifest(self, sealed: Manifest) -> None:
+        if sealed.reopened is not None:
+            self._note(
+                Message(
+                    "the manifest is from before the survey was reopened at {time}",
+                    time=sealed.reopened,
+                )
+            )
+        if not sealed.covers_itself:
+            self._note(
+                Message(
+                    "the manifest has the former format {format}: it covers every file, but not "
+                    "its own entries software_revision and written",
+                    format=manifest.FORMER_FORMAT,
+                )
+            )
+        for one in sealed.rewritten:
+            self._note(
+                Message(
+                    "the manifest was written again at {time}: {reason}; what was changed before "
+                    "is not covered",
+                    time=str(one.get("time")),
+                    reason=str(one.get("reason")),
+                )
+            )
+
+    def _note_damaged(self) -> None:
         if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
             self._note(
                 Message(
@@ -216,6 +294,7 @@ class _Verifier:
         """Return the fingerprint of each trace of a recording."""
         prints: Dict[int, bytes] = {}
         messages = trace_messages(self._folder / name, self._indexed)
+        in_order = name == survey_folder.MCAP_FILE  # both are in the order of measurement
         try:
             for message in self._progress(messages, expected):
                 trace = trace_message.decode(message.data, message.md5sum)
@@ -232,6 +311,8 @@ class _Verifier:
                     )
                 else:
                     prints[trace.index] = trace.fingerprint()
+                    if in_order:
+                        self._times.note(trace)
         except (UnreadableFileError, TraceRefusedError) as error:
             self._fault(
                 Message(
@@ -239,6 +320,20 @@ class _Verifier:
                 )
             )
         return prints
+
+    def _compare_recordings(self, stored: Dict[int, bytes]) -> None:
+        """Check all that has a checksum or a second copy; no manifest covers the files."""
+        compared = RecordingComparison(self._folder)
+        self._found.faults += compared.faults
+        if compared.alone:
+            self._note(
+                Message(
+                    "{count} messages are in only one of the recordings, as after a crash",
+                    count=compared.alone,
+                )
+            )
+        if stored and not description_check.has_sealed_copy(self._folder):
+            self._fault(Message("survey.mcap contains no readable copy of survey.json"))
 
     def _check_missing(self, name: str, missing: List[int]) -> None:
         # The JSON file is written first: a crash may come between it and a recording, but the
@@ -261,6 +356,10 @@ class _Verifier:
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description
+        self._found.faults += description_check.compare_copies(
+            self._folder, recorded, with_bag=not self._found.sealed
+        )
+        self._found.faults += description_check.contradictions(recorded)
         if self._indexed and recorded.get("stored_traces") != readable:
             self._fault(
                 Message(

@@ -62,7 +62,8 @@ def _aligned(rows: Sequence[Tuple[str, ...]]) -> List[str]:
     widths = [max(len(row[place]) for row in rows) for place in range(len(rows[0]) - 1)]
     found = []
     for row in rows:
-        last = textwrap.wrap(row[-1], LETTERS_IN_CELL) or [""]
+        parts = [textwrap.wrap(one, LETTERS_IN_CELL) for one in row[-1].splitlines()]
+        last = [line for part in parts for line in part] or [""]
         head = "  ".join(text.ljust(width) for text, width in zip(row, widths))
         found.append(f"{head}  {last[0]}")
         found += [" " * (len(head) + 2) + more for more in last[1:]]

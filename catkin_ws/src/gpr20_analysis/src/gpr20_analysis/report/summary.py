@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
+from gpr20_analysis.read.annotation_attributes import NOTES, OPERATOR, SITE, position_text
 from gpr20_common.message import Message, received_message, verbatim
 from gpr20_survey.trace.calibration import MEANINGS
 
@@ -22,7 +23,11 @@ RECORDED = {
     "outcome": Message("outcome"),
     "reason": Message("reason"),
     "software_revision": Message("software revision"),
+    OPERATOR: Message("operator"),
+    SITE: Message("site"),
+    NOTES: Message("survey notes"),
 }
+POSITION = Message("WGS 84 position")
 CALIBRATIONS = {str(one): one for one in MEANINGS.values()}
 OUTCOMES = {
     "finished": Message("finished"),
@@ -48,6 +53,9 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
         for name, title in RECORDED.items()
         if name in survey.attrs
     ]
+    position = position_text(survey.attrs)
+    if position:
+        rows.append((POSITION, verbatim(position)))
     if "simulated" in survey.attrs:
         ground = SIMULATED if survey.attrs["simulated"] else Message("measured")
         rows.append((Message("ground"), ground))

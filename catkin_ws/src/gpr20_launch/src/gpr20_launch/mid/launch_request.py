@@ -8,6 +8,7 @@ from typing import Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
 from gpr20_launch.low.data_folder import try_to_write
@@ -117,9 +118,10 @@ class LaunchRequest:
 
     def _data_folder(self, sections: Sections) -> Path:
         given = {**sections["storage"], **({"data": self.data} if self.data.strip() else {})}
-        folder = ProcessingParameters(data=str(given.get("data", ""))).data_folder()
+        parameters = record_from(ProcessingParameters, given, "storage")
+        folder = parameters.data_folder()
         try:
-            try_to_write(folder)
+            try_to_write(folder, parameters.readable_by.folder_mode)
         except OSError as error:
             raise LaunchRefusedError(
                 Message(

@@ -39,6 +39,7 @@ from gpr20_msgs.srv import (
     StartSurveyResponse,
 )
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan import annotation
 from gpr20_survey.plan.robot_description import (
     PLAIN_NAMES,
     SIMULATOR,
@@ -96,8 +97,8 @@ class MainControlNode:
             **message_fields(Message("Parameters accepted")),
         )
 
-    def _start(self, _request: Any) -> StartSurveyResponse:
-        survey_id = self._control.start()
+    def _start(self, request: Any) -> StartSurveyResponse:
+        survey_id = self._control.start(annotation.from_fields(request.annotation))
         started = message_fields(Message("Survey started"))
         return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 
@@ -158,7 +159,7 @@ def build_main_control_node() -> MainControlNode:
         nodes=nodes,
         description=description,
     )
-    control = MainControl(robot, settings, status, clock)
+    control = MainControl(robot, settings, status, clock, description.site.annotation)
     node = MainControlNode(control, robot, status, topics)
     description.note(NodeDescription(NODE, NO_HARDWARE, asdict(settings)))
     descriptions.listen(description.note)

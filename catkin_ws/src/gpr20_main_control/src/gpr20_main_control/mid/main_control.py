@@ -19,6 +19,7 @@ from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
@@ -40,7 +41,19 @@ class MainControl:
         settings: SurveySettings,
         status: SurveyStatus,
         clock: Clock,
+        defaults: Annotation = EMPTY,
     ) -> None:
+        """Build it; no survey runs.
+
+        Args:
+            robot: The parts of the robot.
+            config: What the robot is.
+            settings: Settings of every survey.
+            status: What is shown of the survey.
+            clock: For time limits.
+            defaults: Operator, site and position of surveys that are started without.
+        """
+        self._defaults = defaults
         self._robot = robot
         self._settings = settings
         self._status = status
@@ -76,8 +89,11 @@ class MainControl:
             self._status.enter(SurveyState.CONFIGURED, ready)
             return self._plan
 
-    def start(self) -> str:
+    def start(self, annotation: Annotation = EMPTY) -> str:
         """Start a survey with the parameters set before and return its id.
+
+        Args:
+            annotation: What people add to the survey; empty fields become the robot's defaults.
 
         Raises:
             RequestRefusedError: A survey is running, or no parameters have been set.
@@ -97,7 +113,8 @@ class MainControl:
             plan = plan_survey(
                 self._plan.parameters, self._robot.description.config(), self._settings
             )
-            plan = replace(plan, survey_id=str(uuid.uuid4()))
+            annotation = annotation.with_defaults(self._defaults)
+            plan = replace(plan, survey_id=str(uuid.uuid4()), annotation=annotation)
             self._begin(plan)
             return plan.survey_id
 

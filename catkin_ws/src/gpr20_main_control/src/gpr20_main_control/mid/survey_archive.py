@@ -16,6 +16,7 @@ from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
 
@@ -166,6 +167,7 @@ def survey_record(
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
         "settings": asdict(plan.settings),
+        ANNOTATION: plan.annotation.values(),
         **robot,
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)

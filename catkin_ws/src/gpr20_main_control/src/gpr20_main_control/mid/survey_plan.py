@@ -11,6 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_cost import planned_durations_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
@@ -34,6 +35,7 @@ class SurveyPlan:
         durations_s: Duration of each point [s].
         survey_id: UUID; empty before the survey begins.
         reopened: What is stored of it; None if it is new.
+        annotation: What people added to it at its start.
     """
 
     parameters: SurveyParameters
@@ -43,6 +45,7 @@ class SurveyPlan:
     durations_s: Sequence[float]
     survey_id: str = ""
     reopened: Optional[ReopenedSurvey] = None
+    annotation: Annotation = EMPTY
 
     @property
     def total_points(self) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import FileReplacedError
+from gpr20_survey.files import access
 from gpr20_survey.files.durable_files import put_in_place, sync_path
 
 
@@ -52,8 +53,7 @@ class AppendOnlyFile:
         self._trailer = trailer
         self._committed = committed  # length of what is durable [bytes]
         self._collected = bytearray()
-        flags |= os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
-        self._descriptor = os.open(str(path), flags, 0o666)
+        self._descriptor = access.open_new(path, flags | os.O_RDWR)
 
     @property
     def collected_bytes(self) -> int:

@@ -7,7 +7,9 @@ import os
 import secrets
 import shutil
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, Optional
+
+from gpr20_survey.files import access
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
@@ -67,26 +69,34 @@ def replace_file(path: Path, data: bytes) -> None:
     sync_path(path.parent)
 
 
-def make_new_folder(path: Path) -> None:
+def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
     """Make a folder that must not exist yet; return when it is durable.
+
+    Args:
+        path: The folder.
+        mode: Its mode; None: that of the folder above.
 
     Raises:
         FileExistsError: The folder exists.
         OSError: The disk refused.
     """
-    path.mkdir()
+    access.make_folder(path, access.mode_for(path.parent) if mode is None else mode)
     sync_path(path.parent)
 
 
-def ensure_folder(path: Path) -> None:
+def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
     """Make a folder and those above it where they are missing; return when all are durable.
+
+    Args:
+        path: The folder.
+        mode: That of each folder that is made; None: that of the folder above it.
 
     Raises:
         OSError: The disk refused.
     """
     if not path.is_dir():
-        ensure_folder(path.parent)
-        make_new_folder(path)
+        ensure_folder(path.parent, mode)
+        make_new_folder(path, mode)
 
 
 def sync_path(path: Path) -> None:
@@ -100,8 +110,7 @@ def sync_path(path: Path) -> None:
 
 def _write_temporary(path: Path, data: bytes) -> Path:
     temporary = temporary_path(path)
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
-    descriptor = os.open(str(temporary), flags, 0o666)
+    descriptor = access.open_new(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
     try:
         with open(descriptor, "wb") as stream:
             stream.write(data)

@@ -5,11 +5,25 @@ from __future__ import annotations
 import hashlib
 import os
 from pathlib import Path
-from typing import Iterator, Tuple
+from typing import Iterator, NamedTuple
 
 from gpr20_survey.files.regular_file import open_regular
 
 PIECE_BYTES = 1 << 20
+
+
+class FileSum(NamedTuple):
+    """What identifies the content of a file."""
+
+    sha256: str
+    """Hexadecimal digits."""
+    size: int
+    """Length [bytes]."""
+
+
+def sum_of(content: bytes) -> FileSum:
+    """Return the checksum of a file that has this content."""
+    return FileSum(hashlib.sha256(content).hexdigest(), len(content))
 
 
 def regular_files(folder: Path) -> Iterator[str]:
@@ -28,8 +42,8 @@ def regular_files(folder: Path) -> Iterator[str]:
             yield (Path(parent) / name).relative_to(folder).as_posix()
 
 
-def sha256_and_size(path: Path) -> Tuple[str, int]:
-    """Return the SHA-256 of a file, as hexadecimal digits, and its size [bytes].
+def sum_of_file(path: Path) -> FileSum:
+    """Return the checksum of a file.
 
     Raises:
         OSError: The file cannot be read.
@@ -39,6 +53,6 @@ def sha256_and_size(path: Path) -> Tuple[str, int]:
         while True:
             piece = stream.read(PIECE_BYTES)
             if not piece:
-                return digest.hexdigest(), size
+                return FileSum(digest.hexdigest(), size)
             digest.update(piece)
             size += len(piece)

@@ -2,79 +2,103 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, Iterator, Optional
+from typing import Any, Dict, Mapping, Optional, Tuple
 
-from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files import durable_files, file_sums
+from gpr20_common.message import Message
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
+from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 
 MANIFEST_FILE = "manifest.json"
-FORMAT = "gpr20-manifest/1"
+FORMAT = "gpr20-manifest/2"
+FORMER_FORMAT = "gpr20-manifest/1"  # has no checksum of its own
 DATA_FILES = (survey_folder.SURVEY_FILE, survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
+MAX_BYTES = 512 << 20  # a million traces
+
+_TEXTS = ("survey_id", "software_revision", "written")
+_FORMER_KEYS = {"format", *_TEXTS, "files"}
+_KEYS = {*_FORMER_KEYS, "reopened", "rewritten", "replacing", "sha256"}
 
 
-def write_manifest(folder: Path, survey_id: str, revision: str, written: str) -> None:
-    """Write the checksums of every file of a survey; return when they are durable.
+@dataclass(frozen=True)
+class Manifest:
+    """The checksums of the files of a survey."""
 
-    What is not data of the survey and cannot be read, such as a link in `damaged/`, is listed
-    without a checksum: it must not prevent a survey from being closed.
+    survey_id: str
+    software_revision: str
+    """Version of the suite that wrote it."""
+    written: str
+    """When the survey was closed, as ISO 8601 text."""
+    files: Mapping[str, Optional[FileSum]]
+    """Of each file, relative to the folder; None: it was no data and could not be read."""
+    replacing: Mapping[str, FileSum] = field(default_factory=dict)
+    """Of the new content of a file that is being replaced; empty again when that is done."""
+    reopened: Optional[str] = None
+    """When the survey was reopened: its files may have changed since. None: it was not."""
+    rewritten: Tuple[Mapping[str, str], ...] = ()
+    """`time` and `reason` of each time that a lost or damaged manifest was written again."""
+    covers_itself: bool = True
+    """Whether a change of any byte of the manifest itself is found."""
 
-    Args:
-        folder: The survey's folder; nothing in it may change any more.
-        survey_id: UUID of the survey.
-        revision: Version of the suite.
-        written: When, as ISO 8601 text.
+    def matches(self, name: str, present: Optional[FileSum]) -> bool:
+        """Return whether a file has the content that it had when the survey was closed."""
+        return present is not None and present in (self.files.get(name), self.replacing.get(name))
+
+    def encode(self) -> bytes:
+        """Return the content of manifest.json, which ends with a checksum over all else."""
+        values = {
+            "format": FORMAT,
+            "survey_id": self.survey_id,
+            "software_revision": self.software_revision,
+            "written": self.written,
+            "reopened": self.reopened,
+            "rewritten": [dict(one) for one in self.rewritten],
+            "replacing": {name: one._asdict() for name, one in self.replacing.items()},
+            "files": {name: one and one._asdict() for name, one in self.files.items()},
+        }
+        return survey_metadata.encode({**values, "sha256": _own_sum(values)})
+
+
+def decode(content: bytes) -> Manifest:
+    """Return the manifest with this content.
 
     Raises:
-        OSError: A file of the survey's data cannot be read, or the disk refused.
-    """
-    files: Dict[str, Optional[Dict[str, Any]]] = {}
-    for name in file_names(folder):
-        try:
-            sha256, size = file_sums.sha256_and_size(folder / name)
-        except OSError:
-            if is_data(name):
-                raise
-            files[name] = None
-        else:
-            files[name] = {"sha256": sha256, "size": size}
-    values = {
-        "format": FORMAT,
-        "survey_id": survey_id,
-        "software_revision": revision,
-        "written": written,
-        "files": files,
-    }
-    durable_files.replace_file(folder / MANIFEST_FILE, survey_metadata.encode(values))
-
-
-def read_sums(folder: Path) -> Dict[str, Any]:
-    """Return the checksums in the manifest of a survey; empty if it cannot be read."""
-    limit = survey_metadata.MAX_FILE_BYTES
-    try:
-        with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
-            text = stream.read(limit + 1).decode("ascii")
-        files = survey_metadata.parse_object(text, MANIFEST_FILE, limit).get("files")
-    except (OSError, UnicodeDecodeError, SurveyRefusedError):
-        return {}
-    return files if isinstance(files, dict) else {}
-
-
-def is_unchanged(folder: Path, name: str, sums: Dict[str, Any]) -> bool:
-    """Return whether a file is certainly as it was when the manifest was written.
-
-    Args:
-        folder: The survey's folder.
-        name: The file, relative to the folder.
-        sums: The checksums in the manifest.
+        ManifestDamagedError: It is not as it was written.
     """
     try:
-        sha256, size = file_sums.sha256_and_size(folder / name)
-    except OSError:
-        return False
-    return bool(sums.get(name) == {"sha256": sha256, "size": size})
+        text = content.decode("ascii")
+        values = survey_metadata.parse_object(text, MANIFEST_FILE, MAX_BYTES)
+    except UnicodeDecodeError as error:
+        raise ManifestDamagedError(Message("it is not ASCII text", details=error)) from error
+    except SurveyRefusedError as error:
+        raise ManifestDamagedError(error.message) from error
+    if values.get("format") == FORMAT:
+        return _decoded(content, values)
+    if values.get("format") == FORMER_FORMAT:
+        return _former(values)
+    raise ManifestDamagedError(
+        Message("it is not a manifest of format {format}", format=FORMAT),
+    )
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Return the manifest of a survey.
+
+    Raises:
+        ManifestDamagedError: It is not as it was written.
+        FileNotFoundError: There is none.
+        OSError: It cannot be read.
+    """
+    with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
+        size = os.fstat(stream.fileno()).st_size
+        if size > MAX_BYTES:
+            raise ManifestDamagedError(Message("it has {size} bytes", size=size))
+        return decode(stream.read())
 
 
 def is_data(name: str) -> bool:
@@ -82,12 +106,42 @@ def is_data(name: str) -> bool:
     return name in DATA_FILES or name.startswith(f"{survey_folder.TRACES_FOLDER}/")
 
 
-def file_names(folder: Path) -> Iterator[str]:
-    """Yield the names of the files that belong into the manifest of a survey.
+def _own_sum(values: Mapping[str, Any]) -> str:
+    return hashlib.sha256(survey_metadata.encode(dict(values))).hexdigest()
 
-    Raises:
-        OSError: The folder cannot be read.
-    """
-    for name in file_sums.regular_files(folder):
-        if name != MANIFEST_FILE and not durable_files.is_temporary(Path(name).name):
-            yield name
+
+def _decoded(content: bytes, values: Dict[str, Any]) -> Manifest:
+    own_sum = values.pop("sha256", None)
+    # Equal to the last byte: not even a space can change unseen.
+    if own_sum != _own_sum(values) or survey_metadata.encode({**values, "sha256": own_sum}) != (
+        content
+    ):
+        raise ManifestDamagedError(Message("its own SHA-256 has changed"))
+    if values.keys() != _KEYS - {"sha256"}:
+        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
+    return _manifest(
+        values,
+        replacing={name: _sum(one) for name, one in values["replacing"].items()},
+        reopened=values["reopened"],
+        rewritten=tuple(values["rewritten"]),
+    )
+
+
+def _former(values: Dict[str, Any]) -> Manifest:
+    if values.keys() != _FORMER_KEYS:
+        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
+    return _manifest(values, covers_itself=False)
+
+
+def _manifest(values: Dict[str, Any], **more: Any) -> Manifest:
+    files = values["files"]
+    if not isinstance(files, dict) or not all(isinstance(values[key], str) for key in _TEXTS):
+        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
+    sums = {name: None if one is None else _sum(one) for name, one in files.items()}
+    return Manifest(**{key: values[key] for key in _TEXTS}, files=sums, **more)
+
+
+def _sum(values: Any) -> FileSum:
+    if not isinstance(values, dict) or values.keys() != {"sha256", "size"}:
+        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
+    return FileSum(**values)

@@ -7,10 +7,12 @@ import re
 from pathlib import Path
 from typing import Any, Dict, NoReturn
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.plan.annotation import ANNOTATION, annotation_of
 from gpr20_survey.trace import utc_time
 
 FORMAT = "gpr20-survey/1"
@@ -36,8 +38,8 @@ OWN_KEYS = frozenset(
     }
 )
 
-# Those of them that change during the survey.
-LATER_KEYS = ("ended", "outcome", "reason", "stored_traces", "resumed", "report")
+# Entries that change after the start: all others are compared with the sealed copy in the MCAP.
+LATER_KEYS = ("ended", "outcome", "reason", "stored_traces", "resumed", "report", ANNOTATION)
 
 # A whole text, or the end of one that does not end; else a bracket.
 _TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?|[\[{]|[\]}]', re.DOTALL)
@@ -89,7 +91,7 @@ def parse_metadata(text: str) -> Dict[str, Any]:
     """Return the JSON object that describes a survey.
 
     Raises:
-        SurveyRefusedError: It is not allowed; see `parse_object`.
+        SurveyRefusedError: It is not allowed; see `parse_object`. Or its annotation is not.
     """
     values = parse_object(text, "metadata_json")
     for key in ("resumed", "report"):
@@ -100,7 +102,17 @@ def parse_metadata(text: str) -> Dict[str, Any]:
                     key=key,
                 )
             )
+    _check_annotation(values)
     return values
+
+
+def _check_annotation(values: Dict[str, Any]) -> None:
+    try:
+        annotation_of(values)
+    except InvalidValueError as error:
+        raise SurveyRefusedError(
+            Message("the annotation in metadata_json is refused: {reason}", reason=error.message)
+        ) from error
 
 
 def combine(metadata: Dict[str, Any], own: Dict[str, Any]) -> Dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tu
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
+from gpr20_survey.files.file_sums import FileSum, sum_of
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.trace import trace_json
@@ -16,6 +17,7 @@ from gpr20_survey.trace.trace import Trace
 
 MAX_FILE_BYTES = 1 << 20  # 4001 points need a third of it
 Shown = Callable[[List[Path]], Iterator[Path]]
+OnTrace = Callable[[Trace], None]
 
 
 class TraceFile(NamedTuple):
@@ -26,12 +28,15 @@ class TraceFile(NamedTuple):
     sample_id: str
     timestamp_us: int
     """Of the trace [us since 1970, UTC]."""
+    sum: FileSum
+    """Of the file's content."""
 
     @classmethod
-    def of(cls, trace: Trace) -> TraceFile:
-        """Return what is remembered of the file of a trace."""
+    def of(cls, trace: Trace, content: bytes) -> TraceFile:
+        """Return what is remembered of the file of a trace, and of its content."""
         name = survey_folder.trace_file_name(trace)
-        return cls(name, trace.fingerprint(), trace.sample_id, trace.timestamp_us)
+        own_sum = sum_of(content)
+        return cls(name, trace.fingerprint(), trace.sample_id, trace.timestamp_us, own_sum)
 
 
 @dataclass
@@ -72,7 +77,10 @@ def read_trace(
         TraceRefusedError: It is not.
         OSError: The file cannot be read.
     """
-    trace = decode(_content(path))
+    return _checked(decode(_content(path)), path, survey_id)
+
+
+def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:
     if survey_id is not None and trace.survey_id != survey_id:
         raise ForeignTraceError(
             Message("the trace belongs to survey {survey}", survey=trace.survey_id)
@@ -87,13 +95,16 @@ def read_trace(
     return trace
 
 
-def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
+def read_all(
+    folder: Path, survey_id: str, shown: Shown = iter, on_trace: Optional[OnTrace] = None
+) -> TraceFiles:
     """Read every trace of a survey.
 
     Args:
         folder: The folder of the traces.
         survey_id: Whose they must be.
         shown: Returns the files one by one, and may show the progress.
+        on_trace: Called with every whole trace.
 
     Raises:
         OSError: The folder cannot be read.
@@ -102,7 +113,8 @@ def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
     samples: Dict[str, int] = {}
     for path in shown(sorted(folder.glob("*.json"))):
         try:
-            trace = read_trace(path, survey_id)
+            content = _content(path)
+            trace = _checked(trace_json.decode(content), path, survey_id)
             _check_unique(trace, found.files.get(trace.index), samples.get(trace.sample_id))
         except OSError as error:
             found.damaged.append((path, os_reason(error)))
@@ -111,8 +123,10 @@ def read_all(folder: Path, survey_id: str, shown: Shown = iter) -> TraceFiles:
             found.foreign += isinstance(error, ForeignTraceError)
             found.damaged.append((path, error.message))
             continue
-        found.files[trace.index] = TraceFile.of(trace)
+        found.files[trace.index] = TraceFile.of(trace, content)
         samples[trace.sample_id] = trace.index
+        if on_trace is not None:
+            on_trace(trace)
     return found
 
 

@@ -7,9 +7,12 @@ from typing import Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
-
-MAX_CHARACTERS = 200
+from gpr20_survey.plan.annotation import (
+    MAX_NAME_CHARACTERS,
+    Annotation,
+    Wgs84Position,
+    check_text,
+)
 
 
 @dataclass(frozen=True)
@@ -18,8 +21,8 @@ class Site:
 
     Attributes:
         robot: Name of the robot.
-        site: Name of the site.
-        operator: Who operates it.
+        site: Name of the site, proposed for each survey.
+        operator: Who operates it, proposed for each survey.
         latitude_deg: WGS 84 latitude of the survey area [deg]; none if unknown.
         longitude_deg: WGS 84 longitude of the survey area [deg]; none if unknown.
     """
@@ -31,25 +34,22 @@ class Site:
     longitude_deg: Optional[float] = None
 
     def __post_init__(self) -> None:
-        for name in ("robot", "site", "operator"):
-            text = getattr(self, name)
-            if len(text) > MAX_CHARACTERS or not text.isprintable():
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {value}; it must be one line of at most {most} characters",
-                        name=name,
-                        value=repr(text[:64]),
-                        most=MAX_CHARACTERS,
-                    )
-                )
-        for name, most_deg in (("latitude_deg", 90.0), ("longitude_deg", 180.0)):
-            value = getattr(self, name)
-            number_between(name, 0.0 if value is None else value, -most_deg, most_deg, "deg")
-        if (self.latitude_deg is None) != (self.longitude_deg is None):
+        check_text("robot", self.robot, MAX_NAME_CHARACTERS)
+        _ = self.annotation
+
+    @property
+    def annotation(self) -> Annotation:
+        """What is proposed for each survey."""
+        latitude_deg, longitude_deg = self.latitude_deg, self.longitude_deg
+        if latitude_deg is None and longitude_deg is None:
+            return Annotation(self.operator, self.site)
+        if latitude_deg is None or longitude_deg is None:
             raise InvalidValueError(
                 Message(
                     "latitude_deg is {latitude} and longitude_deg is {longitude}; set both or none",
-                    latitude=str(self.latitude_deg),
-                    longitude=str(self.longitude_deg),
+                    latitude=str(latitude_deg),
+                    longitude=str(longitude_deg),
                 )
             )
+        position = Wgs84Position(latitude_deg, longitude_deg)
+        return Annotation(self.operator, self.site, position=position)

@@ -68,6 +68,25 @@ class StoredBag:
                 continue
             yield from found
 
+    def frame_faults(self) -> List[Message]:
+        """Return what is damaged before and behind the chunks; `messages` must have ended.
+
+        Behind the last whole chunk of a bag that was not finished, a crash may leave anything.
+        """
+        content = mapped(self.path)
+        if len(content) < bag_format.DATA_START or not self._end:
+            return []
+        header = content[len(bag_format.MAGIC) : bag_format.DATA_START]
+        index_place = self._end + len(EMPTY_CHUNK)
+        connections = list(map(bag_format.connection_record, self._connections.values()))
+        index = b"".join([*connections, *self._chunk_infos])
+        finished = bag_format.file_header(index_place, len(connections), len(self._chunk_infos))
+        if header == bag_format.file_header(0, 0, 0) or (
+            header == finished and content[self._end :] == EMPTY_CHUNK + index
+        ):
+            return []
+        return [damaged(self.path, "its header or its index is wrong")]
+
     def _chunk(self, content: bytes, place: int) -> Tuple[List[RecordedMessage], int]:
         """Return the messages of the chunk at a place and where the next one begins."""
         chunk = bag_format.read_record(content, place)

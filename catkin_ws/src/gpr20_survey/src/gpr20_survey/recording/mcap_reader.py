@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Dict, Iterator, List, Optional, Tuple
+from typing import Dict, Iterator, List, Optional, Tuple, Union
 
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, DataEnd, Schema
+from mcap.records import Attachment, Channel, Chunk, DataEnd, Metadata, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
 
 from gpr20_common.message import Message
-from gpr20_survey.recording.mcap_writer import MAGIC
+from gpr20_survey.recording.mcap_writer import MAGIC, METADATA
 from gpr20_survey.recording.recording import MAX_RECORD_BYTES, RecordedMessage
 from gpr20_survey.recording.stored_recording import damaged, mapped
 
 # The name of the compression, behind opcode, length, two times, size and checksum.
 COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
+# Opcode, length, start of the summary and of its offsets, checksum of the summary.
+FOOTER = struct.Struct("<BQQQI")
 HEAD = (Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT)
 
 _TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
@@ -62,6 +65,20 @@ class StoredMcap:
                 continue
             yield from found
             place = end
+
+    def frame_faults(self) -> List[Message]:
+        """Return what is damaged behind the data, if the file was finished."""
+        content = mapped(self.path)
+        footer = len(content) - len(MAGIC) - FOOTER.size
+        if footer < len(MAGIC) or content[-len(MAGIC) :] != MAGIC:
+            return []  # `messages` has found all that is there
+        opcode, size, start, _offset_start, expected = FOOTER.unpack(
+            content[footer : footer + FOOTER.size]
+        )
+        covered = memoryview(content)[start : footer + FOOTER.size - 4]
+        if (opcode, size) == (Opcode.FOOTER, FOOTER.size - 9) and zlib.crc32(covered) == expected:
+            return []
+        return [damaged(self.path, "the checksum of its summary is wrong")]
 
     def _messages(self, opcode: int, data: bytes) -> List[RecordedMessage]:
         if opcode in HEAD or opcode == Opcode.MESSAGE_INDEX:
@@ -120,23 +137,46 @@ def read_attachment(path: Path, name: str) -> Optional[bytes]:
     Raises:
         OSError: The file cannot be read.
     """
+    for record, whole in _head(path):
+        # The library reads over the checksum, but writes it.
+        if isinstance(record, Attachment) and record.name == name and _written(record) == whole:
+            return bytes(record.data)
+    return None
+
+
+def read_metadata(path: Path) -> Optional[Dict[str, str]]:
+    """Return the metadata of the survey before the first chunk; they have no checksum.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    for record, whole in _head(path):
+        if isinstance(record, Metadata) and record.name == METADATA and _written(record) == whole:
+            return dict(record.metadata)
+    return None
+
+
+def _written(record: Union[Attachment, Metadata]) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()
+
+
+def _head(path: Path) -> Iterator[Tuple[Union[Attachment, Metadata], bytes]]:
+    """Yield the records before the first chunk, with their bytes; damaged ones are left out."""
     content = mapped(path)
     place = len(MAGIC)
-    try:
+    with contextlib.suppress(*_TORN):
         while True:
             opcode, data, end = _record(content, place)
             if opcode not in HEAD:
-                return None
-            if opcode == Opcode.ATTACHMENT:
-                record = Attachment.read(_stream(data))
-                builder = RecordBuilder()
-                record.write(builder)
-                # The library reads over the checksum, but writes it.
-                if record.name == name and builder.end() == content[place:end]:
-                    return bytes(record.data)
+                return
+            with contextlib.suppress(*_TORN):
+                if opcode == Opcode.ATTACHMENT:
+                    yield Attachment.read(_stream(data)), content[place:end]
+                elif opcode == Opcode.METADATA:
+                    yield Metadata.read(_stream(data)), content[place:end]
             place = end
-    except _TORN:
-        return None
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:

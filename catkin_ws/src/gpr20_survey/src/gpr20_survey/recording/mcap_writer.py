@@ -15,6 +15,7 @@ from gpr20_survey.recording.recording import RecordedMessage, Recording
 MAGIC = MCAP0_MAGIC
 LIBRARY = "gpr20_vna_processing"
 ATTACHMENT = "survey.json"
+METADATA = "gpr20.survey"
 
 
 class McapFile(Recording):
@@ -45,7 +46,7 @@ class McapFile(Recording):
         self._channels: Dict[Tuple[str, str], int] = {}
         self._counts: Counter[int] = Counter()
         self._writer.start(Profile.ROS1, LIBRARY)
-        self._writer.add_metadata("gpr20.survey", metadata)
+        self._writer.add_metadata(METADATA, metadata)
         self._writer.add_attachment(time_ns, time_ns, ATTACHMENT, "application/json", attachment)
 
     def write(self, message: RecordedMessage) -> None:

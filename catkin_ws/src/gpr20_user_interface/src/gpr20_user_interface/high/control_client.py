@@ -17,12 +17,20 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_msgs.msg import ControlStatus, Coordinates, RobotConfiguration, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_travel import axis_limits
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
-from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event, Request
+from gpr20_user_interface.mid.events import (
+    Accepted,
+    AnnotationDefaults,
+    Answer,
+    AxisLimits,
+    Event,
+    Request,
+)
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -100,7 +108,7 @@ class ControlClient(RosEvents):
         """Subscribe to state and progress of the survey."""
         self._subscribe("control_status", ControlStatus, conversions.control_state, None)
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
-        self._subscribe("robot_configuration", RobotConfiguration, self._note_robot, None)
+        self._subscribe_raw("robot_configuration", RobotConfiguration, self._on_robot, None)
 
     def listen_to_robot(self) -> None:
         """Subscribe to position, height and health of the robot."""
@@ -111,9 +119,14 @@ class ControlClient(RosEvents):
         subscribe("measured_height", Range, conversions.measured_height, 1)
         self._subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
 
-    def start_survey(self, parameters: SurveyParameters) -> None:
-        """Ask to accept the parameters and to start; the answer is an event."""
-        self._ask(Request.START, lambda: self._ask_start(parameters))
+    def start_survey(self, parameters: SurveyParameters, annotation: Annotation = EMPTY) -> None:
+        """Ask to accept the parameters and to start; the answer is an event.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey; empty fields become the robot's defaults.
+        """
+        self._ask(Request.START, lambda: self._ask_start(parameters, annotation))
 
     def stop_survey(self) -> None:
         """Ask to stop the survey; the answer is an event."""
@@ -145,17 +158,20 @@ class ControlClient(RosEvents):
         finally:
             self._checking_master.release()
 
-    def _note_robot(self, message: RobotConfiguration) -> AxisLimits:
+    def _on_robot(self, message: RobotConfiguration) -> None:
         self._limits = axis_limits(message)
-        return self._limits
+        self._emit(self._limits)
+        if self._limits.defaults is not None:
+            self._emit(AnnotationDefaults(self._limits.defaults.site.annotation))
 
-    def _ask_start(self, parameters: SurveyParameters) -> Any:
+    def _ask_start(self, parameters: SurveyParameters, annotation: Annotation) -> Any:
         message = conversions.parameters_message(parameters)
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
-        return self._start.call(START_TIMEOUT_S)
+        note = conversions.annotation_message(annotation)
+        return self._start.call(START_TIMEOUT_S, annotation=note)
 
     def _stop_answer(self) -> Answer:
         try:

@@ -9,12 +9,17 @@ from typing import Any, Dict, List, Optional, Sequence
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.diagnostics import MESSAGE_JSON
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.message import Message, received_message
+from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData, SurveySummary
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
@@ -30,9 +35,12 @@ from gpr20_user_interface.mid.events import (
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import (
+    AnnotationFailed,
+    AnnotationRead,
     SurveyDescribed,
     SurveyRead,
     SurveysListed,
+    TraceEvent,
     TracesRead,
     page_of_traces,
 )
@@ -41,6 +49,11 @@ from gpr20_user_interface.mid.trace_events import (
 def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:
     """Return the message with the same fields."""
     return SurveyParametersMessage(**dataclasses.asdict(parameters))
+
+
+def annotation_message(annotation: Annotation) -> AnnotationMessage:
+    """Return the message with the same fields."""
+    return AnnotationMessage(**annotation.fields())
 
 
 def parameters(message: SurveyParametersMessage) -> ControlParameters:
@@ -130,6 +143,17 @@ def survey_described(message: Any) -> SurveyDescribed:
 def survey_read(folder: str, response: Any) -> SurveyRead:
     """Convert the answer of `read_survey`."""
     return SurveyRead(folder, response.metadata_json, tuple(response.stored_indices))
+
+
+def annotation_read(survey: str, response: Any) -> TraceEvent:
+    """Convert the answer of `read_survey` to the annotation of the survey."""
+    try:
+        description = survey_metadata.parse_object(
+            response.metadata_json, "survey.json", survey_metadata.MAX_FILE_BYTES
+        )
+        return AnnotationRead(survey, annotation_of(description))
+    except (SurveyRefusedError, InvalidValueError) as error:
+        return AnnotationFailed(error.message)
 
 
 def traces_read(first_index: int, response: Any) -> TracesRead:

@@ -77,7 +77,7 @@ def _check(options: Options) -> None:
 def _follow(options: Options, events: queue.SimpleQueue, catalogue: Catalogue) -> int:
     client = ControlClient(events.put)
     requests: Dict[Request, Callable[[], None]] = {
-        Request.START: lambda: client.start_survey(options.parameters),
+        Request.START: lambda: client.start_survey(options.parameters, options.annotation),
         Request.STOP: client.stop_survey,
         Request.RESUME: lambda: client.resume_survey(options.resume_id),
     }

@@ -12,15 +12,23 @@ from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_msgs.msg import SurveyCoverage
-from gpr20_msgs.srv import ListSurveys, ReadSurvey, ReadTraces
+from gpr20_msgs.srv import AnnotateSurvey, ListSurveys, ReadSurvey, ReadTraces
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace import trace_message
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
-from gpr20_user_interface.mid.trace_events import ReadingFailed, TraceEvent
+from gpr20_user_interface.mid.trace_events import (
+    AnnotationFailed,
+    AnnotationStored,
+    ReadingFailed,
+    TraceEvent,
+)
 
 LIST_TIMEOUT_S = 20.0
 READ_TIMEOUT_S = 20.0
+# Another request, such as closing a large survey, may come first.
+ANNOTATE_TIMEOUT_S = 60.0
 SURVEYS_PER_PAGE = 20
 # A page is converted at once in the window's process and must not make it stutter.
 TRACES_PER_PAGE = 50
@@ -36,6 +44,7 @@ class StorageClient(RosEvents):
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
+        self._annotate = ServiceClient("annotate_survey", AnnotateSurvey)
 
     def listen(self) -> None:
         """Subscribe to plan, coverage and traces."""
@@ -70,6 +79,23 @@ class StorageClient(RosEvents):
             lambda response: conversions.traces_read(first_index, response),
         )
 
+    def read_annotation(self, survey: str) -> None:
+        """Ask for the annotation of a survey, by its id or folder."""
+        self._ask(
+            lambda: self._survey.call(READ_TIMEOUT_S, survey=survey),
+            lambda response: conversions.annotation_read(survey, response),
+            AnnotationFailed,
+        )
+
+    def annotate(self, survey: str, annotation: Annotation) -> None:
+        """Ask to replace the annotation of a survey, by its id or folder."""
+        note = conversions.annotation_message(annotation)
+        self._ask(
+            lambda: self._annotate.call(ANNOTATE_TIMEOUT_S, survey=survey, annotation=note),
+            lambda _response: AnnotationStored(survey),
+            AnnotationFailed,
+        )
+
     def _on_trace(self, message: rospy.AnyMsg) -> None:
         try:
             trace = trace_message.decode(message._buff, connection_header(message)["md5sum"])
@@ -78,15 +104,24 @@ class StorageClient(RosEvents):
         else:
             self._emit(trace)
 
-    def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
-        in_background(lambda: self._emit(self._answer(call, convert)))
+    def _ask(
+        self,
+        call: Callable[[], Any],
+        convert: Callable[[Any], TraceEvent],
+        failed: Callable[[Message], TraceEvent] = ReadingFailed,
+    ) -> None:
+        in_background(lambda: self._emit(self._answer(call, convert, failed)))
 
     @staticmethod
-    def _answer(call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> TraceEvent:
+    def _answer(
+        call: Callable[[], Any],
+        convert: Callable[[Any], TraceEvent],
+        failed: Callable[[Message], TraceEvent],
+    ) -> TraceEvent:
         try:
             response = call()
         except ServiceUnavailableError as error:
-            return ReadingFailed(
+            return failed(
                 Message("the storage does not answer; check that it is running", details=error)
             )
-        return convert(response) if response.success else ReadingFailed(message_from(response))
+        return convert(response) if response.success else failed(message_from(response))

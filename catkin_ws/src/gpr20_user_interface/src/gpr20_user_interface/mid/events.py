@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Mapping, Optional, Union
 
 from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import (
@@ -167,6 +168,13 @@ class Accepted:
 
 
 @dataclass(frozen=True)
+class AnnotationDefaults:
+    """Operator, site and position of surveys that are started without."""
+
+    annotation: Annotation
+
+
+@dataclass(frozen=True)
 class Answer:
     """How a request ended: the answer of the main control, or that there was none."""
 
@@ -194,6 +202,7 @@ Event = Union[
     ControlParameters,
     NodeHealth,
     Accepted,
+    AnnotationDefaults,
     Answer,
     StopRequested,
 ]

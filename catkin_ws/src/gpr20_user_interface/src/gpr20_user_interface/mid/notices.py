@@ -31,13 +31,14 @@ class Notice:
 
 
 class Refused(enum.Enum):
-    """What did not succeed: a request to the main control, or the use of a profile."""
+    """What did not succeed: a request to the robot, or the use of a profile."""
 
     START = "start"
     STOP = "stop"
     PAUSE = "pause"
     RESUME = "resume"
     PROFILE = "profile"
+    NOTES = "notes"
 
 
 _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
@@ -60,6 +61,10 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.PROFILE: (
         Message("The profile cannot be used."),
         Message("Next: remove the cause, or use another profile."),
+    ),
+    Refused.NOTES: (
+        Message("The notes of the survey cannot be read or stored."),
+        Message("Next: remove the cause, then press SAVE again."),
     ),
 }
 

@@ -6,12 +6,15 @@ import argparse
 import enum
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, List, Mapping, Optional, Sequence
+from typing import List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue, Language, language_from_environment
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.annotation_arguments import add_annotation, annotation_from
+from gpr20_user_interface.mid.argument_reader import argument_reader
 from gpr20_user_interface.mid.parameter_form import FIELDS
 from gpr20_user_interface.mid.survey_follower import Mode, OnPause
 
@@ -61,6 +64,7 @@ class Options:
     mode: Mode
     resume_id: str
     parameters: SurveyParameters
+    annotation: Annotation
     wait_s: float
     on_pause: OnPause
     bar: Bar
@@ -96,6 +100,8 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     )
     group = parser.add_argument_group(catalogue.tr("what to measure"))
     parameters = _add_parameters(group, catalogue)
+    group = parser.add_argument_group(catalogue.tr("what to note"))
+    parameters += add_annotation(group, catalogue)
     _add_run_options(parser.add_argument_group(catalogue.tr("how to run it")), catalogue)
     given = parser.parse_args(arguments)
     mode = _mode(given.attach, given.resume)
@@ -106,6 +112,7 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
         # Folders may be given with their path; the main control knows where they are.
         resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
         parameters=SurveyParameters(**{field.name: getattr(given, field.name) for field in FIELDS}),
+        annotation=annotation_from(given),
         wait_s=given.wait,
         on_pause=OnPause(given.on_pause),
         bar=Bar(given.bar),
@@ -133,7 +140,7 @@ def _refuse_parameters(
     if named:
         parser.error(
             catalogue.tr(
-                "{options} cannot be given with {mode}: that survey has its own parameters",
+                "{options} cannot be given with {mode}: that survey has its own",
                 options=", ".join(named),
                 mode="--attach" if mode is Mode.ATTACH else "--resume",
             )
@@ -145,7 +152,7 @@ def _add_parameters(group: argparse._ArgumentGroup, catalogue: Catalogue) -> Lis
         group.add_argument(
             "--" + field.name.replace("_hz", "_mhz").replace("_", "-"),
             dest=field.name,
-            type=_reader(field.read, catalogue),
+            type=argument_reader(field.read, catalogue),
             # argparse converts a default that is a string like an argument.
             default=field.default,
             metavar=_METAVARS.get(field.name.rsplit("_", 1)[-1], "N"),
@@ -157,17 +164,6 @@ def _add_parameters(group: argparse._ArgumentGroup, catalogue: Catalogue) -> Lis
         )
         for field in FIELDS
     ]
-
-
-def _reader(read: Callable[[str], Any], catalogue: Catalogue) -> Callable[[str], Any]:
-    def read_argument(text: str) -> Any:
-        try:
-            return read(text)
-        except InvalidValueError as error:
-            # argparse shows the text of this error, but not that of a ValueError.
-            raise argparse.ArgumentTypeError(catalogue.text(error.message)) from None
-
-    return read_argument
 
 
 def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> None:
@@ -199,7 +195,7 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
     )
     group.add_argument(
         "--wait",
-        type=_reader(_seconds, catalogue),
+        type=argument_reader(_seconds, catalogue),
         default=DEFAULT_WAIT_S,
         metavar="S",
         help=tr(

@@ -68,6 +68,11 @@ class Snapshot:
         return self.state is not None and self.state.code in RUNNING
 
     @property
+    def running_survey(self) -> str:
+        """The id of the survey that has not ended; empty: there is none."""
+        return self.state.survey_id if self.state is not None and self.running else ""
+
+    @property
     def simulated(self) -> bool:
         """Whether the robot is simulated."""
         return self.state is not None and self.state.simulated

@@ -7,6 +7,7 @@ from typing import Iterable, Mapping, Tuple, Union
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
@@ -59,8 +60,43 @@ class ReadingFailed:
     reason: Message
 
 
+@dataclass(frozen=True)
+class AnnotationRead:
+    """What people added to a survey.
+
+    Attributes:
+        survey: As it was requested: an id, or the name of a folder.
+    """
+
+    survey: str
+    annotation: Annotation
+
+
+@dataclass(frozen=True)
+class AnnotationStored:
+    """The annotation of a survey is changed."""
+
+    survey: str
+
+
+@dataclass(frozen=True)
+class AnnotationFailed:
+    """The annotation of a survey could not be read or changed."""
+
+    reason: Message
+
+
 TraceEvent = Union[
-    Trace, CoverageRuns, SurveyDescribed, SurveyRead, TracesRead, SurveysListed, ReadingFailed
+    Trace,
+    CoverageRuns,
+    SurveyDescribed,
+    SurveyRead,
+    TracesRead,
+    SurveysListed,
+    ReadingFailed,
+    AnnotationRead,
+    AnnotationStored,
+    AnnotationFailed,
 ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Callable, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, coverage_of_stored
@@ -35,6 +36,12 @@ class TraceSource(Protocol):
 
     def read_traces(self, survey: str, first_index: int) -> None:
         """Ask for a page of stored traces of a survey, by its id."""
+
+    def read_annotation(self, survey: str) -> None:
+        """Ask for the annotation of a survey, by its id or folder."""
+
+    def annotate(self, survey: str, annotation: Annotation) -> None:
+        """Ask to replace the annotation of a survey, by its id or folder."""
 
 
 class TracePresenter:

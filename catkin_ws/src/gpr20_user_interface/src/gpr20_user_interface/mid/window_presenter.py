@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Optional, Protocol
 
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import Request
 from gpr20_user_interface.mid.survey_model import Refusal, Snapshot, SurveyModel
@@ -19,7 +20,7 @@ from gpr20_user_interface.mid.survey_preview import (
 class SurveyControl(Protocol):
     """Requests to the main control, without waiting; the answers come as events."""
 
-    def start_survey(self, parameters: SurveyParameters) -> None:
+    def start_survey(self, parameters: SurveyParameters, annotation: Annotation) -> None:
         """Ask to accept the parameters and to start."""
 
     def stop_survey(self) -> None:
@@ -79,10 +80,15 @@ class WindowPresenter:
         """Read the limits of the axes; this shows, too, whether the master answers."""
         self._control.check_master()
 
-    def start(self, parameters: SurveyParameters) -> None:
-        """Ask for a survey."""
+    def start(self, parameters: SurveyParameters, annotation: Annotation) -> None:
+        """Ask for a survey.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey.
+        """
         self._model.request_sent(Request.START)
-        self._control.start_survey(parameters)
+        self._control.start_survey(parameters, annotation)
 
     def stop(self) -> None:
         """Ask to stop the survey."""

@@ -74,6 +74,7 @@ class ControlView(TranslatedWidget):
         self.start = QPushButton()
         self.pause = QPushButton()
         self.profiles = QPushButton()
+        self.notes = QPushButton()
         self._step_title = QLabel()
         self._steps = QButtonGroup(self)
         self._below = QStackedWidget()
@@ -119,6 +120,7 @@ class ControlView(TranslatedWidget):
         """Write the texts in the language of the application."""
         self._step_title.setText(self.tr("Arrows change by"))
         self.profiles.setText(self.tr("PROFILES"))
+        self.notes.setText(self.tr("NOTES"))
         self.start.setText(self.tr("START"))
         self._show_problems()
         self._show_buttons()
@@ -157,6 +159,7 @@ class ControlView(TranslatedWidget):
             row.addWidget(button)
         side.addLayout(row)
         side.addWidget(self.profiles)
+        side.addWidget(self.notes)
         side.addStretch(1)
         side.addWidget(self.pause)
         side.addWidget(self.start)

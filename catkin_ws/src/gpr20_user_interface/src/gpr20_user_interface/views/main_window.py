@@ -9,8 +9,10 @@ from PyQt5.QtCore import QTimer
 from PyQt5.QtWidgets import QTabWidget, QVBoxLayout, QWidget
 
 from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.events import Answer
+from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
+from gpr20_user_interface.mid.next_annotation import NextAnnotation
 from gpr20_user_interface.mid.notices import (
     Refused,
     node_notice,
@@ -19,8 +21,14 @@ from gpr20_user_interface.mid.notices import (
 )
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.trace_events import (
+    AnnotationFailed,
+    AnnotationRead,
+    AnnotationStored,
+)
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.annotation_sheet import AnnotationSheet
 from gpr20_user_interface.views.control_view import ControlView, PadRequest
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
 from gpr20_user_interface.views.map_view import MapView
@@ -94,6 +102,8 @@ class MainWindow(TranslatedWidget):
         }
         self.number_pad = KeyPad(self, DIGITS)
         self.profiles = ProfilesView(self, profiles)
+        self.next_annotation = NextAnnotation()
+        self.annotation = AnnotationSheet(self)
         self.notice = NoticeView(self)
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -126,6 +136,7 @@ class MainWindow(TranslatedWidget):
             self._show_refusal(Refused[refusal.request.name], refusal.reason)
         if isinstance(event, Answer):
             self.refresh()
+        self._take_annotation(event)
         self.traces.on_event(event)
         self._show_opened()
         self.past.refresh()
@@ -192,12 +203,14 @@ class MainWindow(TranslatedWidget):
     def _connect(self) -> None:
         survey, control = self.survey, self.control
         self.top_bar.stop.pressed.connect(lambda: self._ask(survey.stop))
-        control.start_pressed.connect(lambda fields: self._ask(lambda: survey.start(fields)))
+        control.start_pressed.connect(self._on_start)
         control.pause_pressed.connect(lambda: self._ask(survey.pause))
         control.resume_pressed.connect(lambda: self._ask(survey.resume))
         control.parameters_changed.connect(self._on_parameters)
         control.pad_wanted.connect(self._on_pad_wanted)
         control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
+        control.notes.clicked.connect(self._on_notes)
+        self.annotation.saved.connect(self._on_annotation_saved)
         self.profiles.loaded.connect(control.show_parameters)
         self.profiles.failed.connect(lambda reason: self._show_refusal(Refused.PROFILE, reason))
         self.status.message.touched.connect(
@@ -208,6 +221,7 @@ class MainWindow(TranslatedWidget):
         )
         self.past.page_requested.connect(self.traces.source.list_surveys)
         self.past.open_requested.connect(self.traces.source.read_survey)
+        self.past.notes_requested.connect(self.traces.source.read_annotation)
         self.past.resume_requested.connect(lambda folder: self._ask(lambda: survey.resume(folder)))
         # The operator has seen enough of a past survey.
         self.radar.back.clicked.connect(self._on_back_to_live)
@@ -218,6 +232,36 @@ class MainWindow(TranslatedWidget):
     def _ask(self, ask: Callable[[], None]) -> None:
         ask()
         self.refresh()
+
+    def _on_start(self, parameters: SurveyParameters) -> None:
+        self._ask(lambda: self.survey.start(parameters, self.next_annotation.value))
+
+    def _on_notes(self) -> None:
+        running = self.survey.snapshot.running_survey
+        if running:
+            self.traces.source.read_annotation(running)
+        else:
+            self.annotation.show_annotation("", self.next_annotation.value)
+
+    def _on_annotation_saved(self, survey: str, annotation: Annotation) -> None:
+        if survey:
+            # The sheet stays open until the storage has it.
+            self.traces.source.annotate(survey, annotation)
+        else:
+            self.next_annotation.value = annotation
+            self.annotation.hide()
+
+    def _take_annotation(self, event: object) -> None:
+        if isinstance(event, AnnotationDefaults):
+            self.next_annotation.take_defaults(event.annotation)
+        elif isinstance(event, Answer) and event.request is Request.START and event.success:
+            self.next_annotation.note_started()
+        elif isinstance(event, AnnotationRead):
+            self.annotation.show_annotation(event.survey, event.annotation)
+        elif isinstance(event, AnnotationStored) and event.survey == self.annotation.survey:
+            self.annotation.hide()
+        elif isinstance(event, AnnotationFailed):
+            self._show_refusal(Refused.NOTES, event.reason)
 
     def _on_parameters(self, parameters: Optional[SurveyParameters]) -> None:
         self.survey.set_parameters(parameters)

@@ -31,6 +31,7 @@ class PastSurveysView(TranslatedWidget):
     # The name of a folder.
     open_requested = pyqtSignal(str)
     resume_requested = pyqtSignal(str)
+    notes_requested = pyqtSignal(str)
 
     def __init__(self, surveys: PastSurveys) -> None:
         super().__init__()
@@ -42,6 +43,7 @@ class PastSurveysView(TranslatedWidget):
         self.details = QLabel()
         self.open = new_button(self._on_open)
         self.resume = new_button(self._on_resume)
+        self.notes = new_button(self._on_notes)
         self.older = new_button(lambda: self.page_requested.emit(self._surveys.next_before))
         self.again = new_button(lambda: self.page_requested.emit(""))
         self._lay_out()
@@ -107,6 +109,7 @@ class PastSurveysView(TranslatedWidget):
         chosen = self.chosen
         self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
+        self.notes.setEnabled(chosen is not None and chosen.problem is None)
         self.older.setEnabled(self._surveys.more)
         if self._surveys.problem is not None:
             text = shown_text(self._surveys.problem)
@@ -132,12 +135,17 @@ class PastSurveysView(TranslatedWidget):
         if self.chosen is not None:
             self.resume_requested.emit(self.chosen.folder)
 
+    def _on_notes(self) -> None:
+        if self.chosen is not None:
+            self.notes_requested.emit(self.chosen.folder)
+
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
         titles = [self.tr("Started (UTC)"), self.tr("Coverage"), self.tr("Traces")]
         self.table.setHorizontalHeaderLabels(titles)
         self.open.setText(self.tr("Show in RADAR"))
         self.resume.setText(self.tr("Resume"))
+        self.notes.setText(self.tr("Notes"))
         self.older.setText(self.tr("Older"))
         self.again.setText(self.tr("Refresh"))
         self._show_list()
@@ -154,7 +162,7 @@ class PastSurveysView(TranslatedWidget):
         self.details.setWordWrap(True)
         self.details.setTextFormat(Qt.TextFormat.PlainText)
         buttons = QHBoxLayout()
-        for button in (self.open, self.resume, self.older, self.again):
+        for button in (self.open, self.resume, self.notes, self.older, self.again):
             buttons.addWidget(button)
         column = QVBoxLayout(self)
         column.setContentsMargins(4, 4, 4, 4)

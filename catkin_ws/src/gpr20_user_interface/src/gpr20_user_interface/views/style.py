@@ -107,6 +107,9 @@ QLineEdit {{ min-height: {TOUCH_PX - 2 * BORDER_PX}px; border: {BORDER_PX}px sol
 QLineEdit[wrong="true"] {{ {css(TextColours.WRONG)} border-color: {TextColours.WRONG.value.ink}; }}
 QLineEdit:disabled {{ {css(TextColours.LOCKED)} }}
 QPlainTextEdit, QTextEdit {{ border: none; min-height: {TOUCH_PX}px; }}
+QPlainTextEdit#notes, QPlainTextEdit#entry {{ border: {BORDER_PX}px solid {BORDER};
+    border-radius: 4px; }}
+QPlainTextEdit#notes[wrong="true"] {{ {css(TextColours.WRONG)} }}
 QTextEdit#details {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
 QListWidget {{ border: {BORDER_PX}px solid {BORDER}; }}
 QListWidget::item {{ min-height: {TOUCH_PX}px; }}

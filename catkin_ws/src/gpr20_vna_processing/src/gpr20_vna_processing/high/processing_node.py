@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import rosgraph
 import rospy
 from std_msgs.msg import String
 
@@ -40,7 +39,9 @@ from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
 from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.high.annotation_service import AnnotationService
 from gpr20_vna_processing.high.archive_services import ArchiveServices
+from gpr20_vna_processing.high.connections import connect_recorder, connect_subscribers
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -50,8 +51,6 @@ from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
-# Connections to nodes that were just started are made within this time [s].
-CONNECTION_LIMIT_S = 2.0
 
 
 class ProcessingNode:
@@ -77,6 +76,7 @@ class ProcessingNode:
                 now_ns=time.time_ns,
                 clock=Clock(),
                 revision=software_revision(version, Path(__file__).resolve().parent),
+                readers=parameters.readable_by,
             ),
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),
@@ -92,13 +92,14 @@ class ProcessingNode:
             advertise("store_data", StoreData, self._store_data),
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
+        self._annotation = AnnotationService(self._processing)
         self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
     def _open_survey(self, request: Any) -> OpenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
-        self._connect_recorder()
+        connect_recorder(self._recorder)
         folder = self._processing.open_survey(
             request.survey_id,
             microseconds(request.started),
@@ -116,7 +117,9 @@ class ProcessingNode:
 
     def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
-        self._connect_recorder()
+        connect_recorder(self._recorder)
+        # Reopening publishes the last trace again, maybe as the first act of this process.
+        connect_subscribers(self._trace)
         reopened = self._processing.reopen_survey(request.survey)
         stored = len(reopened.stored_indices)
         last = Trace()
@@ -138,16 +141,6 @@ class ProcessingNode:
             last=last,
             interrupted=interrupted,
         )
-
-    def _connect_recorder(self) -> None:
-        try:
-            missing = self._recorder.wait_until_connected(CONNECTION_LIMIT_S)
-        except (rosgraph.MasterException, OSError) as error:
-            # Traces do not depend on the master; missing positions do not refuse a survey.
-            rospy.logwarn("the master did not list the publishers: %s", error)
-            return
-        if missing:
-            rospy.logwarn("recording begins without a publisher of %s", ", ".join(missing))
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""

@@ -9,15 +9,23 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
-from gpr20_vna_processing.mid.processing_records import ClosedSurvey, ReopenedSurvey, Storage
+from gpr20_vna_processing.mid.processing_records import (
+    AnnotatedSurvey,
+    ClosedSurvey,
+    ReopenedSurvey,
+    Storage,
+)
 from gpr20_vna_processing.mid.reopening import Reopening
+from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 
 class CurrentSurvey:
@@ -38,13 +46,13 @@ class CurrentSurvey:
             disk_reserve_bytes: What a new survey must leave free [bytes].
             latched: The last messages of latched topics, with which a recording begins.
             on_opened: Called with the JSON description of a survey that was opened.
-            on_stored: Called with the message of every trace once, when it is durable.
+            on_stored: Called with the message of every trace when it is durable; must not raise.
         """
         self._storage = storage
         self._disk_reserve_bytes = disk_reserve_bytes
         self._latched = latched
         self._on_opened = on_opened
-        self._on_stored = on_stored
+        self._publication = TracePublication(on_stored)
         self._survey: Optional[OpenSurvey] = None
         self._closed: Optional[ClosedSurvey] = None
 
@@ -102,10 +110,10 @@ class CurrentSurvey:
             Message("the survey's folder {path} could not be made", path=printable(folder)),
             folder,
         ):
-            new_survey.make_folder(folder)
+            new_survey.make_folder(folder, self._storage.readers)
             recordings = self._storage.open_recordings(folder, description)
         self._take(
-            OpenSurvey(folder, description, recordings, self._storage.topics, self._on_stored),
+            OpenSurvey(folder, description, recordings, self._storage.topics, self._publication),
             now_ns,
         )
 
@@ -126,21 +134,27 @@ class CurrentSurvey:
             survey.resume(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, description = find_survey(self._storage.data, name, recover=True)
+        folder, recovered = find_damaged_survey(self._storage.data, name)
         new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
-        reopening = Reopening(folder, description, self._storage.topics)
+        reopening = Reopening(folder, recovered, self._storage.topics)
         repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
         survey = OpenSurvey(
             folder,
             repaired.description,
             repaired.recordings,
             self._storage.topics,
-            self._on_stored,
+            self._publication,
             repaired.stored,
             repaired.last,
             repaired.types,
         )
         self._take(survey, now_ns)
+        self._publication.reopened(
+            survey.survey_id,
+            repaired.stored,
+            repaired.last,
+            lambda trace: self._storage.topics.trace(trace, now_ns),
+        )
         return survey.reopened(repaired.repairs)
 
     def _take(self, survey: OpenSurvey, now_ns: int) -> None:
@@ -194,9 +208,8 @@ class CurrentSurvey:
         survey = self.opened_as(survey_id)
         ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
         survey.close(outcome, reason, ended)
-        if outcome != INTERRUPTED:
-            # It reads the whole survey, for which a shut down leaves no time.
-            survey.write_manifest(self._storage.revision)
+        # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
+        survey.write_manifest(self._storage.revision)
         self._latched.end()
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None
@@ -213,6 +226,25 @@ class CurrentSurvey:
         if not closed or description.get("outcome") != outcome or not isinstance(stored, int):
             return None
         return ClosedSurvey(survey_id, folder, stored)
+
+    def annotate(self, survey: str, annotation: Annotation) -> AnnotatedSurvey:
+        """Replace the annotation of a survey, whether it is open or not.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            annotation: The new annotation, whole.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, or its survey.json is damaged.
+            StorageFailedError: The disk refused; the former annotation remains.
+        """
+        opened = self.opened() if not survey else self._survey
+        if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
+            opened.annotate(annotation)
+            return AnnotatedSurvey(opened.survey_id, opened.folder)
+        folder, description = find_survey(self._storage.data, survey)
+        annotate_folder(folder, annotation)
+        return AnnotatedSurvey(description["survey_id"], folder)
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.

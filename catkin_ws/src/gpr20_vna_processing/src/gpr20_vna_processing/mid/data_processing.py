@@ -14,12 +14,14 @@ from gpr20_survey.errors import (
     SurveyRefusedError,
 )
 from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.current_survey import CurrentSurvey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.processing_records import (
+    AnnotatedSurvey,
     ClosedSurvey,
     Limits,
     ProcessingState,
@@ -51,7 +53,7 @@ class DataProcessing:
             storage: Files, disk, clock.
             limits: Bounds.
             on_opened: Called with the JSON description of a survey that was opened.
-            on_stored: Called with the message of every trace once, when it is durable.
+            on_stored: Called with the message of every trace when it is durable; must not raise.
         """
         self._storage = storage
         self._limits = limits
@@ -139,6 +141,21 @@ class DataProcessing:
         )
         survey_folder.check_survey_id(survey_id)
         self._do(lambda: self._survey.opened_as(survey_id).report(report))
+
+    def annotate(self, survey: str, annotation: Annotation) -> AnnotatedSurvey:
+        """Replace the annotation of the open survey or of a past one, durably.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            annotation: The new annotation, whole.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, or its survey.json is damaged.
+            StorageFailedError: The disk refused; the former annotation remains.
+        """
+        return self._do(
+            lambda: self._survey.annotate(survey, annotation), self._limits.long_timeout_s
+        )
 
     def store(self, trace: Trace) -> Path:
         """Store a trace; return its JSON file when it is durable in all three forms.

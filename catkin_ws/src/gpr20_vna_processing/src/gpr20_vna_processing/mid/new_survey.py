@@ -8,6 +8,7 @@ from typing import Any, Dict
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
+from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
@@ -66,7 +67,7 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
     with storing(
         Message("the data folder {path} could not be written to", path=printable(data)), data
     ):
-        durable_files.ensure_folder(data)
+        durable_files.ensure_folder(data, storage.readers.folder_mode)
         free = storage.free_bytes(data)
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
@@ -81,15 +82,19 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
         )
 
 
-def make_folder(folder: Path) -> None:
+def make_folder(folder: Path, readers: Readers) -> None:
     """Make the folder of a survey and that of its traces.
+
+    Args:
+        folder: The survey's folder.
+        readers: Who may read the survey.
 
     Raises:
         SurveyRefusedError: The folder exists.
         OSError: The disk refused.
     """
     try:
-        durable_files.make_new_folder(folder)
+        durable_files.make_new_folder(folder, readers.folder_mode)
     except FileExistsError:
         raise SurveyRefusedError(
             Message(

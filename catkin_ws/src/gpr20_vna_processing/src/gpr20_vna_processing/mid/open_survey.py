@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import (
     AbstractSet,
     Any,
-    Callable,
     ContextManager,
     Dict,
     List,
@@ -25,8 +24,10 @@ from gpr20_survey.errors import (
     storing,
 )
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.files.file_sums import sum_of
+from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
 from gpr20_survey.folder.trace_files import TraceFile
+from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
@@ -34,6 +35,7 @@ from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
+from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 COMMIT_BYTES = 1 << 20
 
@@ -57,7 +59,7 @@ class OpenSurvey:
         description: Dict[str, Any],
         recordings: Sequence[Recording],
         topics: SurveyTopics,
-        on_stored: Callable[[RecordedMessage], None],
+        publication: TracePublication,
         stored: Optional[Mapping[int, TraceFile]] = None,
         last: Optional[Trace] = None,
         types: Optional[Mapping[str, AbstractSet[str]]] = None,
@@ -69,7 +71,7 @@ class OpenSurvey:
             description: The content of survey.json.
             recordings: Where every message goes; they hold the traces that are stored.
             topics: Makes the messages of traces.
-            on_stored: Called with the message of every trace once, when it is durable.
+            publication: Publishes every trace when it is durable.
             stored: The traces that are stored already, by their index.
             last: The trace that was stored last.
             types: The checksums of the message types that the recordings hold of each topic.
@@ -83,12 +85,13 @@ class OpenSurvey:
         # Fingerprint of each index whose JSON file is durable, and index of each sample.
         self._prints = {index: file.fingerprint for index, file in stored.items()}
         self._indices = {file.sample_id: index for index, file in stored.items()}
+        self._sums = {_in_folder(file.name): file.sum for file in stored.values()}
         self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in a recording
         self._ending = False  # the recordings accept nothing more
         self._unfinished = list(recordings)
         self._recordings = list(recordings)
         self._topics = topics
-        self._on_stored = on_stored
+        self._publication = publication
         self._types = TopicTypes(types or {})
 
     def store(self, trace: Trace, time_ns: int) -> Path:
@@ -123,8 +126,11 @@ class OpenSurvey:
                 ),
                 path,
             ):
-                durable_files.write_new_file(path, trace_json.encode(trace))
+                content = trace_json.encode(trace)
+                durable_files.write_new_file(path, content)
+            self._sums[_in_folder(path.name)] = sum_of(content)
             message = self._topics.trace(trace, time_ns)
+            self._publication.expect(trace, message)
             self._pending[trace.index] = _PendingTrace(trace, message, list(self._recordings))
             self._prints[trace.index] = trace.fingerprint()
             self._indices[trace.sample_id] = trace.index
@@ -199,7 +205,7 @@ class OpenSurvey:
             stored = self._pending.pop(next(iter(self._pending)))
             self.stored_traces += 1
             self.last = stored.trace
-            self._on_stored(stored.message)
+            self._publication.stored(stored.trace)
 
     def report(self, report: Dict[str, Any]) -> None:
         """Write a report into survey.json; it replaces the former one.
@@ -210,6 +216,16 @@ class OpenSurvey:
         """
         self._refuse_ending()
         self._describe({**self.description, "report": report})
+
+    def annotate(self, annotation: Annotation) -> None:
+        """Write an annotation into survey.json; it replaces the former one.
+
+        Raises:
+            SurveyRefusedError: The survey is being closed.
+            StorageFailedError: The disk refused; the former annotation remains.
+        """
+        self._refuse_ending()
+        self._describe({**self.description, ANNOTATION: annotation.values()})
 
     def close(self, outcome: str, reason: str, ended: str) -> None:
         """Finish the recordings and write how the survey ended; may be repeated.
@@ -241,6 +257,8 @@ class OpenSurvey:
     def write_manifest(self, revision: str) -> None:
         """Write the checksums of all files of a survey that was closed; may be repeated.
 
+        Those of the traces are known since they were written, which makes this fast.
+
         Args:
             revision: Version of the suite.
 
@@ -250,8 +268,8 @@ class OpenSurvey:
         path = self.folder / manifest.MANIFEST_FILE
         with storing(Message("{path} could not be written", path=printable(path)), path):
             # Last: a survey with a manifest has ended, and nothing changes any more.
-            manifest.write_manifest(
-                self.folder, self.survey_id, revision, self.description["ended"]
+            sealing.write_manifest(
+                self.folder, self.survey_id, revision, self.description["ended"], self._sums
             )
 
     def _storing(self, recording: Recording) -> ContextManager[None]:
@@ -301,3 +319,8 @@ class OpenSurvey:
             raise refusals.index_stored(trace, self._traces)
         if not path.is_file():
             raise refusals.file_missing(trace, self._traces)
+
+
+def _in_folder(name: str) -> str:
+    """Return the name of a trace's file relative to the survey's folder."""
+    return f"{survey_folder.TRACES_FOLDER}/{name}"

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Tuple
 
 from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_survey.files.access import Readers
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
 
@@ -57,6 +58,7 @@ class ProcessingParameters:
         commit_period_s: Messages of other topics are on the disk after this time [s].
         recorded_topics: Topics to record, relative to the robot's namespace.
         extra_recorded_topics: Further topics, such as those of your own nodes.
+        readable_by: Who may read new surveys: owner, group or all.
     """
 
     data: str = ""
@@ -69,6 +71,7 @@ class ProcessingParameters:
     commit_period_s: float = 2.0
     recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
     extra_recorded_topics: Tuple[str, ...] = ()
+    readable_by: Readers = Readers.GROUP
 
     def __post_init__(self) -> None:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")

@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_survey.files.access import Readers
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace.trace import Trace
@@ -29,6 +30,8 @@ class Storage:
     """Time of day [ns since 1970, UTC]."""
     clock: Clock
     revision: str
+    readers: Readers = Readers.GROUP
+    """Who may read a new survey."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,14 @@ class ClosedSurvey:
     survey_id: str
     folder: Path
     stored_traces: int
+
+
+@dataclass(frozen=True)
+class AnnotatedSurvey:
+    """A survey whose annotation was changed."""
+
+    survey_id: str
+    folder: Path
 
 
 @dataclass(frozen=True)

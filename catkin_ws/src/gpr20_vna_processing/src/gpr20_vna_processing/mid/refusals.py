@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import List, Sequence
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey.errors import (
     StorageFailedError,
     SurveyRefusedError,
     TraceRefusedError,
     printable,
 )
+from gpr20_survey.folder.description_differences import Difference
 from gpr20_survey.trace.trace import Trace
+
+SHOWN = 5  # traces or entries that are named
 
 CLOSING = Message("the survey is being closed; stop it again", details="close_survey")
 
@@ -97,12 +101,38 @@ def survey_complete(folder: Path, stored: int) -> SurveyRefusedError:
     )
 
 
-def wrong_resumptions(path: Path, most: int) -> SurveyRefusedError:
-    """Return the error: the entry `resumed` of survey.json is not one that the storage wrote."""
+def traces_not_planned(folder: Path, misfits: List[Message]) -> SurveyRefusedError:
+    """Return the error: stored traces are not those that survey.json plans."""
     return SurveyRefusedError(
         Message(
-            "'resumed' in {path} is not a list of at most {most} times",
-            path=printable(path),
-            most=most,
+            "the survey in {folder} cannot be resumed: {misfits}; restore survey.json from a copy "
+            "of the folder, or start a new survey; nothing was changed",
+            folder=printable(folder),
+            misfits=in_a_row(misfits[:SHOWN]),
+            details=f"{len(misfits)} differences",
+        )
+    )
+
+
+def description_lost(folder: Path) -> SurveyRefusedError:
+    """Return the error: survey.json is lost, and nothing confirms its only copy."""
+    return SurveyRefusedError(
+        Message(
+            "survey.json in {folder} cannot be read, and its only copy in the recordings has no "
+            "plan that the traces could confirm; restore survey.json from a copy of the folder",
+            folder=printable(folder),
+        )
+    )
+
+
+def descriptions_differ(folder: Path, found: Sequence[Difference]) -> SurveyRefusedError:
+    """Return the error: survey.json and its copy contradict each other."""
+    return SurveyRefusedError(
+        Message(
+            "survey.json in {folder} and its copy in survey.bag differ in {keys}, and nothing "
+            "decides which is right; restore survey.json from a copy of the folder; nothing was "
+            "changed",
+            folder=printable(folder),
+            keys=", ".join(one.key for one in found[:SHOWN]),
         )
     )

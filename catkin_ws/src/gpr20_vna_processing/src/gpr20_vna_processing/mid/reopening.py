@@ -5,7 +5,7 @@ crash tore off the end of a recording, and decides which traces are true. Then d
 files are put aside and written again. A correct bag is continued behind its last whole chunk;
 otherwise the bag, and the MCAP always, is written again beside the old one, which it replaces
 when it is whole. Nothing is changed before everything was read, and each step leaves a folder
-that can be reopened.
+that can be reopened. The manifest is compared with the files first, then marked, and removed last.
 """
 
 from __future__ import annotations
@@ -15,16 +15,26 @@ from pathlib import Path
 from typing import AbstractSet, Any, Dict, List, Optional, Set, Tuple
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import (
+    ManifestDamagedError,
     StorageFailedError,
-    SurveyRefusedError,
     TraceRefusedError,
     printable,
     storing,
 )
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.survey_search import recorded_description
+from gpr20_survey.folder import (
+    manifest,
+    sealing,
+    survey_folder,
+    survey_metadata,
+    trace_files,
+)
+from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.description_differences import differences
+from gpr20_survey.folder.description_recovery import RecoveredDescription, repairs_of, start_of
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.bag_writer import BagFile
 from gpr20_survey.recording.recording import Recording
@@ -33,6 +43,7 @@ from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
+from gpr20_vna_processing.mid.planned_traces import PlannedTraces
 from gpr20_vna_processing.mid.stored_forms import RecordedTraces, StoredForms
 
 MAX_RESUMPTIONS = 100_000
@@ -60,34 +71,37 @@ class RepairedSurvey:
 class Reopening:
     """Repairs the files of one survey."""
 
-    def __init__(self, folder: Path, description: Dict[str, Any], topics: SurveyTopics) -> None:
+    def __init__(self, folder: Path, recovered: RecoveredDescription, topics: SurveyTopics) -> None:
         """Read every file of the survey; nothing is changed.
 
         Args:
             folder: The survey's folder.
-            description: The content of survey.json.
+            recovered: What is known of the content of survey.json.
             topics: Makes messages of traces.
 
         Raises:
-            SurveyRefusedError: The survey ended complete, or cannot continue.
+            SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
+                fit its plan, or nothing tells what the plan was.
             StorageFailedError: The disk cannot be read.
         """
         self._folder = folder
         self._traces = folder / survey_folder.TRACES_FOLDER
         self._damaged = folder / survey_folder.DAMAGED_FOLDER
-        self._description = description
+        self._recovered = recovered
         self._topics = topics
         self._repairs: List[Message] = []
-        # The MCAP's copy stays as it is when the file is written again.
-        copy = recorded_description(folder)
-        own = copy is not None and copy["survey_id"] == description["survey_id"]
-        self._start = copy if copy is not None and own else description
-        survey_metadata.started_us(self._start)
+        planned = PlannedTraces(folder, recovered)
+        survey_id = recovered.best["survey_id"]
+        self._description = recovered.best
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
-            self._forms = StoredForms(folder, description["survey_id"])
+            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
+            self._forms = StoredForms(folder, survey_id, self._sealed, planned.note)
             self._refuse_foreign()
+            self._description = planned.description(self._forms.truth)
+            self._start = self._start_copy()
+            survey_metadata.started_us(self._start)
             self._refuse_complete()
         self._files = self._forms.files.files
 
@@ -104,7 +118,9 @@ class Reopening:
             Message("the survey in {folder} could not be repaired", folder=printable(self._folder)),
             self._folder,
         ):
-            self._mark_open(utc_time.iso_text(now_us))
+            now = utc_time.iso_text(now_us)
+            self._mark_manifest(now)
+            self._mark_open(now)
             durable_files.ensure_folder(self._traces)
             self._remove_torn()
             self._repair_traces()
@@ -119,6 +135,13 @@ class Reopening:
             self._forms.md5sums(),
         )
 
+    def _start_copy(self) -> Dict[str, Any]:
+        """Return the MCAP's copy: it stays as it is when the file is written again."""
+        copy = sealed_description(self._folder)
+        if copy is None or differences(copy, self._description):
+            return start_of(self._description)
+        return copy
+
     def _refuse_foreign(self) -> None:
         if self._forms.foreign and not self._forms.truth:
             raise refusals.only_foreign_traces(self._folder, self._description["survey_id"])
@@ -130,39 +153,42 @@ class Reopening:
         if finished and stored == planned and self._forms.intact():
             raise refusals.survey_complete(self._folder, stored)
 
+    def _mark_manifest(self, now: str) -> None:
+        if self._manifest_damage is not None:
+            path = self._folder / manifest.MANIFEST_FILE
+            self._set_aside(path, self._manifest_damage)
+        elif self._sealed is not None and self._sealed.reopened is None:
+            self._repairs += self._forms.other_changes()
+            sealing.mark_reopened(self._folder, self._sealed, now)
+
     def _mark_open(self, now: str) -> None:
         path = self._folder / survey_folder.SURVEY_FILE
-        resumed = self._description.get("resumed", [])
-        if not isinstance(resumed, list) or len(resumed) >= MAX_RESUMPTIONS:
-            raise refusals.wrong_resumptions(path, MAX_RESUMPTIONS)
-        self._save_damaged_description()
+        wrong = repairs_of(self._recovered, self._description)
+        self._repairs += wrong
+        if (wrong or self._recovered.later_damaged) and path.exists():
+            durable_files.keep_aside(path, self._damaged)
         self._description = {
-            **self._description,
+            **self._without_wrong_entries(),
             "ended": None,
             "outcome": None,
             "reason": "",
             "stored_traces": len(self._forms.truth),
-            "resumed": [*resumed, now],
         }
+        self._description["resumed"] = [*self._description.get("resumed", []), now]
         durable_files.replace_file(path, survey_metadata.encode(self._description))
 
-    def _save_damaged_description(self) -> None:
-        path = self._folder / survey_folder.SURVEY_FILE
-        try:
-            if survey_metadata.read_description(path) == self._description:
-                return
-            self._repairs.append(
-                Message("corrected survey.json: its copy in survey.mcap has another start")
-            )
-        except SurveyRefusedError:
-            self._repairs.append(
-                Message(
-                    "wrote survey.json again as it was at the start, from survey.mcap; its list "
-                    "of failed samples is lost"
-                )
-            )
-        if path.exists():
-            durable_files.keep_aside(path, self._damaged)
+    def _without_wrong_entries(self) -> Dict[str, Any]:
+        """Return the description without entries that the storage did not write so."""
+        resumed = self._description.get("resumed", [])
+        wrong = []
+        if not isinstance(resumed, list) or len(resumed) >= MAX_RESUMPTIONS:
+            wrong.append("resumed")
+        if not isinstance(self._description.get("report", {}), dict):
+            wrong.append("report")
+        self._repairs += [
+            Message("left out '{key}' of survey.json, which is damaged", key=key) for key in wrong
+        ]
+        return {key: value for key, value in self._description.items() if key not in wrong}
 
     def _remove_torn(self) -> None:
         removed = sum(durable_files.remove_temporaries(one) for one in (self._folder, self._traces))
@@ -199,8 +225,9 @@ class Reopening:
         )
 
     def _restore(self, trace: Trace) -> None:
-        file = TraceFile.of(trace)
-        durable_files.write_new_file(self._traces / file.name, trace_json.encode(trace))
+        content = trace_json.encode(trace)
+        file = TraceFile.of(trace, content)
+        durable_files.write_new_file(self._traces / file.name, content)
         self._files[trace.index] = file
         self._repairs.append(Message("wrote {file} again from the recordings", file=file.name))
 
@@ -228,19 +255,13 @@ class Reopening:
         try:
             recordings.append(self._resume_bag() or self._write_again(self._forms.bag))
             recordings.append(self._write_again(self._forms.mcap))
-            # Last: it vouches for files; in a survey that has not ended it is known to be old.
-            self._remove_manifest()
+            # Last: until now it vouches for files that were not changed yet.
+            durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
         except BaseException:
             for recording in recordings:
                 recording.abandon()
             raise
         return recordings
-
-    def _remove_manifest(self) -> None:
-        old = self._folder / manifest.MANIFEST_FILE
-        if old.is_dir() and not old.is_symlink():
-            self._set_aside(old, Message("this is a folder, not a file"))
-        durable_files.remove_file(old)
 
     def _resume_bag(self) -> Optional[Recording]:
         """Continue the bag without its torn tail or its index, if all before that is right."""
@@ -267,7 +288,7 @@ class Reopening:
         faults = self._forms.faults_of(recorded)
         try:
             self._copy(recorded, new)
-            if faults:
+            if faults and path.exists():
                 durable_files.keep_aside(path, self._damaged)
             new.take_place_of(path)
         except BaseException:
@@ -283,7 +304,8 @@ class Reopening:
     def _copy(self, recorded: RecordedTraces, new: Recording) -> None:
         """Write every true trace once and all other messages."""
         missing = set(self._forms.truth)
-        for message in map(self._forms.with_certain_type, recorded.stored.messages()):
+        source = self._forms.source_of(recorded).stored
+        for message in map(self._forms.with_certain_type, source.messages()):
             if message.datatype != trace_message.DATATYPE:
                 if message.topic != self._topics.trace_topic:
                     new.write(message)
@@ -308,3 +330,18 @@ class Reopening:
             self._repairs.append(
                 Message("added {count} traces to {file}", count=len(missing), file=name)
             )
+
+
+def _read_manifest(folder: Path, survey_id: str) -> Tuple[Optional[Manifest], Optional[Message]]:
+    """Return the manifest of a survey, or what is wrong with it."""
+    try:
+        sealed = manifest.read_manifest(folder)
+    except FileNotFoundError:
+        return None, None
+    except ManifestDamagedError as error:
+        return None, error.message
+    except OSError as error:
+        return None, os_reason(error)
+    if sealed.survey_id != survey_id:
+        return None, Message("it is the manifest of survey {survey}", survey=sealed.survey_id)
+    return sealed, None

@@ -9,7 +9,11 @@ from typing import Callable, Dict, List, Optional, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
-from gpr20_survey.folder import manifest, survey_folder, trace_files
+from gpr20_survey.files import file_sums
+from gpr20_survey.files.file_sums import FileSum
+from gpr20_survey.folder import manifest, sealing, survey_folder, trace_files
+from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.trace_files import OnTrace
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
@@ -17,6 +21,7 @@ from gpr20_survey.recording.stored_recording import StoredRecording
 from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_survey.trace.trace import Trace
 
+_NOT_LISTED = FileSum("", 0)
 # Name, checksum and definition of a message type.
 Type = Tuple[str, str, str]
 
@@ -80,26 +85,42 @@ class RecordedTraces:
 class StoredForms:
     """Reads all three forms of every trace and decides; nothing is changed.
 
-    The true traces are the union of what the forms hold. Where they contradict each other, two
-    of them decide, else the one that a checksum vouches for: the MCAP has its own, the other
-    files have those of the manifest. A trace on which nothing decides counts as not stored.
-    What a reopening that was killed has put aside contradicts as well.
+    The true traces are the union of what the forms hold. Where they contradict each other, a
+    file that is as in the manifest decides, else two of them, else the MCAP, whose chunks have
+    checksums. A trace on which nothing decides counts as not stored. What a reopening that was
+    killed has put aside contradicts as well. A file that differs from the manifest is damaged,
+    even if it can be read.
     """
 
-    def __init__(self, folder: Path, survey_id: str) -> None:
+    def __init__(
+        self, folder: Path, survey_id: str, sealed: Optional[Manifest], on_trace: OnTrace
+    ) -> None:
         """Read everything.
+
+        Args:
+            folder: The survey's folder.
+            survey_id: Whose traces there must be.
+            sealed: The manifest, if there is a whole one.
+            on_trace: Called with every trace of every form.
 
         Raises:
             OSError: The disk cannot be read.
         """
         self._folder = folder
         self._survey_id = survey_id
-        self.files = trace_files.read_all(folder / survey_folder.TRACES_FOLDER, survey_id)
+        self._sealed = sealed
+        self._on_trace = on_trace
+        self._sums: Dict[str, Optional[FileSum]] = {}  # of the recordings and survey.json
+        traces = folder / survey_folder.TRACES_FOLDER
+        self.files = trace_files.read_all(traces, survey_id, on_trace=on_trace)
+        self._leave_out_changed_files(traces)
         self.stored_bag = StoredBag(folder / survey_folder.BAG_FILE)
         self.bag = RecordedTraces(self.stored_bag)
         self.mcap = RecordedTraces(StoredMcap(folder / survey_folder.MCAP_FILE))
         for one in self.recordings:
-            one.read(self.trace_of)
+            one.read(self._read_trace)
+            if self.is_changed(one.name):
+                one.faults.insert(0, _differs(one.name))
         self._types: Dict[str, Type] = {}
         if not self.mcap.faults:
             self._types = {
@@ -108,7 +129,6 @@ class StoredForms:
                 if len(types) == 1
             }
         self.bag.compare_types(self._types)
-        self._sums = manifest.read_sums(folder)
         self.truth = self._decide()
         """Fingerprint of each trace that is true."""
 
@@ -128,9 +148,41 @@ class StoredForms:
             not self.files.damaged
             and self.files.prints == self.truth
             and all(one.prints == self.truth and not one.faults for one in self.recordings)
-            and all(map(self._unchanged, manifest.DATA_FILES))
-            and all(map(self._unchanged, map(_manifest_name, self.files.names.values())))
+            and all(map(self.is_certain, manifest.DATA_FILES))
+            and all(map(self._is_certain_file, self.files.files))
+            and not self.other_changes()
         )
+
+    def is_certain(self, name: str) -> bool:
+        """Return whether a file is as it was when the manifest was written."""
+        return self._sealed is not None and self._sealed.matches(name, self._sum(name))
+
+    def is_changed(self, name: str) -> bool:
+        """Return whether a file should be as in the manifest, but is not."""
+        if self._sealed is None or self._sealed.reopened is not None:
+            return False
+        return not self._sealed.matches(name, self._sum(name))
+
+    def other_changes(self) -> List[Message]:
+        """Return how files that hold no data differ from the manifest."""
+        if self._sealed is None or self._sealed.reopened is not None:
+            return []
+        listed = self._sealed.files
+        names = {*listed, *sealing.file_names(self._folder)}
+        return [
+            _differs(name)
+            for name in sorted(names)
+            if not manifest.is_data(name)
+            and listed.get(name, _NOT_LISTED) is not None
+            and not self._sealed.matches(name, self._sum(name))
+        ]
+
+    def source_of(self, recorded: RecordedTraces) -> RecordedTraces:
+        """Return the recording from which one that is written again is copied."""
+        (other,) = (one for one in self.recordings if one is not recorded)
+        if not self.is_certain(recorded.name) and self.is_certain(other.name):
+            return other
+        return recorded
 
     def faults_of(self, recorded: RecordedTraces) -> List[Message]:
         """Return what is wrong in a recording; a trace that is missing is not a fault."""
@@ -170,6 +222,25 @@ class StoredForms:
             )
         return trace
 
+    def _read_trace(self, message: RecordedMessage) -> Optional[Trace]:
+        trace = self.trace_of(message)
+        if trace is not None:
+            self._on_trace(trace)
+        return trace
+
+    def _leave_out_changed_files(self, traces: Path) -> None:
+        if self._sealed is None or self._sealed.reopened is not None:
+            return
+        for index, file in list(self.files.files.items()):
+            if not self._is_certain_file(index):
+                self.files.damaged.append((traces / file.name, _differs(file.name)))
+                del self.files.files[index]
+
+    def _is_certain_file(self, index: int) -> bool:
+        file = self.files.files[index]
+        name = f"{survey_folder.TRACES_FOLDER}/{file.name}"
+        return self._sealed is not None and self._sealed.matches(name, file.sum)
+
     def true_trace(self, message: RecordedMessage) -> Optional[Trace]:
         """Return the trace of a recorded message if it is a true one."""
         try:
@@ -193,26 +264,40 @@ class StoredForms:
             self._folder / survey_folder.DAMAGED_FOLDER, self._survey_id
         )
         truth: Dict[int, bytes] = {}
+        certain = self._certain_prints()
         for index in sorted({index for prints in sources for index in prints}):
+            if index in certain:
+                truth[index] = certain[index]
+                continue
             held = Counter(prints[index] for prints in sources if index in prints)
             (best, count), *others = held.most_common()
             contradicted = others or put_aside.get(index, set()) - {best}
-            decided = best if count > 1 or not contradicted else self._vouched(index)
+            decided = best if count > 1 or not contradicted else self.mcap.prints.get(index)
             if decided is not None:
                 truth[index] = decided
         return truth
 
-    def _vouched(self, index: int) -> Optional[bytes]:
-        if index in self.mcap.prints:
-            return self.mcap.prints[index]
-        file = self.files.files.get(index)
-        if file is not None and self._unchanged(_manifest_name(file.name)):
-            return file.fingerprint
-        return self.bag.prints.get(index) if self._unchanged(self.bag.name) else None
+    def _certain_prints(self) -> Dict[int, bytes]:
+        """Return the traces of the files that are as in the manifest."""
+        found: Dict[int, bytes] = {}
+        for recorded in self.recordings:
+            if self.is_certain(recorded.name):
+                found.update(recorded.prints)
+        found.update(
+            (index, file.fingerprint)
+            for index, file in self.files.files.items()
+            if self._is_certain_file(index)
+        )
+        return found
 
-    def _unchanged(self, name: str) -> bool:
-        return manifest.is_unchanged(self._folder, name, self._sums)
+    def _sum(self, name: str) -> Optional[FileSum]:
+        if name not in self._sums:
+            try:
+                self._sums[name] = file_sums.sum_of_file(self._folder / name)
+            except OSError:
+                self._sums[name] = None
+        return self._sums[name]
 
 
-def _manifest_name(name: str) -> str:
-    return f"{survey_folder.TRACES_FOLDER}/{name}"
+def _differs(name: str) -> Message:
+    return Message("{file} differs from the manifest", file=name)

@@ -19,6 +19,8 @@ from gpr20_survey.errors import (
     printable,
 )
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.trace.trace import Trace
@@ -114,6 +116,7 @@ class SurveyArchive:
             ProcessingError: Its folder cannot be read.
         """
         folder, description = find_survey(self._data, survey)
+        description = _with_sealed_plan(folder, description)
         files = _trace_files(folder)
         without_report = {key: value for key, value in description.items() if key != "report"}
         indices = tuple(index for index, _ in files)
@@ -182,7 +185,10 @@ class SurveyArchive:
             survey_folder.check_no_links(folder)
             values = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
             survey_folder.check_survey_id(values["survey_id"])
+            values = _with_sealed_plan(folder, values)
             stored = len(_trace_files(folder))
+            # Without a manifest nothing vouches for the outcome.
+            sealed = (folder / MANIFEST_FILE).is_file()
         except ProcessingError as error:
             return SurveySummary(folder.name, problem=error.message)
         planned = _planned_traces(values.get("parameters"))
@@ -201,7 +207,7 @@ class SurveyArchive:
             planned_traces=planned,
             verdict=verdict,
             verdict_json=_verdict_json(report, verdict),
-            complete=outcome == "finished" and 0 < planned == stored,
+            complete=sealed and outcome == "finished" and 0 < planned == stored,
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
         )
@@ -238,6 +244,17 @@ def _trace_files(folder: Path) -> List[Tuple[int, str]]:
             )
         ) from error
     return sorted(found.items())
+
+
+def _with_sealed_plan(folder: Path, description: Dict[str, Any]) -> Dict[str, Any]:
+    """Return a description whose constant entries are those of the sealed copy, if there is one.
+
+    A damaged survey.json must not show another area than the one that is measured.
+    """
+    sealed = sealed_description(folder)
+    if sealed is None or sealed["survey_id"] != description["survey_id"]:
+        return description
+    return survey_metadata.with_start_of(description, sealed)
 
 
 def _planned_traces(parameters: Any) -> int:

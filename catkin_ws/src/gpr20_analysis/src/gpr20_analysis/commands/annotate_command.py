@@ -1,0 +1,102 @@
+"""gpr20 annotate: set operator, site, notes and position of a recorded survey."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+from gpr20_analysis.commands.command import DONE, Command
+from gpr20_analysis.commands.rows import print_rows
+from gpr20_analysis.errors import AnalysisError, not_there
+from gpr20_analysis.report.summary import POSITION, RECORDED
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.annotating import annotate_folder
+from gpr20_survey.plan.annotation import (
+    Annotation,
+    Wgs84Position,
+    annotation_of,
+    position_from_text,
+)
+
+NONE = verbatim("-")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("survey", type=Path, help="folder of a survey that has ended")
+    parser.add_argument("--operator", metavar="NAME", help="who measured")
+    parser.add_argument("--site", metavar="NAME", help="where, in words")
+    parser.add_argument("--notes", metavar="TEXT", help="everything else; may have several lines")
+    place = parser.add_mutually_exclusive_group()
+    place.add_argument(
+        "--position",
+        metavar="LAT,LON",
+        type=_position,
+        help="where: WGS 84 latitude and longitude in degrees, north and east positive; "
+        "with a negative latitude write --position=LAT,LON",
+    )
+    place.add_argument("--no-position", action="store_true", help="remove the position")
+
+
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    """Change what is given, print the whole annotation and return the exit status."""
+    if not chosen.survey.is_dir():
+        raise AnalysisError(not_there(chosen.survey))
+    description = survey_metadata.read_description(chosen.survey / survey_folder.SURVEY_FILE)
+    present = annotation_of(description)
+    changes = _changes(chosen)
+    wanted = replace(present, **changes)
+    if changes:
+        _refuse_open(chosen.survey, description)
+        annotate_folder(chosen.survey, wanted)
+    print_rows(_rows(wanted), catalogue)
+    return DONE
+
+
+def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
+    given = {name: getattr(chosen, name) for name in ("operator", "site", "notes", "position")}
+    changes = {name: value for name, value in given.items() if value is not None}
+    return {**changes, "position": None} if chosen.no_position else changes
+
+
+def _refuse_open(folder: Path, description: Dict[str, Any]) -> None:
+    if description.get("ended") is None:
+        raise AnalysisError(
+            Message(
+                "the survey in {folder} has not ended, and a robot may be writing it; use the "
+                "robot's window, or resume and stop the survey first",
+                folder=folder,
+            )
+        )
+
+
+def _rows(annotation: Annotation) -> List[Tuple[Message, Message]]:
+    position = annotation.position
+    texts = {
+        RECORDED["operator"]: annotation.operator,
+        RECORDED["site"]: annotation.site,
+        RECORDED["survey_notes"]: annotation.notes,
+        POSITION: "" if position is None else str(position),
+    }
+    return [(title, verbatim(text) if text else NONE) for title, text in texts.items()]
+
+
+def _position(text: str) -> Wgs84Position:
+    try:
+        return position_from_text(text)
+    except InvalidValueError as error:
+        # argparse shows the text of this error, but not that of a ValueError.
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+COMMAND = Command(
+    "Set operator, site, notes and position of a survey. What is not given stays; without any, "
+    "they are printed. A survey that is damaged is refused.",
+    add_arguments,
+    run,
+)

@@ -1,0 +1,42 @@
+"""The annotation of a survey as attributes of its Dataset."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, List, Mapping
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import annotation_of
+
+OPERATOR, SITE, NOTES = "operator", "site", "survey_notes"
+LATITUDE, LONGITUDE = "latitude_deg", "longitude_deg"
+ATTRIBUTES = (OPERATOR, SITE, NOTES, LATITUDE, LONGITUDE)
+
+
+def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) -> Dict[str, Any]:
+    """Return the attributes; those of what is empty are left out.
+
+    Args:
+        description: Content of survey.json.
+        notes: A remark on an annotation that is not allowed is added here.
+    """
+    try:
+        annotation = annotation_of(description)
+    except InvalidValueError as error:
+        notes.append(
+            Message("the annotation in survey.json is not valid: {reason}", reason=error.message)
+        )
+        return {}
+    texts = {OPERATOR: annotation.operator, SITE: annotation.site, NOTES: annotation.notes}
+    found: Dict[str, Any] = {name: text for name, text in texts.items() if text}
+    if annotation.position is not None:
+        found[LATITUDE] = annotation.position.latitude_deg
+        found[LONGITUDE] = annotation.position.longitude_deg
+    return found
+
+
+def position_text(attributes: Mapping[str, Any]) -> str:
+    """Return latitude and longitude [deg] as text; empty if they are not known."""
+    if LATITUDE not in attributes or LONGITUDE not in attributes:
+        return ""
+    return f"{float(attributes[LATITUDE])!r}, {float(attributes[LONGITUDE])!r}"

@@ -1,0 +1,105 @@
+"""Check of survey.json against its copies, its own entries and the clock."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_survey.folder.description_copies import (
+    agrees,
+    latched_description,
+    recorded_texts,
+    sealed_description,
+)
+from gpr20_survey.folder.description_differences import differences
+
+SIMULATED = "SIMULATED"
+"""Part of the identity of the simulated analyzer."""
+
+
+def compare_copies(folder: Path, description: Dict[str, Any], with_bag: bool) -> List[Message]:
+    """Return the differences between survey.json and its copies in the recordings.
+
+    Args:
+        folder: The survey's folder.
+        description: The content of survey.json.
+        with_bag: Whether the copy in the bag is compared too; it may take long to find.
+    """
+    found: List[Message] = []
+    sealed = sealed_description(folder)
+    if sealed is not None:
+        found += _differences(description, sealed, "survey.mcap")
+        texts = recorded_texts(folder)
+        if texts is not None and not agrees(sealed, texts):
+            found.append(Message("the metadata record of survey.mcap differs from its attachment"))
+    latched = latched_description(folder) if with_bag else None
+    if latched is not None:
+        found += _differences(description, latched, "survey.bag")
+    return found
+
+
+def has_sealed_copy(folder: Path) -> bool:
+    """Return whether the MCAP holds a whole copy of survey.json."""
+    return sealed_description(folder) is not None
+
+
+def contradictions(description: Dict[str, Any]) -> List[Message]:
+    """Return where the entry `simulated` contradicts what measured the survey."""
+    simulated = description.get("simulated")
+    if not isinstance(simulated, bool):
+        return []
+    found: List[Message] = []
+    identity = _identity(description)
+    if identity is not None and (SIMULATED in identity) is not simulated:
+        found.append(
+            Message(
+                "survey.json says simulated: {simulated}, but the analyzer's identity is "
+                "{identity}",
+                simulated=_json(simulated),
+                identity=identity,
+            )
+        )
+    for name, node_simulated in _nodes(description):
+        if node_simulated is not simulated:
+            found.append(
+                Message(
+                    "survey.json says simulated: {simulated}, but for node {node} it says "
+                    "{node_simulated}",
+                    simulated=_json(simulated),
+                    node=name,
+                    node_simulated=_json(node_simulated),
+                )
+            )
+    return found
+
+
+def _differences(description: Dict[str, Any], copy: Dict[str, Any], name: str) -> List[Message]:
+    return [
+        Message(
+            "survey.json has {key} {value}, but its copy in {file} from the start of the survey "
+            "has {copy}",
+            key=one.key,
+            value=one.first,
+            file=name,
+            copy=one.second,
+        )
+        for one in differences(description, copy)
+    ]
+
+
+def _identity(description: Dict[str, Any]) -> Optional[str]:
+    instrument = description.get("instrument")
+    identity = instrument.get("identity") if isinstance(instrument, dict) else None
+    return identity if isinstance(identity, str) else None
+
+
+def _nodes(description: Dict[str, Any]) -> Iterator[Tuple[str, Any]]:
+    nodes = description.get("nodes", [])
+    for node in nodes if isinstance(nodes, list) else [nodes]:
+        values = node if isinstance(node, dict) else {}
+        yield str(values.get("name", node)), values.get("simulated")
+
+
+def _json(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else repr(value)

@@ -1,0 +1,134 @@
+"""gpr20 annotate, and where the annotation of a survey is shown."""
+
+from __future__ import annotations
+
+import json
+
+import h5py
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.verify import main as gpr20_verify
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
+
+ALL = len(POINTS)
+EXAMPLE = Annotation("Lucía Peña", "El Carmen", "wet\nsoil", Wgs84Position(4.60283, -74.06514))
+OPTIONS = ["--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
+POSITION = ["--position", "4.60283, -74.06514"]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return make_survey(tmp_path, ALL, "finished")
+
+
+def stored(folder):
+    return annotation_of(json.loads((folder / "survey.json").read_text("ascii")))
+
+
+def annotate(folder, *options):
+    return main(["annotate", str(folder), *options])
+
+
+def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
+    assert annotate(folder, *OPTIONS, *POSITION) == 0
+    assert stored(folder) == EXAMPLE
+    assert annotate(folder, "--site", "") == 0
+    assert stored(folder) == Annotation("Lucía Peña", "", "wet\nsoil", EXAMPLE.position)
+    assert annotate(folder, "--no-position", "--site", "here") == 0
+    assert stored(folder) == Annotation("Lucía Peña", "here", "wet\nsoil")
+    assert gpr20_verify([str(folder)]) == 0
+    capsys.readouterr()
+    before = (folder / "survey.json").read_bytes()
+    assert annotate(folder) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert [line.split(maxsplit=1)[-1] for line in printed[:2]] == ["Lucía Peña", "here"]
+    assert printed[3] == f"{'':24}soil"
+    assert printed[4].endswith("-")
+    assert (folder / "survey.json").read_bytes() == before
+
+
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.floats(-90.0, 90.0), st.floats(-180.0, 180.0))
+def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg, longitude_deg):
+    assert annotate(folder, f"--position={latitude_deg!r},{longitude_deg!r}") == 0
+    assert repr(stored(folder).position) == repr(Wgs84Position(latitude_deg, longitude_deg))
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--position", "91,0"], "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        (["--position", "4.6"], "it must be latitude and longitude in degrees"),
+        (["--position", "4.6,nan"], "longitude is 'nan'; it must be a decimal number"),
+        (["--position", "٤,5"], "it must be a decimal number"),
+        (["--operator", "a" * 201], "operator has 201 characters; at most 200"),
+        (["--site", "a\x07"], r"site holds U+0007 at character 2"),
+        ([*POSITION, "--no-position"], "not allowed with"),
+    ],
+)
+def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys, options, reason):
+    before = (folder / "survey.json").read_bytes()
+    assert annotate(folder, *options) == 3
+    assert reason in capsys.readouterr().err
+    assert (folder / "survey.json").read_bytes() == before
+
+
+def test_a_survey_that_has_not_ended_is_refused(tmp_path, capsys):
+    folder = make_survey(tmp_path, 3, None)
+    assert annotate(folder, *OPTIONS) == 3
+    assert "has not ended, and a robot may be writing it" in capsys.readouterr().err
+    assert annotate(folder) == 0
+
+
+def test_a_damaged_survey_json_is_refused(folder, capsys):
+    path = folder / "survey.json"
+    path.write_bytes(path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 10.0'))
+    assert annotate(folder, *OPTIONS) == 3
+    assert "survey.json" in capsys.readouterr().err
+    assert gpr20_verify([str(folder)]) == 2
+
+
+@pytest.mark.parametrize("name", ["nowhere", ""])
+def test_what_is_no_survey_is_refused(tmp_path, capsys, name):
+    assert annotate(tmp_path / name, *OPTIONS) == 3
+    assert capsys.readouterr().err.startswith("gpr20 annotate: ")
+
+
+def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
+    annotate(folder, *OPTIONS, *POSITION)
+    expected = {
+        "operator": "Lucía Peña",
+        "site": "El Carmen",
+        "survey_notes": "wet\nsoil",
+        "latitude_deg": 4.60283,
+        "longitude_deg": -74.06514,
+    }
+    capsys.readouterr()
+    assert main(["info", str(folder), "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["operator"] == "Lucía Peña"
+    assert printed["survey notes"] == "wet\nsoil"
+    assert printed["WGS 84 position"] == "4.60283, -74.06514"
+    output = tmp_path / "s.nc"
+    assert main(["export", str(folder), str(output), "--format", "netcdf"]) == 0
+    attributes = read_dataset(output).attrs
+    assert {key: attributes[key] for key in expected} == expected
+    output = tmp_path / "s.h5"
+    assert main(["export", str(folder), str(output), "--format", "merged-hdf5"]) == 0
+    with h5py.File(output) as file:
+        assert {key: file.attrs[key] for key in expected} == expected
+
+
+def test_an_annotation_that_is_damaged_is_noted_and_does_not_hide_the_survey(folder):
+    path = folder / "survey.json"
+    values = json.loads(path.read_text("ascii"))
+    path.write_text(json.dumps({**values, "annotation": {"operator": 1}}))
+    survey = load_survey(folder)
+    assert "operator" not in survey.attrs
+    assert any("the annotation in survey.json is not valid" in one for one in survey.attrs["notes"])

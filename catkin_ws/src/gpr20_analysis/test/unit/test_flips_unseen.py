@@ -1,0 +1,98 @@
+"""One flipped bit anywhere in a survey's folder: what verify says covers what it has checked.
+
+GPR20_DAMAGES sets how many bits are flipped, GPR20_DAMAGE_SEED repeats those of a run.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+
+import pytest
+from survey_kit import POINTS, SURVEY, make_survey, planned_trace
+
+from gpr20_analysis.read.verification import COMPLETE, DAMAGED, INCOMPLETE, verify_survey
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.folder import trace_files
+
+FLIPS = int(os.environ.get("GPR20_DAMAGES", "40"))
+SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
+SEALED = {"finished": len(POINTS), "stopped": 7, "interrupted": 7}
+UNSEALED = {"cut off": 7, "not sealed": 7}
+
+
+def stored(place, ending, count):
+    outcome = {"cut off": None, "not sealed": "stopped"}.get(ending, ending)
+    folder = make_survey(place, count, outcome, recorded=True)
+    if ending == "not sealed":
+        (folder / "manifest.json").unlink()  # the power was cut before it was written
+    return folder
+
+
+@pytest.fixture(scope="module")
+def surveys(tmp_path_factory):
+    return {
+        ending: stored(tmp_path_factory.mktemp("survey"), ending, count)
+        for ending, count in {**SEALED, **UNSEALED}.items()
+    }
+
+
+def flip(rng, folder):
+    """Flip one bit of one file, of every file with the same probability; say where."""
+    kinds = [*(one for one in folder.iterdir() if one.is_file()), folder / "traces"]
+    path = rng.choice(sorted(kinds))
+    if path.is_dir():
+        path = rng.choice(sorted(path.iterdir()))
+    content = bytearray(path.read_bytes())
+    place = rng.randrange(len(content))
+    content[place] ^= 1 << rng.randrange(8)
+    path.write_bytes(content)
+    return f"{path.name} byte {place}"
+
+
+def damaged_copy(surveys, endings, number, tmp_path):
+    print(f"repeat with GPR20_DAMAGE_SEED={SEED}")
+    rng = random.Random(f"{SEED} {number}")
+    ending = rng.choice(list(endings))
+    folder = tmp_path / surveys[ending].name
+    shutil.copytree(str(surveys[ending]), str(folder))
+    return ending, folder, flip(rng, folder)
+
+
+@pytest.mark.parametrize("number", range(FLIPS))
+def test_no_bit_of_a_sealed_survey_is_flipped_unseen(surveys, tmp_path, number):
+    ending, folder, place = damaged_copy(surveys, SEALED, number, tmp_path)
+    found = verify_survey(folder)
+    assert found.status == DAMAGED, (ending, place)
+    assert "intact" not in str(found.verdict)
+
+
+@pytest.mark.parametrize("number", range(FLIPS))
+def test_an_unsealed_survey_is_never_called_intact(surveys, tmp_path, number):
+    ending, folder, place = damaged_copy(surveys, UNSEALED, number, tmp_path)
+    found = verify_survey(folder)
+    unseen = not found.faults or (
+        ending == "not sealed"
+        and all("manifest.json is missing" in str(one) for one in found.faults)
+    )
+    print(f"{'UNSEEN' if unseen else 'seen'}: {ending}, {place}")
+    assert found.status != COMPLETE
+    assert "intact" not in str(found.verdict)
+    if found.status == INCOMPLETE:
+        assert "without a manifest, changes to" in str(found.verdict)
+    if unseen:
+        # Then every trace is the one that was stored, in each of its forms.
+        for path in (folder / "traces").iterdir():
+            try:
+                trace = trace_files.read_trace(path, SURVEY)
+            except TraceRefusedError:
+                pytest.fail(f"{path.name} is damaged and passes")
+            assert trace.fingerprint() == planned_trace(trace.index).fingerprint()
+
+
+@pytest.mark.parametrize("ending", [*SEALED, *UNSEALED])
+def test_a_survey_that_was_not_changed_has_no_faults_but_a_missing_manifest(surveys, ending):
+    faults = [str(one) for one in verify_survey(surveys[ending]).faults]
+    assert all("manifest.json is missing" in one for one in faults)
+    assert len(faults) == (ending == "not sealed")

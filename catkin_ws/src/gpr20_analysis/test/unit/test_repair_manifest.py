@@ -1,0 +1,103 @@
+"""gpr20 repair: a manifest that is lost or damaged is written again; nothing else is changed."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+from pathlib import Path
+
+import pytest
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_survey.folder import manifest
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
+
+
+@pytest.fixture
+def copy(finished, tmp_path):
+    return Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
+
+
+def files(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and path != folder / "manifest.json"
+    }
+
+
+def flip(path, chance):
+    content = bytearray(path.read_bytes())
+    content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+    path.write_bytes(content)
+    return bytes(content)
+
+
+def test_a_whole_manifest_is_left_alone(copy, capsys):
+    before = (copy / "manifest.json").read_bytes()
+    assert main(["repair", str(copy)]) == 0
+    assert "nothing was changed: every file is as in the manifest" in capsys.readouterr().out
+    assert (copy / "manifest.json").read_bytes() == before
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_damaged_manifest_is_written_again_and_kept(copy, capsys, seed):
+    before = files(copy)
+    wrong = flip(copy / "manifest.json", random.Random(seed))
+    found = verify_survey(copy)
+    assert found.status == 2 and "gpr20 repair" in str(found.faults[0])
+    assert main(["repair", str(copy)]) == 0
+    printed = capsys.readouterr().out
+    assert "manifest.json was written again" in printed
+    assert "nothing can tell whether these were changed" in printed
+    assert files(copy) == {**before, "damaged/manifest.json": wrong}
+    (rewritten,) = manifest.read_manifest(copy).rewritten
+    assert rewritten["reason"] and rewritten["time"]
+    notes = " ".join(map(str, verify_survey(copy).notes))
+    assert f"the manifest was written again at {rewritten['time']}" in notes
+
+
+def test_a_manifest_that_is_missing_is_written_again(copy):
+    before = files(copy)
+    (copy / "manifest.json").unlink()
+    found = verify_survey(copy)
+    assert found.status == 2
+    assert "removed, or the survey was cut off while it was closed" in str(found.faults[0])
+    assert "gpr20 repair" in str(found.faults[0])
+    assert main(["repair", str(copy)]) == 0
+    assert files(copy) == before
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "survey.json", "trace"])
+@pytest.mark.parametrize("keep", [True, False])
+def test_nothing_is_sealed_that_disagrees(copy, capsys, name, keep):
+    path = sorted((copy / "traces").iterdir())[4] if name == "trace" else copy / name
+    content = path.read_bytes()
+    wanted = (
+        b'"y_stop_mm": 20.0' if name == "survey.json" else b"s21_real" if name == "trace" else b""
+    )
+    place = content.index(wanted) + len(wanted) - 1 if wanted else len(content) // 2
+    path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+    if not keep:
+        (copy / "manifest.json").unlink()
+    before = files(copy)
+    assert main(["repair", str(copy)]) in (2, 3)
+    assert files(copy) == before
+    assert (copy / "manifest.json").exists() == keep
+
+
+@pytest.mark.parametrize("outcome", [None, "reopened"])
+def test_a_survey_that_is_not_closed_is_refused(tmp_path, capsys, outcome):
+    folder = make_survey(tmp_path, 4, None)
+    if outcome is not None:
+        path = folder / "survey.json"
+        path.write_text(json.dumps({**json.loads(path.read_text()), "resumed": ["now"]}))
+    assert main(["repair", str(folder)]) == 3
+    assert "the survey is not closed; resume it" in capsys.readouterr().err

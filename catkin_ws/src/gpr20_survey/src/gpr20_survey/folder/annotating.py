@@ -1,0 +1,66 @@
+"""Changing the annotation of a survey that is not open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Dict
+
+from gpr20_common.message import Message
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable, storing
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.description_differences import differences
+from gpr20_survey.plan.annotation import ANNOTATION, Annotation
+
+
+def annotate_folder(folder: Path, annotation: Annotation) -> None:
+    """Change the annotation of a survey that nobody writes; return when that is durable.
+
+    A survey.json that is damaged is not written again: its new checksum would hide the damage.
+
+    Args:
+        folder: The survey's folder.
+        annotation: The new annotation, whole.
+
+    Raises:
+        SurveyRefusedError: survey.json or the manifest cannot be read, or survey.json is not as
+            it was written.
+        StorageFailedError: The disk refused; the survey has its former annotation or the new one.
+    """
+    survey_folder.check_no_links(folder)
+    path = folder / survey_folder.SURVEY_FILE
+    description = survey_metadata.read_description(path)
+    changed = {**description, ANNOTATION: annotation.values()}
+    with storing(Message("{path} could not be written", path=printable(path)), path):
+        _check_as_written(folder, description)
+        sealed = _is_sealed(folder)
+        if not sealed:
+            durable_files.replace_file(path, survey_metadata.encode(changed))
+    if sealed:
+        sealing.reseal_description(folder, changed)
+
+
+def _is_sealed(folder: Path) -> bool:
+    try:
+        return manifest.read_manifest(folder).reopened is None
+    except FileNotFoundError:
+        return False  # the survey was cut off before its end
+    except ManifestDamagedError:
+        return True
+
+
+def _check_as_written(folder: Path, description: Dict[str, Any]) -> None:
+    copy = sealed_description(folder)
+    changed = [] if copy is None else differences(copy, description)
+    if changed:
+        raise SurveyRefusedError(
+            Message(
+                "'{key}' in survey.json in {folder} is {present}, but {former} in its sealed copy "
+                "in survey.mcap; nothing was changed; resume the survey, which repairs it",
+                key=changed[0].key,
+                folder=printable(folder),
+                present=changed[0].second,
+                former=changed[0].first,
+            )
+        )

@@ -1,0 +1,275 @@
+"""What people add to a survey: who measured it, where, and notes."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass, replace
+from typing import Any, Dict, Mapping, Optional, Protocol, Union
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
+
+ANNOTATION = "annotation"
+"""Key of survey.json."""
+OPERATOR, SITE, NOTES = Message("operator"), Message("site"), Message("notes")
+LATITUDE, LONGITUDE = Message("latitude"), Message("longitude")
+MAX_NAME_CHARACTERS = 200
+MAX_NOTES_CHARACTERS = 4000
+MAX_LATITUDE_DEG = 90.0
+MAX_LONGITUDE_DEG = 180.0
+
+# Controls, halves of characters, separators of lines and paragraphs.
+_REFUSED_CATEGORIES = frozenset({"Cc", "Cs", "Zl", "Zp"})
+# They reverse the order in which the text after them is shown.
+_DIRECTIONS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+# Exponents too: some floats have no shorter text.
+_DECIMAL = re.compile(r"[-+]?[0-9]{1,20}(\.[0-9]{0,20})?(e[-+]?[0-9]{1,3})?", re.ASCII)
+
+Name = Union[str, Message]
+
+
+@dataclass(frozen=True)
+class Wgs84Position:
+    """A place on the earth.
+
+    Attributes:
+        latitude_deg: Geodetic latitude [deg], north positive.
+        longitude_deg: Longitude [deg], east positive.
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+
+    def __post_init__(self) -> None:
+        for name, title, most in (
+            ("latitude_deg", LATITUDE, MAX_LATITUDE_DEG),
+            ("longitude_deg", LONGITUDE, MAX_LONGITUDE_DEG),
+        ):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise _wrong_type(title, value, Message("a number"))
+            number_between(title, value, -most, most, "deg")
+            object.__setattr__(self, name, float(value))
+
+    def __str__(self) -> str:
+        return f"{self.latitude_deg!r}, {self.longitude_deg!r}"
+
+
+class AnnotationFields(Protocol):
+    """The fields of the ROS message gpr20_msgs/Annotation."""
+
+    operator: str
+    site: str
+    notes: str
+    has_position: bool
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True)
+class Annotation:
+    """What people add to a survey; everything in it may be empty, and may be changed later.
+
+    Attributes:
+        operator: Who measured.
+        site: Where, in words.
+        notes: Everything else, in any number of lines.
+        position: Where, on the earth; None if it is not known.
+    """
+
+    operator: str = ""
+    site: str = ""
+    notes: str = ""
+    position: Optional[Wgs84Position] = None
+
+    def __post_init__(self) -> None:
+        check_text(OPERATOR, self.operator, MAX_NAME_CHARACTERS)
+        check_text(SITE, self.site, MAX_NAME_CHARACTERS)
+        check_text(NOTES, self.notes, MAX_NOTES_CHARACTERS, lines=True)
+        if not (self.position is None or isinstance(self.position, Wgs84Position)):
+            raise _wrong_type(Message("position"), self.position, Message("a position"))
+
+    def with_defaults(self, defaults: Annotation) -> Annotation:
+        """Return this annotation with its empty fields taken from another one.
+
+        Notes are those of one survey, so they have no default.
+        """
+        return replace(
+            self,
+            operator=self.operator or defaults.operator,
+            site=self.site or defaults.site,
+            position=self.position or defaults.position,
+        )
+
+    def values(self) -> Dict[str, Any]:
+        """Return the entry of survey.json."""
+        position = self.position
+        return {
+            "operator": self.operator,
+            "site": self.site,
+            "notes": self.notes,
+            "position": None
+            if position is None
+            else {
+                "latitude_deg": position.latitude_deg,
+                "longitude_deg": position.longitude_deg,
+            },
+        }
+
+    def fields(self) -> Dict[str, Any]:
+        """Return the fields of the ROS message."""
+        known = self.position
+        return {
+            "operator": self.operator,
+            "site": self.site,
+            "notes": self.notes,
+            "has_position": known is not None,
+            "latitude_deg": 0.0 if known is None else known.latitude_deg,
+            "longitude_deg": 0.0 if known is None else known.longitude_deg,
+        }
+
+
+def from_fields(fields: AnnotationFields) -> Annotation:
+    """Return the annotation of a ROS message.
+
+    Raises:
+        InvalidValueError: A field is not allowed.
+    """
+    position = None
+    if fields.has_position:
+        position = Wgs84Position(fields.latitude_deg, fields.longitude_deg)
+    return Annotation(fields.operator, fields.site, fields.notes, position)
+
+
+def from_values(values: Any) -> Annotation:
+    """Return the annotation of an entry of survey.json.
+
+    Raises:
+        InvalidValueError: It is not one.
+    """
+    texts = _object(ANNOTATION, values, ("operator", "site", "notes", "position"))
+    position = texts.pop("position")
+    if position is not None:
+        numbers = _object("position", position, ("latitude_deg", "longitude_deg"))
+        position = Wgs84Position(**numbers)
+    return Annotation(position=position, **texts)
+
+
+def annotation_of(description: Mapping[str, Any]) -> Annotation:
+    """Return the annotation of a survey; empty if it has none, as in older surveys.
+
+    Args:
+        description: Content of survey.json.
+
+    Raises:
+        InvalidValueError: It has one that is not allowed.
+    """
+    return from_values(description[ANNOTATION]) if ANNOTATION in description else Annotation()
+
+
+def position_from_text(text: str) -> Wgs84Position:
+    """Return the position of a text such as "4.60283, -74.06514".
+
+    Raises:
+        InvalidValueError: It is not two numbers with a comma between them, or not on the earth.
+    """
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise InvalidValueError(
+            Message(
+                "position is {text}; it must be latitude and longitude in degrees, such as "
+                "{example}",
+                text=repr(text[:64]),
+                example="4.60283,-74.06514",
+            )
+        )
+    return Wgs84Position(
+        degrees_from_text(LATITUDE, parts[0]), degrees_from_text(LONGITUDE, parts[1])
+    )
+
+
+def degrees_from_text(name: Name, text: str) -> float:
+    """Return the angle [deg] of a text.
+
+    Raises:
+        InvalidValueError: The text is no decimal number.
+    """
+    # Not float() alone: it accepts digits of other scripts, and words.
+    if not _DECIMAL.fullmatch(text.strip()):
+        raise InvalidValueError(
+            Message(
+                "{name} is {text}; it must be a decimal number of degrees, such as {example}",
+                name=name,
+                text=repr(text[:64]),
+                example="-74.06514",
+            )
+        )
+    return float(text)
+
+
+def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:
+    """Check a text of an annotation; any script is allowed.
+
+    Args:
+        name: What the text is, for the message.
+        text: The text.
+        most: How many characters it may have.
+        lines: Whether it may have several lines.
+
+    Raises:
+        InvalidValueError: It is no text, too long, or has characters that cannot be shown.
+    """
+    if not isinstance(text, str):
+        raise _wrong_type(name, text, Message("a text"))
+    if len(text) > most:
+        raise InvalidValueError(
+            Message(
+                "{name} has {count} characters; at most {most} are allowed",
+                name=name,
+                count=len(text),
+                most=most,
+            )
+        )
+    for place, character in enumerate(text, 1):
+        if _shown(character) or (lines and character == "\n"):
+            continue
+        raise InvalidValueError(
+            Message(
+                "{name} holds {character} at character {place}, which cannot be shown; remove it",
+                name=name,
+                character=f"U+{ord(character):04X}",
+                place=place,
+            )
+        )
+
+
+def _shown(character: str) -> bool:
+    # Not str.isprintable(), which refuses the joiners that some scripts are written with.
+    category = unicodedata.category(character)
+    return category not in _REFUSED_CATEGORIES and character not in _DIRECTIONS
+
+
+def _object(name: str, values: Any, keys: Any) -> Dict[str, Any]:
+    if not isinstance(values, dict) or set(values) != set(keys):
+        raise InvalidValueError(
+            Message(
+                "{name} must be an object with the keys {keys}", name=name, keys=", ".join(keys)
+            )
+        )
+    return dict(values)
+
+
+def _wrong_type(name: Name, value: object, wanted: Message) -> InvalidValueError:
+    return InvalidValueError(
+        Message(
+            "{name} is of type {type}; it must be {wanted}",
+            name=name,
+            type=type(value).__name__,
+            wanted=wanted,
+        )
+    )
+
+
+EMPTY = Annotation()

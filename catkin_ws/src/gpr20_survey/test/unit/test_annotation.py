@@ -1,0 +1,74 @@
+"""What people add to a survey: what is allowed, and that it comes out as it went in."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+
+import pytest
+from annotation_examples import EXAMPLE, REFUSED, REFUSED_POSITIONS, annotations
+from hypothesis import given
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.plan.annotation import (
+    EMPTY,
+    Annotation,
+    Wgs84Position,
+    annotation_of,
+    from_fields,
+    from_values,
+)
+
+
+@given(annotations)
+def test_an_annotation_comes_out_of_survey_json_as_it_went_in(annotation):
+    description = {"annotation": annotation.values()}
+    read = json.loads(survey_metadata.encode(description))
+    assert repr(annotation_of(read)) == repr(annotation)
+
+
+@given(annotations)
+def test_an_annotation_comes_out_of_the_fields_of_a_message_as_it_went_in(annotation):
+    assert repr(from_fields(SimpleNamespace(**annotation.fields()))) == repr(annotation)
+
+
+@pytest.mark.parametrize(("changes", "reason"), REFUSED)
+def test_a_text_that_is_too_long_or_cannot_be_shown_is_refused(changes, reason):
+    with pytest.raises(InvalidValueError, match=reason):
+        Annotation(**changes)
+
+
+@pytest.mark.parametrize(("numbers", "reason"), REFUSED_POSITIONS)
+def test_a_position_that_is_not_on_the_earth_is_refused(numbers, reason):
+    with pytest.raises(InvalidValueError, match=reason):
+        Wgs84Position(*numbers)
+
+
+def test_an_older_survey_has_an_empty_annotation():
+    assert annotation_of({"format": "gpr20-survey/1"}) == EMPTY == Annotation()
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        None,
+        [],
+        {},
+        {**EXAMPLE.values(), "other": 1},
+        {**EXAMPLE.values(), "position": []},
+        {**EXAMPLE.values(), "position": {"latitude_deg": 1.0}},
+        {**EXAMPLE.values(), "position": {"latitude_deg": 100.0, "longitude_deg": 1.0}},
+        {**EXAMPLE.values(), "operator": 1},
+    ],
+)
+def test_an_entry_of_survey_json_that_is_none_is_refused(values):
+    with pytest.raises(InvalidValueError):
+        from_values(values)
+
+
+def test_empty_fields_take_the_defaults_but_notes_have_none():
+    defaults = Annotation("robot's", "its site", "of another survey", Wgs84Position(1.0, 2.0))
+    assert EMPTY.with_defaults(defaults) == Annotation("robot's", "its site", "", defaults.position)
+    assert EXAMPLE.with_defaults(defaults) == EXAMPLE
+    assert EXAMPLE.with_defaults(EMPTY) == EXAMPLE

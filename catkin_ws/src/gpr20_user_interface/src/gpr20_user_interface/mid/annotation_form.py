@@ -1,0 +1,95 @@
+"""The fields of an annotation: their texts, and what is wrong in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Dict, Mapping, Optional
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import (
+    LATITUDE,
+    LONGITUDE,
+    MAX_NAME_CHARACTERS,
+    MAX_NOTES_CHARACTERS,
+    Annotation,
+    Wgs84Position,
+    degrees_from_text,
+)
+
+TITLES: Dict[str, Message] = {
+    "operator": Message("Operator"),
+    "site": Message("Site"),
+    "latitude": Message("Latitude °"),
+    "longitude": Message("Longitude °"),
+    "notes": Message("Notes"),
+}
+HINTS: Dict[str, Message] = {
+    "operator": Message("at most {most} characters", most=MAX_NAME_CHARACTERS),
+    "site": Message("at most {most} characters", most=MAX_NAME_CHARACTERS),
+    "latitude": Message("WGS 84, -90 to 90, north positive; empty if not known"),
+    "longitude": Message("WGS 84, -180 to 180, east positive; empty if not known"),
+    "notes": Message("at most {most} characters", most=MAX_NOTES_CHARACTERS),
+}
+_INCOMPLETE = Message("a position needs latitude and longitude; fill in both, or neither")
+
+
+@dataclass(frozen=True)
+class AnnotationCheck:
+    """The result of a check.
+
+    Attributes:
+        annotation: What the texts say; None if one is wrong.
+        problems: What is wrong, by the name of the field.
+    """
+
+    annotation: Optional[Annotation]
+    problems: Mapping[str, Message]
+
+
+def texts_of(annotation: Annotation) -> Dict[str, str]:
+    """Return the text of each field."""
+    position = annotation.position
+    return {
+        "operator": annotation.operator,
+        "site": annotation.site,
+        "latitude": "" if position is None else repr(position.latitude_deg),
+        "longitude": "" if position is None else repr(position.longitude_deg),
+        "notes": annotation.notes,
+    }
+
+
+def check_texts(texts: Mapping[str, str]) -> AnnotationCheck:
+    """Check the text of every field."""
+    problems: Dict[str, Message] = {}
+    place = {name: texts[name].strip() for name in ("latitude", "longitude")}
+    checks: Dict[str, Callable[[], object]] = {
+        "operator": lambda: Annotation(operator=texts["operator"]),
+        "site": lambda: Annotation(site=texts["site"]),
+        "notes": lambda: Annotation(notes=texts["notes"]),
+    }
+    if place["latitude"]:
+        checks["latitude"] = lambda: Wgs84Position(_latitude_deg(place), 0.0)
+    if place["longitude"]:
+        checks["longitude"] = lambda: Wgs84Position(0.0, _longitude_deg(place))
+    for name, check in checks.items():
+        try:
+            check()
+        except InvalidValueError as error:
+            problems[name] = error.message
+    empty = [name for name, text in place.items() if not text]
+    if len(empty) == 1 and not problems:
+        problems[empty[0]] = _INCOMPLETE
+    if problems:
+        return AnnotationCheck(None, problems)
+    position = None if empty else Wgs84Position(_latitude_deg(place), _longitude_deg(place))
+    written = {name: texts[name] for name in ("operator", "site", "notes")}
+    return AnnotationCheck(Annotation(**written, position=position), problems)
+
+
+def _latitude_deg(place: Mapping[str, str]) -> float:
+    return degrees_from_text(LATITUDE, place["latitude"])
+
+
+def _longitude_deg(place: Mapping[str, str]) -> float:
+    return degrees_from_text(LONGITUDE, place["longitude"])

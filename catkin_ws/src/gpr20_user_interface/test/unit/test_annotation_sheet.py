@@ -1,0 +1,207 @@
+"""Operator, site, notes and position in the window, written with fingers alone."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from annotation_examples import EXAMPLE
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from view_kit import SURVEY
+from window_helpers import Storage, application, click, close, new_window, show, snapshot
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, ControlState, Request
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.trace_events import (
+    AnnotationFailed,
+    AnnotationRead,
+    AnnotationStored,
+    SurveysListed,
+)
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application"]
+
+FOLDER = "20261121T051000_7c9e6679"
+RUNS = snapshot(
+    SurveyState.SURVEYING, state=ControlState(SurveyState.SURVEYING, verbatim(""), SURVEY, True)
+)
+
+
+@pytest.fixture
+def storage():
+    return Storage()
+
+
+@pytest.fixture
+def window(application, storage, tmp_path):
+    window = new_window(
+        Languages(application, Language.ENGLISH), storage=storage, profiles=tmp_path
+    )
+    window.show()
+    show(window, snapshot(SurveyState.IDLE))
+    yield window
+    close(window)
+
+
+@pytest.fixture
+def sheet(window):
+    return window.annotation
+
+
+def write(sheet, name, text):
+    """Touch a field and press the keys of a text."""
+    field = sheet.fields[name]
+    QTest.mouseClick(field.viewport() if name == "notes" else field, Qt.LeftButton)
+    pad = sheet.number_pad if name in ("latitude", "longitude") else sheet.text_pad
+    assert pad.isVisible()
+    if pad is sheet.number_pad:
+        for character in text:
+            pad.press(character)
+    else:
+        pad.press(text)
+    click(pad.accept_button)
+    assert not pad.isVisible()
+
+
+def write_example(sheet):
+    write(sheet, "operator", EXAMPLE.operator)
+    write(sheet, "site", EXAMPLE.site)
+    write(sheet, "notes", EXAMPLE.notes)
+    write(sheet, "latitude", "4.60283")
+    write(sheet, "longitude", "-74.06514")
+
+
+def started(window):
+    window.on_event(Answer(Request.START, True, verbatim("Survey started"), SURVEY))
+
+
+def test_what_is_written_with_fingers_goes_into_the_next_survey(window, sheet):
+    click(window.control.notes)
+    write_example(sheet)
+    click(sheet.save)
+    assert not sheet.isVisible()
+    click(window.control.start)
+    assert window.survey.annotations == [EXAMPLE]
+
+
+def test_operator_and_site_stay_for_the_survey_after_that(window, sheet):
+    click(window.control.notes)
+    write_example(sheet)
+    click(sheet.save)
+    started(window)
+    click(window.control.notes)
+    assert sheet.fields["operator"].text() == EXAMPLE.operator
+    assert {sheet.fields[name].text() for name in ("latitude", "longitude", "notes")} == {""}
+    click(sheet.save)
+    click(window.control.start)
+    assert window.survey.annotations == [Annotation(EXAMPLE.operator, EXAMPLE.site)]
+
+
+def test_a_refused_start_keeps_the_notes(window, sheet):
+    click(window.control.notes)
+    write(sheet, "notes", "wet")
+    click(sheet.save)
+    window.on_event(Answer(Request.START, False, verbatim("refused")))
+    assert window.next_annotation.value.notes == "wet"
+
+
+def test_closing_without_saving_changes_nothing(window, sheet):
+    click(window.control.notes)
+    write(sheet, "operator", "Ana")
+    click(sheet.close_button)
+    assert window.next_annotation.value == EMPTY
+
+
+def test_the_defaults_of_the_robot_fill_what_is_empty(window):
+    window.next_annotation.value = Annotation(site="here")
+    window.on_event(AnnotationDefaults(Annotation("Ana", "elsewhere")))
+    assert window.next_annotation.value == Annotation("Ana", "here")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "reason"),
+    [
+        ("latitude", "91", "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        ("longitude", "1-", "longitude is '1-'; it must be a decimal number of degrees"),
+        ("longitude", "10", "a position needs latitude and longitude"),
+    ],
+)
+def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet, name, text, reason):
+    click(window.control.notes)
+    write(sheet, name, text)
+    assert not sheet.save.isEnabled()
+    assert sheet.problem.text().startswith(reason)
+
+
+def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
+    click(window.control.notes)
+    QTest.mouseClick(sheet.fields["operator"], Qt.LeftButton)
+    pad = sheet.text_pad
+    pad.edit.insertPlainText("a" * 201)
+    assert pad.hint.text() == "operator has 201 characters; at most 200 are allowed"
+    assert not pad.accept_button.isEnabled()
+    click(pad.erase)
+    assert pad.accept_button.isEnabled()
+
+
+def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):
+    click(window.control.notes)
+    QTest.mouseClick(sheet.fields["operator"], Qt.LeftButton)
+    QTest.keyClicks(sheet.text_pad.edit, "Ana")
+    QTest.keyClick(sheet.text_pad.edit, Qt.Key_Return)
+    assert sheet.fields["operator"].text() == "Ana"
+    QTest.mouseClick(sheet.fields["notes"].viewport(), Qt.LeftButton)
+    QTest.keyClicks(sheet.text_pad.edit, "a")
+    QTest.keyClick(sheet.text_pad.edit, Qt.Key_Return)
+    assert sheet.text_pad.edit.toPlainText() == "a\n"
+    assert sheet.text_pad.isVisible()
+
+
+def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, sheet):
+    show(window, RUNS)
+    click(window.control.notes)
+    assert storage.asked[-1] == ("annotation", SURVEY)
+    window.on_event(AnnotationRead(SURVEY, EXAMPLE))
+    assert sheet.fields["notes"].text() == EXAMPLE.notes
+    write(sheet, "notes", "!")
+    click(sheet.save)
+    changed = Annotation(EXAMPLE.operator, EXAMPLE.site, EXAMPLE.notes + "!", EXAMPLE.position)
+    assert storage.asked[-1] == ("annotate", SURVEY, changed)
+    assert sheet.isVisible()
+    window.on_event(AnnotationStored(SURVEY))
+    assert not sheet.isVisible()
+    assert window.next_annotation.value == EMPTY
+
+
+def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
+    window.on_event(AnnotationRead(FOLDER, EMPTY))
+    write(sheet, "site", "here")
+    click(sheet.save)
+    window.on_event(AnnotationFailed(verbatim("the disk is full")))
+    assert window.notice.isVisible()
+    assert window.notice.reason.toPlainText() == "the disk is full"
+    click(window.notice.close_button)
+    assert sheet.isVisible()
+    assert sheet.fields["site"].text() == "here"
+
+
+def test_a_past_survey_is_annotated_from_the_list(window, storage, sheet):
+    window.show_tab(TabName.SURVEYS)
+    survey = PastSurvey(FOLDER, SURVEY, "", "finished", 18, 18, None, True, True, None)
+    window.on_event(SurveysListed("", (survey,), False))
+    assert not window.past.notes.isEnabled()
+    window.past.table.selectRow(0)
+    click(window.past.notes)
+    assert storage.asked[-1] == ("annotation", FOLDER)
+    window.on_event(AnnotationRead(FOLDER, EXAMPLE))
+    assert FOLDER in sheet.title.text()
+    click(sheet.save)
+    assert storage.asked[-1] == ("annotate", FOLDER, EXAMPLE)

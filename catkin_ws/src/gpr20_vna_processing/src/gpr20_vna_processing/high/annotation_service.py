@@ -1,0 +1,31 @@
+"""The service that changes the annotation of a survey."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from gpr20_common.high.graph_message import message_fields
+from gpr20_common.high.services import advertise
+from gpr20_common.message import Message
+from gpr20_msgs.srv import AnnotateSurvey, AnnotateSurveyResponse
+from gpr20_survey.plan import annotation
+from gpr20_vna_processing.mid.data_processing import DataProcessing
+
+
+class AnnotationService:
+    """Turns requests into calls of DataProcessing."""
+
+    def __init__(self, processing: DataProcessing) -> None:
+        self._processing = processing
+        self._service = advertise("annotate_survey", AnnotateSurvey, self._annotate)
+
+    def _annotate(self, request: Any) -> AnnotateSurveyResponse:
+        wanted = annotation.from_fields(request.annotation)
+        annotated = self._processing.annotate(request.survey, wanted)
+        message = Message("the annotation of survey {survey} is stored", survey=annotated.survey_id)
+        return AnnotateSurveyResponse(
+            success=True,
+            **message_fields(message),
+            path=str(annotated.folder),
+            survey_id=annotated.survey_id,
+        )

@@ -1,0 +1,73 @@
+"""Publishing each trace once when it is stored, whatever failed in between."""
+
+from __future__ import annotations
+
+from typing import Callable, Dict, Mapping, Optional, Tuple
+
+from gpr20_survey.folder.trace_files import TraceFile
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace.trace import Trace
+
+
+class TracePublication:
+    """Publishes each trace once in the life of this process. Belongs to the storage thread.
+
+    A trace can be found stored when its survey is reopened although it was never published: the
+    disk, or this process, failed between the first of its files and the last.
+    """
+
+    def __init__(self, on_stored: Callable[[RecordedMessage], None]) -> None:
+        """Build it.
+
+        Args:
+            on_stored: Publishes the message of a trace; must not raise.
+        """
+        self._on_stored = on_stored
+        # By survey and index: traces that have a durable file, but were not published.
+        self._waiting: Dict[Tuple[str, int], Tuple[Trace, RecordedMessage]] = {}
+        # By survey: time and index of the newest trace that was published.
+        self._newest: Dict[str, Tuple[int, int]] = {}
+
+    def expect(self, trace: Trace, message: RecordedMessage) -> None:
+        """Note a trace that has a durable file and will be published when it is stored."""
+        self._waiting[trace.survey_id, trace.index] = trace, message
+
+    def stored(self, trace: Trace) -> None:
+        """Publish an expected trace, which is stored now."""
+        _trace, message = self._waiting.pop((trace.survey_id, trace.index))
+        self._publish(trace, message)
+
+    def reopened(
+        self,
+        survey_id: str,
+        stored: Mapping[int, TraceFile],
+        last: Optional[Trace],
+        message_of: Callable[[Trace], RecordedMessage],
+    ) -> None:
+        """Publish the traces of a survey that are stored, but may not have been published.
+
+        These are the ones that this process expected, and the last one, after which another
+        process may have died. Subscribers recognize a repeated trace by its `sample_id`.
+
+        Args:
+            survey_id: UUID of the survey that was reopened.
+            stored: The traces that are stored, by their index.
+            last: The trace that was stored last; None if there is none.
+            message_of: Makes the message of a trace.
+        """
+        for key in sorted(key for key in self._waiting if key[0] == survey_id):
+            trace, message = self._waiting.pop(key)
+            file = stored.get(trace.index)
+            if file is not None and file.fingerprint == trace.fingerprint():
+                self._publish(trace, message)
+        if last is not None and _moment(last) > self._newest.get(survey_id, (-1, -1)):
+            self._publish(last, message_of(last))
+
+    def _publish(self, trace: Trace, message: RecordedMessage) -> None:
+        self._on_stored(message)
+        newest = self._newest.get(trace.survey_id, (-1, -1))
+        self._newest[trace.survey_id] = max(newest, _moment(trace))
+
+
+def _moment(trace: Trace) -> Tuple[int, int]:
+    return trace.timestamp_us, trace.index

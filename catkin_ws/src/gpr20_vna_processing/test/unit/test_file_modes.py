@@ -1,0 +1,110 @@
+"""Who may read a survey: the modes of every kind of file and folder, whatever the umask."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+
+import pytest
+from storage_kit import Kit
+from trace_examples import SURVEY, make_trace
+
+from gpr20_survey.files.access import Readers
+from gpr20_survey.folder import sealing, survey_metadata
+from gpr20_survey.recording.recordings import open_recordings
+
+EXPECTED = {
+    Readers.OWNER: (0o700, 0o600),
+    Readers.GROUP: (0o750, 0o640),
+    Readers.ALL: (0o755, 0o644),
+}
+
+
+@pytest.fixture(params=[0o000, 0o022, 0o027, 0o077])
+def umask(request):
+    before = os.umask(request.param)
+    yield
+    os.umask(before)
+
+
+def modes(top):
+    """Return the modes of all folders and of all files in a folder."""
+    found = [top, *top.rglob("*")]
+    return [{oct(stat.S_IMODE(one.stat().st_mode)) for one in found if one.is_dir() == folders}
+            for folders in (True, False)]  # fmt: skip
+
+
+def damage_everything(folder):
+    """Damage one file of each kind, so that each is kept and written again."""
+    trace = next((folder / "traces").glob("000000_*"))
+    for path in (trace, folder / "survey.bag", folder / "survey.mcap", folder / "survey.json"):
+        content = path.read_bytes()
+        path.write_bytes(content[:-300] + bytes(100))
+
+
+def use(kit):
+    """Make every kind of file: open, store, close, damage, reopen, repair, close, reseal."""
+    folder = kit.open(metadata_json='{"planned_traces": 3}')
+    kit.processing.store(make_trace(0))
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    damage_everything(folder)
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.store(make_trace(1))
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    description = survey_metadata.read_description(folder / "survey.json")
+    sealing.reseal_description(folder, {**description, "reason": "changed"})
+    names = {one.name for one in folder.rglob("*")}
+    assert {"manifest.json", "damaged", "survey.json", "survey.bag", "survey.mcap"} <= names
+    return folder
+
+
+@pytest.mark.parametrize("readers", Readers)
+def test_folders_and_files_have_their_modes_whatever_the_umask(tmp_path, umask, readers):
+    kit = Kit(tmp_path / "new" / "data", open_recordings, readers=readers)
+    try:
+        use(kit)
+    finally:
+        kit.processing.shut_down()
+    folder_mode, file_mode = EXPECTED[readers]
+    assert modes(tmp_path / "new") == [{oct(folder_mode)}, {oct(file_mode)}]
+
+
+def test_a_survey_that_exists_keeps_its_modes(tmp_path):
+    kit = Kit(tmp_path / "data", open_recordings, readers=Readers.ALL)
+    folder = kit.open(metadata_json='{"planned_traces": 3}')
+    kit.processing.store(make_trace(0))
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.shut_down()
+    damage_everything(folder)
+    kit = Kit(tmp_path / "data", open_recordings, readers=Readers.OWNER)
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.store(make_trace(1))
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.shut_down()
+    assert modes(folder) == [{"0o755"}, {"0o644"}]
+
+
+def test_a_data_folder_that_exists_keeps_its_mode(tmp_path):
+    data = tmp_path / "data"
+    data.mkdir()
+    data.chmod(0o1777)
+    kit = Kit(data, open_recordings)
+    folder = kit.open()
+    kit.processing.shut_down()
+    assert stat.S_IMODE(data.stat().st_mode) == 0o1777
+    assert modes(folder) == [{"0o750"}, {"0o640"}]
+
+
+def test_the_group_of_a_shared_folder_is_inherited(tmp_path):
+    data = tmp_path / "data"
+    data.mkdir()
+    groups = [one for one in os.getgroups() if one != os.getegid()]
+    if groups:
+        shutil.chown(str(data), group=groups[0])
+    data.chmod(0o2775)
+    kit = Kit(data, open_recordings)
+    folder = kit.open()
+    kit.processing.shut_down()
+    assert {one.stat().st_gid for one in folder.rglob("*")} == {data.stat().st_gid}
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o2750

@@ -1,0 +1,203 @@
+"""The manifest of a survey that is reopened: it decides what is damaged, and is removed last."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+from planned_survey import METADATA, POINTS, planned_trace
+from reopening_kit import assert_whole, messages_in_mcap
+from storage_kit import OTHER_SURVEY, Kit, text_message
+from trace_examples import SURVEY
+
+from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest
+from gpr20_survey.recording.recordings import open_recordings
+
+TRACES = [planned_trace(index) for index in range(len(POINTS))]
+STORED = 6
+
+
+def make(place, ending):
+    kit = Kit(place / "open", open_recordings)
+    folder = kit.open(metadata_json=METADATA)
+    for trace in TRACES[:STORED]:
+        kit.processing.record(text_message("/t", f"before {trace.index}"))
+        kit.processing.store(trace)
+    if ending == "stopped":
+        kit.processing.close_survey(SURVEY, "stopped", "")
+    elif ending == "interrupted":
+        kit.processing.interrupt_other(OTHER_SURVEY)
+    shutil.copytree(str(place / "open"), str(place / "data"))
+    kit.processing.shut_down()
+    return place / "data" / folder.name
+
+
+@pytest.fixture
+def stopped(tmp_path):
+    return make(tmp_path, "stopped")
+
+
+@pytest.fixture
+def cut_off(tmp_path):
+    return make(tmp_path, "cut off")
+
+
+@pytest.fixture
+def kit(tmp_path):
+    kit = Kit(tmp_path / "data", open_recordings)
+    yield kit
+    kit.processing.shut_down()
+
+
+def reopen_and_finish(kit, folder):
+    """Return what was repaired."""
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices == list(range(STORED))
+    for trace in TRACES[STORED:]:
+        kit.processing.store(trace)
+    kit.processing.close_survey(SURVEY, "finished", "")
+    assert_whole(folder, TRACES)
+    assert verify_survey(folder).status == COMPLETE
+    return " ".join(map(str, reopened.repairs))
+
+
+def change(path, wanted=None):
+    content = bytearray(path.read_bytes())
+    place = content.index(wanted) + len(wanted) - 1 if wanted else len(content) // 2
+    content[place] ^= 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("ending", ["stopped", "interrupted"])
+def test_every_closed_survey_is_sealed(tmp_path, ending):
+    folder = make(tmp_path, ending)
+    sealed = manifest.read_manifest(folder)
+    assert len(sealed.files) == STORED + 3
+    for name in sealed.files:
+        assert sealed.matches(name, file_sums.sum_of_file(folder / name))
+    assert "intact" in str(verify_survey(folder).verdict)
+
+
+def test_a_trace_that_changed_before_the_close_is_found(tmp_path):
+    """The manifest holds what was acknowledged, not what is on the disk at the end."""
+    kit = Kit(tmp_path / "data", open_recordings)
+    folder = kit.open(metadata_json=METADATA)
+    kit.processing.store(TRACES[0])
+    change(next((folder / "traces").iterdir()), b'"s21_imag": [')
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.shut_down()
+    faults = " ".join(map(str, verify_survey(folder).faults))
+    assert "000000_X0010.00_Y0010.00_Z+000.00.json differs from the manifest" in faults
+
+
+def test_nothing_is_repaired_in_a_sealed_survey_that_is_whole(kit, stopped):
+    assert reopen_and_finish(kit, stopped) == ""
+    assert not (stopped / "damaged").exists()
+
+
+def test_a_message_changed_in_the_bag_is_taken_from_the_mcap(kit, stopped):
+    change(stopped / "survey.bag", b"before 3")
+    repairs = reopen_and_finish(kit, stopped)
+    assert "rebuilt survey.bag: survey.bag differs from the manifest" in repairs
+    assert b"before 3" in (stopped / "survey.bag").read_bytes()
+    assert b"before 2" in (stopped / "damaged" / "survey.bag").read_bytes()
+
+
+def test_a_chunk_damaged_in_the_mcap_is_taken_from_the_bag(kit, stopped):
+    content = (stopped / "survey.mcap").read_bytes()
+    place = content.index(b"zstd", len(content) // 2) + 40
+    (stopped / "survey.mcap").write_bytes(
+        content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
+    )
+    assert "survey.mcap differs from the manifest" in reopen_and_finish(kit, stopped)
+    texts = [one.data for one in messages_in_mcap(stopped, "/t")]
+    assert texts == [f"before {index}" for index in range(STORED)]
+
+
+def test_a_space_changed_in_a_trace_file_is_repaired(kit, stopped):
+    path = sorted((stopped / "traces").iterdir())[2]
+    path.write_bytes(path.read_bytes().replace(b": ", b":  ", 1))
+    repairs = reopen_and_finish(kit, stopped)
+    assert f"moved {path.name} to damaged/: {path.name} differs from the manifest" in repairs
+
+
+def test_a_damaged_manifest_is_kept_and_named(kit, stopped):
+    change(stopped / "manifest.json")
+    repairs = reopen_and_finish(kit, stopped)
+    assert "moved manifest.json to damaged/" in repairs
+    assert (stopped / "damaged" / "manifest.json").exists()
+
+
+def test_another_file_that_changed_is_named(kit, stopped):
+    (stopped / "notes.txt").write_text("not there at the close")
+    assert "notes.txt differs from the manifest" in reopen_and_finish(kit, stopped)
+
+
+def flip_plan(folder):
+    """Change the area in survey.json, as one flipped bit can."""
+    path = folder / "survey.json"
+    path.write_bytes(path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 30.0'))
+
+
+def test_a_changed_plan_is_corrected_and_the_key_is_named(kit, cut_off):
+    flip_plan(cut_off)
+    named = [str(one) for one in verify_survey(cut_off).faults]
+    assert any("survey.json has parameters/y_stop_mm 30.0, but its copy in survey.mcap from the "
+               "start of the survey has 20.0" in one for one in named)  # fmt: skip
+    repairs = reopen_and_finish(kit, cut_off)
+    assert "parameters/y_stop_mm 30.0 to 20.0" in repairs
+    assert b'"y_stop_mm": 30.0' in (cut_off / "damaged" / "survey.json").read_bytes()
+
+
+def test_without_the_mcap_the_traces_decide_between_two_plans(kit, cut_off):
+    flip_plan(cut_off)
+    (cut_off / "survey.mcap").unlink()
+    assert "parameters/y_stop_mm 30.0 to 20.0" in reopen_and_finish(kit, cut_off)
+
+
+def forget_latched(folder):
+    path = folder / "survey.bag"
+    path.write_bytes(path.read_bytes().replace(b"/survey_metadata", b"/survey_metadatb"))
+
+
+def test_without_any_copy_traces_that_do_not_fit_the_plan_are_refused_by_name(kit, cut_off):
+    flip_plan(cut_off)
+    (cut_off / "survey.mcap").unlink()
+    forget_latched(cut_off)
+    before = {one: one.read_bytes() for one in cut_off.rglob("*") if one.is_file()}
+    with pytest.raises(
+        SurveyRefusedError,
+        match=r"cannot be resumed: trace 3 was measured at y 15 instead of 20.*restore survey.json",
+    ):
+        kit.processing.reopen_survey(SURVEY)
+    assert before == {one: one.read_bytes() for one in cut_off.rglob("*") if one.is_file()}
+
+
+def test_without_any_copy_a_plan_that_fits_is_used_with_a_warning(kit, cut_off):
+    (cut_off / "survey.mcap").unlink()
+    forget_latched(cut_off)
+    assert "no copy confirms survey.json" in reopen_and_finish(kit, cut_off)
+
+
+def test_copies_that_contradict_each_other_are_refused_where_nothing_decides(kit, cut_off):
+    path = cut_off / "survey.json"
+    path.write_bytes(path.read_bytes().replace(b'"simulated": true', b'"simulated": null'))
+    (cut_off / "survey.mcap").unlink()
+    with pytest.raises(SurveyRefusedError, match="differ in simulated, and nothing decides"):
+        kit.processing.reopen_survey(SURVEY)
+
+
+@pytest.mark.parametrize("entry", [{"frequency_points": 6}, {"stop_frequency_hz": 5e9}])
+def test_frequencies_are_part_of_the_plan(kit, cut_off, entry):
+    path = cut_off / "survey.json"
+    values = json.loads(path.read_text())
+    values["parameters"].update(entry)
+    path.write_text(json.dumps(values, indent=2) + "\n")
+    (cut_off / "survey.mcap").unlink()
+    forget_latched(cut_off)
+    with pytest.raises(SurveyRefusedError, match=r"trace 0 (has 5 frequencies|was measured at)"):
+        kit.processing.reopen_survey(SURVEY)
