@@ -10,6 +10,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from bad_link import BadLink
 from user_shell import ROOT
 
 SERVER, ROBOT = "10.20.0.2", "10.20.0.1"
@@ -77,12 +78,23 @@ class Machine:
 
 
 @contextlib.contextmanager
-def two_machines():
-    """Yield the server and the robot; each has a further address, a stranger's."""
+def two_namespaces():
+    """Yield the server and the robot, without a link."""
     server, robot = (Machine(f"gpr20-{os.getpid()}-{place}") for place in ("server", "robot"))
     try:
         for machine in (server, robot):
             run("ip", "netns", "add", machine.name)
+            run("ip", "-n", machine.name, "link", "set", "lo", "up")
+        yield server, robot
+    finally:
+        for machine in (server, robot):
+            subprocess.run(["ip", "netns", "del", machine.name], check=False)
+
+
+@contextlib.contextmanager
+def two_machines():
+    """Yield the server and the robot; each has a further address, a stranger's."""
+    with two_namespaces() as (server, robot):
         link = ["type", "veth", "peer", "name", "robot", "netns", robot.name]
         run("ip", "link", "add", "server", "netns", server.name, *link)
         for machine, device, addresses in (
@@ -91,12 +103,19 @@ def two_machines():
         ):
             for address in addresses:
                 run("ip", "-n", machine.name, "addr", "add", f"{address}/24", "dev", device)
-            for one in (device, "lo"):
-                run("ip", "-n", machine.name, "link", "set", one, "up")
+            run("ip", "-n", machine.name, "link", "set", device, "up")
         yield server, robot
-    finally:
-        for machine in (server, robot):
-            subprocess.run(["ip", "netns", "del", machine.name], check=False)
+
+
+@contextlib.contextmanager
+def badly_linked_machines(quality):
+    """Yield the server, the robot and the link between them."""
+    with two_namespaces() as (server, robot):
+        link = BadLink([(server.name, SERVER), (robot.name, ROBOT)], quality)
+        try:
+            yield server, robot, link
+        finally:
+            link.close()
 
 
 @contextlib.contextmanager
