@@ -71,6 +71,9 @@ class FakeAxis:
         age_s = 100.0 if self.silent or self.silent_readings >= 0 else 0.0
         return AxisReading(self.coordinate, self.homed, moving, age_s)
 
+    def is_connected(self):
+        return True
+
     def begin_move(self, target):
         self.moves.append(target)
         self.begun.set()
@@ -210,7 +213,7 @@ class HandNotedNodes(NodeLiveness):
     """Nodes that a test marks as alive or silent; they are not polled."""
 
     def __init__(self, clock, on_change):
-        nodes = {name: WatchedNode(plain_name, int) for name, plain_name in NODES.items()}
+        nodes = {name: WatchedNode(plain_name, []) for name, plain_name in NODES.items()}
         super().__init__(nodes, clock, on_change)
         self.on_refresh = lambda: None
         for name in NODES:

@@ -6,14 +6,14 @@ import pytest
 from fake_clocks import ManualClock
 from fake_robot import LIMIT_S
 
-from gpr20_common.errors import NodeSilentError
+from gpr20_common.errors import NodeGoneError
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.mid.node_liveness import START_LIMIT_S, NodeLiveness, WatchedNode
 
 
 def watched(probe=None, name="x"):
-    return WatchedNode(Message("the {axis} axis driver", axis=name), probe)
+    return WatchedNode(Message("the {axis} axis driver", axis=name), [probe])
 
 
 class Watched:
@@ -96,7 +96,7 @@ class FakeProbe:
         self.asked += 1
         assert self.answering.wait(LIMIT_S)
         if self.pid is None:
-            raise NodeSilentError(verbatim("gone"))
+            raise NodeGoneError(verbatim("gone"))
         return self.pid
 
 

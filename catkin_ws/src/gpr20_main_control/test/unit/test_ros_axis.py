@@ -10,6 +10,7 @@ pytest.importorskip("gpr20_msgs.msg")
 import rospy
 from fake_robot import LIMIT_S
 
+from gpr20_common.high import service_client
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.high import ros_axis
@@ -22,8 +23,10 @@ from gpr20_survey.axes.axis_id import AxisId
 def graph(monkeypatch):
     """Services whose nodes are away, and what was called once they were back."""
     graph = Graph()
-    monkeypatch.setattr(rospy, "wait_for_service", graph.wait_for_service)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda name, _class: lambda: graph.call(name))
+    monkeypatch.setattr(
+        service_client, "ServiceConnection", lambda name, _class: Connection(graph, name)
+    )
+    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda _client, _attempt: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
     monkeypatch.setattr(ros_axis.actionlib, "ActionClient", lambda *_arguments: None)
     yield graph
@@ -36,14 +39,24 @@ class Graph:
         self.waiting, self.node_is_back = threading.Event(), threading.Event()
         self.called = []
 
-    def wait_for_service(self, name, timeout):
-        if name == self.away:
-            self.waiting.set()
-            self.node_is_back.wait(LIMIT_S)
 
-    def call(self, name):
-        self.called.append(name)
+class Connection:
+    """A connection to a service of the graph."""
+
+    def __init__(self, graph, name):
+        self.graph, self.name = graph, name
+
+    def connect(self, _address, _timeout_s):
+        if self.name == self.graph.away:
+            self.graph.waiting.set()
+            self.graph.node_is_back.wait(LIMIT_S)
+
+    def call(self):
+        self.graph.called.append(self.name)
         return CommandResponse(success=True)
+
+    def abort(self):
+        pass
 
 
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):

@@ -82,7 +82,7 @@ def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert status.message.sentence() == (
-        "Paused: the VNA driver stopped answering; no answer within 30 s. Fix the fault and "
+        "Paused: the VNA driver stopped answering; no answer within 300 s. Fix the fault and "
         "resume, or stop."
     )
     come_back(bench, VNA)

@@ -9,6 +9,7 @@ import rosgraph
 import rospy
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
@@ -38,9 +39,10 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
         sys.exit(1)
+    keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.spin()
-    del kept
+    del kept, keeper
 
 
 def run_device(

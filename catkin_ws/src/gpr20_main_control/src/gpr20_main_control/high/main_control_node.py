@@ -24,7 +24,12 @@ from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_liveness import ANSWER_LIMIT_S, NodeLiveness, WatchedNode
+from gpr20_main_control.mid.node_liveness import (
+    CONNECTIONS,
+    SILENCE_LIMIT_S,
+    NodeLiveness,
+    WatchedNode,
+)
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
@@ -167,8 +172,11 @@ def _nodes(simulated: bool, clock: Clock, status: SurveyStatus) -> NodeLiveness:
     nodes = {}
     for name, plain_name in plain_names(simulated).items():
         full_name = rospy.resolve_name(name)
-        probe = NodeProbe(master_uri, own_name, full_name, ANSWER_LIMIT_S)
-        nodes[name] = WatchedNode(plain_name, probe.process)
+        probes = [
+            NodeProbe(master_uri, own_name, full_name, SILENCE_LIMIT_S).process
+            for _connection in range(CONNECTIONS)
+        ]
+        nodes[name] = WatchedNode(plain_name, probes)
     return NodeLiveness(nodes, clock, status.set_missing)
 
 

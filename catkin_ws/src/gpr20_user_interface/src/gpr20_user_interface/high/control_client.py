@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import queue
 import threading
 from typing import Any, Callable, Dict
 
@@ -38,7 +37,8 @@ class DirectServiceClient(ServiceClient):
     """Remembers the address of a service: STOP must work while the master is away."""
 
     def __init__(self, name: str, service_class: Any) -> None:
-        super().__init__(name, service_class)
+        # A STOP that arrives late is still wanted.
+        super().__init__(name, service_class, discard_late=False)
         self._address = ""
 
     def remember(self) -> None:
@@ -55,28 +55,11 @@ class DirectServiceClient(ServiceClient):
             # There is no such service now.
             return
 
-    def _ask(
-        self, timeout_s: float, arguments: Any, answers: queue.Queue, given_up: threading.Event
-    ) -> None:
-        if self._address:
-            proxy = _AddressedProxy(self.name, self._service_class, self._address)
-            request, fields = arguments
-            try:
-                answers.put(proxy(*request, **fields))
-                return
-            except (rospy.ROSException, rospy.ServiceException, OSError):
-                # It has ended or has another address: the master may know.
-                pass
-        super()._ask(timeout_s, arguments, answers, given_up)
-
-
-class _AddressedProxy(rospy.ServiceProxy):
-    def __init__(self, name: str, service_class: Any, address: str) -> None:
-        super().__init__(name, service_class)
-        self._address = address
-
-    def _get_service_uri(self, _request: Any) -> str:
-        return self._address
+    def _look_up(self, attempt: int) -> str:
+        # After a failure the master is asked: the service may have another address now.
+        if attempt == 0 and self._address:
+            return self._address
+        return super()._look_up(attempt)
 
 
 class ControlClient(RosEvents):
