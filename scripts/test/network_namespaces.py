@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import guide
 from bad_link import BadLink
 from user_shell import ROOT
 
-SERVER, ROBOT = "10.20.0.2", "10.20.0.1"
+ROBOT, SERVER = guide.addresses()
 # Further addresses of both, which the other one does not know.
 ROBOT_STRANGER, SERVER_STRANGER = "10.20.0.9", "10.20.0.8"
 LISTENING = "0A"
@@ -53,12 +53,13 @@ class Machine:
         """The command that runs another one in the namespace."""
         return ["ip", "netns", "exec", self.name]
 
-    def shut_out_others(self):
-        """Give it the firewall rules of the guide."""
-        rules = re.findall(r"^nft .*$", (ROOT / "docs/guide.md").read_text(), re.MULTILINE)
-        assert len(rules) == 5
-        for rule in rules:
-            run(*self.prefix, "bash", "-c", rule)
+    def shut_out_others(self, commands):
+        """Run the commands of a firewall, as root runs them from one script."""
+        run(*self.prefix, "bash", "-ec", "\n".join(commands))
+
+    def load_rules(self, file):
+        """Load a file of rules, as the system does when it starts."""
+        run(*self.prefix, "nft", "-f", str(file))
 
     def listening(self):
         """Return (address, port) of everything that listens by TCP, whatever its process."""

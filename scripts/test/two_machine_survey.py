@@ -6,6 +6,7 @@ import contextlib
 import json
 from collections import Counter
 
+import guide
 from network_namespaces import ROBOT, SERVER, relayed
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
@@ -25,13 +26,13 @@ def launched(server, robot, folder):
     environment = user_environment(
         folder / "surveys", GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, ROS_HOME=str(folder / "ros")
     )
+    _both, launch_server, launch_robot = guide.two_machine_commands()
     with (folder / "printed.log").open("wb") as log:
         on_server = Terminal(log, environment, server.prefix)
         on_robot = Terminal(log, environment, robot.prefix)
-        options = f"time_scale:={TIME_SCALE}"
         try:
-            control = on_server.start(f"roslaunch gpr20 server.launch {options}")
-            axes = on_robot.start(f"roslaunch --wait gpr20 robot.launch {options} ui:=false")
+            control = on_server.start(simulated(launch_server))
+            axes = on_robot.start(f"{simulated(launch_robot)} ui:=false")
             wait_until(lambda: is_ready(folder / "printed.log"), control, axes)
             # The simulated VNA is behind the loopback of the robot, which a real one is not.
             wait_until(lambda: simulated_vna(robot), control, axes)
@@ -40,6 +41,12 @@ def launched(server, robot, folder):
         finally:
             on_robot.close()
             on_server.close()
+
+
+def simulated(command):
+    """Return the guide's command for the real robot as one for the simulated robot."""
+    assert "robot:=gpr20" in command
+    return command.replace("robot:=gpr20", f"time_scale:={TIME_SCALE}")
 
 
 def is_loopback(address):

@@ -200,9 +200,8 @@ class NodeLiveness:
 
     def _note_silence(self, name: str) -> None:
         known = self._known[name]
-        if known.process is not None:
-            if self._clock.now_s() - known.answered_s > SILENCE_LIMIT_S:
-                known.process = None
+        if self._clock.now_s() - known.answered_s > SILENCE_LIMIT_S:
+            known.process = None
         self._report_missing()
 
     def _watch(self, name: str, probe: Callable[[], int]) -> None:
