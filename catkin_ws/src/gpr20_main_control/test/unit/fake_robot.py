@@ -235,7 +235,7 @@ class Bench:
         self.parameters = []
         self._changed = threading.Condition()
         self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
-        clock = clock or FastClock()
+        clock = self.clock = clock or FastClock()
         self.nodes = HandNotedNodes(clock, self.board.set_missing)
         self.control = MainControl(
             Robot(

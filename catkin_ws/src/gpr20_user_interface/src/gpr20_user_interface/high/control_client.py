@@ -167,8 +167,6 @@ class ControlClient(RosEvents):
         return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer))
 
     def _ask_resume(self, survey_id: str) -> Any:
-        # The long limit is for the answer, not for a service that is not there.
-        rospy.wait_for_service(self._resume.name, timeout=SET_TIMEOUT_S)
         return self._resume.call(START_TIMEOUT_S, survey=survey_id)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
