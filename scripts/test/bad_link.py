@@ -77,6 +77,12 @@ class BadLink:
         """Carry packets again."""
         self._command("up")
 
+    def wait(self, duration_s):
+        """Return after a time [s], during which the link must stay alive."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(duration_s)
+            raise AssertionError("the link has ended")
+
     def close(self):
         """End the link."""
         self._process.stdin.close()
@@ -93,18 +99,10 @@ def unavailable():
     if os.geteuid() != 0:
         return "network namespaces need root"
     try:
-        with contextlib.closing(_Opened(os.open(TUN, os.O_RDWR))):
+        with TUN.open("r+b", buffering=0):
             return ""
     except OSError as error:
         return f"{TUN}: {error.strerror}"
-
-
-@dataclass
-class _Opened:
-    number: int
-
-    def close(self):
-        os.close(self.number)
 
 
 class Direction:

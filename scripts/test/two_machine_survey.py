@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 from collections import Counter
 
 import guide
@@ -72,6 +73,12 @@ def stored_traces(folder):
     survey = survey_folder(folder)
     names = [] if survey is None else [one.name for one in survey.glob("traces/*.json")]
     return Counter(int(name.split("_")[0]) for name in names)
+
+
+def statuses(folder):
+    """Return (state, message) of each status that the main control has logged."""
+    text = (folder / "printed.log").read_text(errors="replace")
+    return re.findall(r"\[INFO\] \[[\d.]+\]: ([A-Z]+): (.*)", text)
 
 
 def outcome(folder):

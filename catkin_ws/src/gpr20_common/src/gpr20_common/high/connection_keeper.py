@@ -31,6 +31,10 @@ class ConnectionKeeper:
         self._lost: Set[str] = set()
         self._periodic = Periodic(PERIOD_S, self.check)
 
+    def close(self) -> None:
+        """Stop looking after the connections."""
+        self._periodic.stop()
+
     def check(self) -> None:
         """Set the limits of new connections; connect subscriptions that were lost."""
         topics = get_topic_manager()

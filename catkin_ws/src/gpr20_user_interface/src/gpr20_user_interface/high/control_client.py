@@ -12,6 +12,7 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
@@ -27,6 +28,9 @@ SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
 # STOP must not wait for a main control that hangs: then it goes to the axes directly.
 STOP_TIMEOUT_S = 2.0
+# A STOP that was not answered is repeated: the survey would continue when the link is back.
+STOP_RETRY_S = 2.0
+STOP_RETRIES_S = 900.0
 AXES = ("x", "y", "z")
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
@@ -77,6 +81,14 @@ class ControlClient(RosEvents):
         }
         self._master = MasterWatch()
         self._reading_limits = threading.Lock()
+        self._repeating_stop = threading.Lock()
+        self._stop_obsolete = threading.Event()
+        self._clock = Clock()
+
+    def close(self) -> None:
+        """Call the listener no more, and repeat no request."""
+        self._stop_obsolete.set()
+        super().close()
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
@@ -94,11 +106,13 @@ class ControlClient(RosEvents):
 
     def start_survey(self, parameters: SurveyParameters) -> None:
         """Ask to accept the parameters and to start; the answer is an event."""
+        self._stop_obsolete.set()
         self._ask(Request.START, lambda: self._ask_start(parameters))
 
     def stop_survey(self) -> None:
-        """Ask to stop the survey; the answer is an event."""
-        in_background(lambda: self._emit(self._stop_answer()))
+        """Ask to stop the survey, until the main control answers; the answer is an event."""
+        self._stop_obsolete.clear()
+        in_background(self._stop_until_answered)
 
     def pause_survey(self) -> None:
         """Ask to pause the survey; the answer is an event."""
@@ -106,6 +120,7 @@ class ControlClient(RosEvents):
 
     def resume_survey(self, survey_id: str = "") -> None:
         """Ask to resume the paused survey or the one named; the answer is an event."""
+        self._stop_obsolete.set()
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
 
     def read_axis_limits(self) -> None:
@@ -136,16 +151,38 @@ class ControlClient(RosEvents):
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S)
 
-    def _stop_answer(self) -> Answer:
+    def _stop_until_answered(self) -> None:
         try:
-            return _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
+            answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
         except ServiceUnavailableError as error:
             message = Message(
                 "{reason}; the axes were asked to stop directly; {answers}",
                 reason=_no_answer(error),
                 answers=self._stop_axes(),
             )
-            return Answer(Request.STOP, False, message)
+            self._emit(Answer(Request.STOP, False, message))
+            self._repeat_stop()
+        else:
+            self._emit(answer)
+
+    def _repeat_stop(self) -> None:
+        # One thread is enough, however often STOP is pressed.
+        if not self._repeating_stop.acquire(blocking=False):
+            return
+        try:
+            end_s = self._clock.now_s() + STOP_RETRIES_S
+            while self._clock.now_s() < end_s:
+                if self._clock.wait_s(self._stop_obsolete, STOP_RETRY_S):
+                    return
+                try:
+                    answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
+                except ServiceUnavailableError as error:
+                    rospy.logwarn_throttle(10.0, f"STOP is not answered: {error}")
+                    continue
+                self._emit(answer)
+                return
+        finally:
+            self._repeating_stop.release()
 
     def _stop_axes(self) -> Message:
         answers: Dict[str, Message] = {}
