@@ -7,6 +7,7 @@ GPR20_LINK_DELAY_S (in each direction), GPR20_LINK_CUT_S.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import subprocess
@@ -61,21 +62,22 @@ def check_complete(folder):
 def test_a_survey_over_a_bad_link_continues_by_itself_when_the_link_was_down(tmp_path, seed):
     draw = random.Random(seed)
     quality = bad_link.LinkQuality(DELAY_S, JITTER_S, LOSS, seed)
-    with badly_linked_machines(quality) as (server, robot, link):
-        with launched(server, robot, tmp_path) as (_on_server, on_robot):
-            client = on_robot.start(SURVEY)
-            cut_at = draw.randrange(2, TRACES - 2)
-            wait_until(lambda: stored_traces(tmp_path).total() >= cut_at, client)
-            states = [state for state, _message in statuses(tmp_path)]
-            # Late answers are no lost nodes: one status for each state.
-            assert states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING"], states
-            before_cut = len(states)
-            link.wait(draw.uniform(0.0, 2.0))
-            link.cut()
-            link.wait(CUT_S)
-            link.restore()
-            assert client.wait(300.0) == 0
-            states = [state for state, _message in statuses(tmp_path)[before_cut:]]
+    with contextlib.ExitStack() as stack:
+        server, robot, link = stack.enter_context(badly_linked_machines(quality))
+        _on_server, on_robot = stack.enter_context(launched(server, robot, tmp_path))
+        client = on_robot.start(SURVEY)
+        cut_at = draw.randrange(2, TRACES - 2)
+        wait_until(lambda: sum(stored_traces(tmp_path).values()) >= cut_at, client)
+        states = [state for state, _message in statuses(tmp_path)]
+        # Late answers are no lost nodes: one status for each state.
+        assert states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING"], states
+        before_cut = len(states)
+        link.wait(draw.uniform(0.0, 2.0))
+        link.cut()
+        link.wait(CUT_S)
+        link.restore()
+        assert client.wait(300.0) == 0
+        states = [state for state, _message in statuses(tmp_path)[before_cut:]]
     # The survey has waited once, and nobody has resumed it.
     changes = [new for old, new in zip(["SURVEYING", *states], states) if new != old]
     assert changes == ["CHECKING", "HOMING", "SURVEYING", "FINISHED"], states
