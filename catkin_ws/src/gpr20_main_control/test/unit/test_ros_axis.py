@@ -11,12 +11,16 @@ import rospy
 from fake_robot import LIMIT_S
 
 from gpr20_common.high import service_client
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
 from gpr20_main_control.mid.serial_calls import in_background
+from gpr20_msgs.msg import AxisResult
 from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.control_silent import CONTROL_SILENT
 
 
 @pytest.fixture
@@ -39,6 +43,10 @@ class Graph:
         self.waiting, self.node_is_back = threading.Event(), threading.Event()
         self.called = []
 
+    def call(self, name):
+        self.called.append(name)
+        return CommandResponse(success=True)
+
 
 class Connection:
     """A connection to a service of the graph."""
@@ -52,8 +60,7 @@ class Connection:
             self.graph.node_is_back.wait(LIMIT_S)
 
     def call(self):
-        self.graph.called.append(self.name)
-        return CommandResponse(success=True)
+        return self.graph.call(self.name)
 
     def abort(self):
         pass
@@ -82,3 +89,28 @@ def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     graph.node_is_back.set()
     homing.result(LIMIT_S)
     assert graph.called == ["x_axis/stop", "x_axis/homing"]
+
+
+class EndedGoal:
+    """The handle of a goal that ended without success."""
+
+    def __init__(self, message):
+        self._result = AxisResult(success=False, **message_fields(message))
+
+    def get_result(self):
+        return self._result
+
+    def get_goal_status_text(self):
+        return ""
+
+
+def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
+    assert ros_axis._outcome(EndedGoal(CONTROL_SILENT)).contact_lost
+    assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
+
+
+def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
+    response = CommandResponse(success=False, **message_fields(CONTROL_SILENT))
+    monkeypatch.setattr(graph, "call", lambda _name: response)
+    with pytest.raises(NodeLostError, match="no contact"):
+        ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)

@@ -31,10 +31,10 @@ class ServiceConnection:
         self._aborted = False
 
     def connect(self, uri: str, timeout_s: float) -> None:
-        """Connect to the address of the service [from the master].
+        """Connect to the service.
 
         Args:
-            uri: Address of the service.
+            uri: Its address, as the master knows it.
             timeout_s: Time limit for the connection [s]; `abort` ends what follows.
 
         Raises:
@@ -67,7 +67,11 @@ class ServiceConnection:
         Raises:
             rospy.ServiceException: The connection ended before the answer.
         """
-        return self._proxy(*request, **fields)
+        try:
+            return self._proxy(*request, **fields)
+        except TransportException as error:
+            # rospy converts those of the answer, but not those of the request.
+            raise rospy.ServiceException(str(error)) from error
 
     def abort(self) -> None:
         """End the connection in any thread; what was not delivered yet is discarded."""
