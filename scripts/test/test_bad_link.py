@@ -10,8 +10,10 @@ from __future__ import annotations
 import contextlib
 import os
 import random
+import signal
 import subprocess
 import sys
+import time
 from collections import Counter
 
 import bad_link
@@ -34,6 +36,9 @@ CUT_S = float(os.environ.get("GPR20_LINK_CUT_S", "45"))
 DELAY_S = float(os.environ.get("GPR20_LINK_DELAY_S", "0.1"))
 JITTER_S, LOSS = 0.02, 0.05
 TRACES = 3 * POINTS * 2
+# Requests over this link take a second or two.
+STOP_LIMIT_S = 15.0
+STOPPED_BY_CTRL_C = 130
 SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
 
 pytestmark = [
@@ -46,16 +51,19 @@ pytestmark = [
 def check_complete(folder):
     assert outcome(folder) == "finished"
     assert stored_traces(folder) == Counter(range(TRACES))
-    subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "gpr20_analysis.commands.main",
-            "verify",
-            str(survey_folder(folder)),
-        ],
-        check=True,
-    )
+    verify = [sys.executable, "-m", "gpr20_analysis.commands.main", "verify"]
+    subprocess.run([*verify, survey_folder(folder)], check=True)
+
+
+def check_stop(on_robot, folder):
+    """Stop a survey by Ctrl-C at its client."""
+    client = on_robot.start(SURVEY)
+    wait_until(lambda: statuses(folder)[-1][0] == "SURVEYING", client)
+    begun_s = time.monotonic()
+    client.send_signal(signal.SIGINT)
+    assert client.wait(60.0) == STOPPED_BY_CTRL_C
+    assert time.monotonic() - begun_s < STOP_LIMIT_S
+    assert statuses(folder)[-1][0] == "STOPPED"
 
 
 @pytest.mark.parametrize("seed", range(1, 1 + SEEDS))
@@ -78,7 +86,8 @@ def test_a_survey_over_a_bad_link_continues_by_itself_when_the_link_was_down(tmp
         link.restore()
         assert client.wait(300.0) == 0
         states = [state for state, _message in statuses(tmp_path)[before_cut:]]
-    # The survey has waited once, and nobody has resumed it.
-    changes = [new for old, new in zip(["SURVEYING", *states], states) if new != old]
-    assert changes == ["CHECKING", "HOMING", "SURVEYING", "FINISHED"], states
-    check_complete(tmp_path)
+        # The survey has waited once, and nobody has resumed it.
+        changes = [new for old, new in zip(["SURVEYING", *states], states) if new != old]
+        assert changes == ["CHECKING", "HOMING", "SURVEYING", "FINISHED"], states
+        check_complete(tmp_path)
+        check_stop(on_robot, tmp_path)
