@@ -42,7 +42,7 @@ class Service:
                     connection.sendall(encode_ros_handshake_header(fields))
                 while self.received[-1]:
                     self.received.append(connection.recv(4096))
-            except ConnectionResetError:
+            except OSError:
                 self.received.append(b"")
         self.ended.set()
 
