@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import guide
+from bad_link import BadLink
 from user_shell import ROOT
 
-SERVER, ROBOT = "10.20.0.2", "10.20.0.1"
+ROBOT, SERVER = guide.addresses()
 # Further addresses of both, which the other one does not know.
 ROBOT_STRANGER, SERVER_STRANGER = "10.20.0.9", "10.20.0.8"
 LISTENING = "0A"
@@ -52,12 +53,13 @@ class Machine:
         """The command that runs another one in the namespace."""
         return ["ip", "netns", "exec", self.name]
 
-    def shut_out_others(self):
-        """Give it the firewall rules of the guide."""
-        rules = re.findall(r"^nft .*$", (ROOT / "docs/guide.md").read_text(), re.MULTILINE)
-        assert len(rules) == 5
-        for rule in rules:
-            run(*self.prefix, "bash", "-c", rule)
+    def shut_out_others(self, commands):
+        """Run the commands of a firewall, as root runs them from one script."""
+        run(*self.prefix, "bash", "-ec", "\n".join(commands))
+
+    def load_rules(self, file):
+        """Load a file of rules, as the system does when it starts."""
+        run(*self.prefix, "nft", "-f", str(file))
 
     def listening(self):
         """Return (address, port) of everything that listens by TCP, whatever its process."""
@@ -77,12 +79,23 @@ class Machine:
 
 
 @contextlib.contextmanager
-def two_machines():
-    """Yield the server and the robot; each has a further address, a stranger's."""
+def two_namespaces():
+    """Yield the server and the robot, without a link."""
     server, robot = (Machine(f"gpr20-{os.getpid()}-{place}") for place in ("server", "robot"))
     try:
         for machine in (server, robot):
             run("ip", "netns", "add", machine.name)
+            run("ip", "-n", machine.name, "link", "set", "lo", "up")
+        yield server, robot
+    finally:
+        for machine in (server, robot):
+            subprocess.run(["ip", "netns", "del", machine.name], check=False)
+
+
+@contextlib.contextmanager
+def two_machines():
+    """Yield the server and the robot; each has a further address, a stranger's."""
+    with two_namespaces() as (server, robot):
         link = ["type", "veth", "peer", "name", "robot", "netns", robot.name]
         run("ip", "link", "add", "server", "netns", server.name, *link)
         for machine, device, addresses in (
@@ -91,12 +104,19 @@ def two_machines():
         ):
             for address in addresses:
                 run("ip", "-n", machine.name, "addr", "add", f"{address}/24", "dev", device)
-            for one in (device, "lo"):
-                run("ip", "-n", machine.name, "link", "set", one, "up")
+            run("ip", "-n", machine.name, "link", "set", device, "up")
         yield server, robot
-    finally:
-        for machine in (server, robot):
-            subprocess.run(["ip", "netns", "del", machine.name], check=False)
+
+
+@contextlib.contextmanager
+def badly_linked_machines(quality):
+    """Yield the server, the robot and the link between them."""
+    with two_namespaces() as (server, robot):
+        link = BadLink([(server.name, SERVER), (robot.name, ROBOT)], quality)
+        try:
+            yield server, robot, link
+        finally:
+            link.close()
 
 
 @contextlib.contextmanager

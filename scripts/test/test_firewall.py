@@ -2,92 +2,130 @@
 
 from __future__ import annotations
 
-import json
+import contextlib
 import os
 import subprocess
 import sys
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 
+import guide
 import pytest
 from network_namespaces import (
     ROBOT,
     ROBOT_STRANGER,
     SERVER,
     SERVER_STRANGER,
-    relayed,
     two_machines,
 )
-from user_shell import Terminal, is_ready, user_environment, wait_until
+from two_machine_survey import CLIENT, is_loopback, launched, outcome, stored_traces
+from user_shell import wait_until
 
 pytestmark = [
     pytest.mark.real_time,
-    pytest.mark.takes(60),
     pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root"),
 ]
 
 PORT = 11311
-SURVEY = "rosrun gpr20_user_interface run_survey --wait 60 --x-points 5 --y-points 5"
+SURVEY = f"{CLIENT} --x-points 5 --y-points 5"
 # Nodes of each machine; each of them has a server for calls and one for topics.
 NODES = {"server": 4, "robot": 5}
 
 
-def test_the_rules_of_the_guide_shut_out_everybody_but_the_other_machine():
-    with two_machines() as (server, robot):
-        listener = subprocess.Popen(
-            [*server.prefix, sys.executable, "-m", "http.server", str(PORT)],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+@contextlib.contextmanager
+def listening(machine, address):
+    """Let a program listen on every address of a machine."""
+    listener = subprocess.Popen(
+        [*machine.prefix, sys.executable, "-m", "http.server", str(PORT)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        wait_until(lambda: machine.reached(address, address, [PORT]), listener, limit_s=20.0)
+        yield
+    finally:
+        listener.kill()
+        listener.wait()
+
+
+@contextlib.contextmanager
+def two_listening_machines():
+    """Yield two machines without a firewall; a program listens on both."""
+    with two_machines() as (server, robot), listening(server, SERVER), listening(robot, ROBOT):
+        yield server, robot
+
+
+def what_works(server, robot):
+    """Return what the server's firewall lets through, with a program listening on both."""
+    attempts = {
+        "from the robot": (robot, ROBOT, SERVER),
+        "from itself": (server, "127.0.0.1", "127.0.0.1"),
+        "answers of the VNA": (server, SERVER, ROBOT_STRANGER),
+        "from a third machine": (robot, ROBOT_STRANGER, SERVER),
+    }
+    with ThreadPoolExecutor() as pool:
+        reached = pool.map(lambda one: one[0].reached(one[1], one[2], [PORT]), attempts.values())
+        return dict(zip(attempts, map(bool, reached)))
+
+
+WANTED = {
+    "from the robot": True,
+    "from itself": True,
+    "answers of the VNA": True,
+    "from a third machine": False,
+}
+
+
+def test_the_commands_of_the_guide_shut_out_everybody_but_the_other_machine():
+    with two_listening_machines() as (server, robot):
+        assert what_works(server, robot)["from a third machine"]
+        server.shut_out_others(guide.firewall())
+        assert what_works(server, robot) == WANTED
+
+
+@pytest.mark.parametrize("line", range(len(guide.firewall())))
+def test_every_command_of_the_guide_is_needed(line):
+    commands = guide.firewall()
+    del commands[line]
+    with two_listening_machines() as (server, robot):
         try:
-            wait_until(
-                lambda: robot.reached(ROBOT_STRANGER, SERVER, [PORT]), listener, limit_s=20.0
-            )
-            server.shut_out_others()
-            assert robot.reached(ROBOT, SERVER, [PORT])
-            assert server.reached(SERVER, SERVER, [PORT])
-            assert not robot.reached(ROBOT_STRANGER, SERVER, [PORT])
-        finally:
-            listener.kill()
-            listener.wait()
+            server.shut_out_others(commands)
+        except subprocess.CalledProcessError:
+            return
+        assert what_works(server, robot) != WANTED
 
 
-def is_loopback(address):
-    return address.startswith("127.")
+def test_the_guides_line_for_a_remote_shell_admits_that_alone():
+    with two_listening_machines() as (server, robot):
+        rule = guide.remote_shell_rule(ROBOT_STRANGER)
+        server.shut_out_others([*guide.firewall(), rule])
+        assert what_works(server, robot) == WANTED
+        server.shut_out_others([rule.replace("dport 22", f"dport {PORT}")])
+        assert robot.reached(ROBOT_STRANGER, SERVER, [PORT])
+
+
+def test_the_commands_work_as_the_lines_of_a_file_as_the_guide_says(tmp_path):
+    rules = [line.replace("nft ", "", 1).replace("'", "") for line in guide.firewall()]
+    (tmp_path / "nftables.conf").write_text("\n".join(rules) + "\n")
+    with two_listening_machines() as (server, robot):
+        server.load_rules(tmp_path / "nftables.conf")
+        assert what_works(server, robot) == WANTED
 
 
 def open_ports(machine):
     return {port for address, port in machine.listening() if not is_loopback(address)}
 
 
+@pytest.mark.takes(60)
 def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_ports(tmp_path):
-    environment = user_environment(
-        tmp_path / "surveys", GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, ROS_HOME=str(tmp_path / "ros")
-    )
-    with two_machines() as (server, robot), (tmp_path / "printed.log").open("wb") as log:
+    with two_machines() as (server, robot):
         for machine in (server, robot):
-            machine.shut_out_others()
-        on_server = Terminal(log, environment, server.prefix)
-        on_robot = Terminal(log, environment, robot.prefix)
-        try:
-            control = on_server.start("roslaunch gpr20 server.launch time_scale:=50")
-            axes = on_robot.start("roslaunch --wait gpr20 robot.launch time_scale:=50 ui:=false")
-            wait_until(lambda: is_ready(tmp_path / "printed.log"), control, axes)
-            # The simulated VNA is behind the loopback of the robot, which a real one is not.
-            wait_until(lambda: simulated_vna(robot), control, axes)
-            with relayed(simulated_vna(robot), server, robot, tmp_path):
-                assert on_robot.run(SURVEY) == 0
-                assert_closed_to_strangers(server, robot)
-        finally:
-            on_robot.close()
-            on_server.close()
-    (survey,) = tmp_path.glob("surveys/*/survey.json")
-    assert json.loads(survey.read_text())["outcome"] == "finished"
-    assert len(list(survey.parent.glob("traces/*.json"))) == 5 * 5 * 2
-
-
-def simulated_vna(robot):
-    """Return the ports of the simulated VNA, as soon as it listens: core and abort channel."""
-    ports = [port for address, port in robot.listening() if is_loopback(address)]
-    return ports if len(ports) == 2 else []
+            machine.shut_out_others(guide.firewall())
+        with launched(server, robot, tmp_path) as (_on_server, on_robot):
+            assert on_robot.run(SURVEY) == 0
+            assert_closed_to_strangers(server, robot)
+    assert outcome(tmp_path) == "finished"
+    assert stored_traces(tmp_path) == Counter(range(5 * 5 * 2))
 
 
 def assert_closed_to_strangers(server, robot):

@@ -58,12 +58,28 @@ class ClockSetTest(unittest.TestCase):
             self.assertLess(trace["sweep_started"], trace["sweep_ended"])
         return json_traces(folder)
 
+    def check_said(self, survey_id, text):
+        """Check that it is in the status from then on, in the report, and with one trace."""
+        said = [one.message for one in self.client.statuses if text in one.message]
+        self.assertIn("Warning: ", said[0])
+        # From that moment on to the end.
+        self.assertIn(text, self.client.statuses[-1].message)
+        self.assertEqual(self.client.statuses[-1].code, ControlStatus.FINISHED)
+        folder = self.client.folder(survey_id)
+        report = json.loads((folder / "survey.json").read_text())["report"]
+        self.assertEqual([text in one["warning"] for one in report["warnings"]], [True])
+        remarked = [one for one in json_traces(folder) if text in str(one["quality"])]
+        # While the survey is paused, the status says it before the next trace is measured.
+        self.assertLessEqual(len(remarked), 1)
+
     def check_clock_set_in_a_survey(self, offset_s):
         survey_id = self.begin()
         self.set_clock(offset_s)
         begun_s = time.monotonic()
         traces = self.check_complete(survey_id)
         self.assertLess(time.monotonic() - begun_s, STALL_LIMIT_S)
+        direction = "back" if offset_s < 0 else "forward"
+        self.check_said(survey_id, f"clock was set {direction} by {abs(offset_s)} s")
         return [trace["timestamp"] for trace in traces]
 
     def test_01_back_by_an_hour(self):
@@ -84,14 +100,17 @@ class ClockSetTest(unittest.TestCase):
         self.check_complete(survey_id)
         report = json.loads((self.client.folder(survey_id) / "survey.json").read_text())["report"]
         self.assertEqual(len(report["controls"]), 1)
+        self.check_said(survey_id, "s behind the last stored trace")
 
     def test_04_back_while_paused(self):
         survey_id = self.begin()
         self.assertTrue(self.client.pause().success)
         self.client.wait_for_status(ControlStatus.PAUSED)
         self.set_clock(-HOUR_S)
+        self.client.wait(lambda: "clock was set back" in self.client.statuses[-1].message)
         self.client.go_on(survey_id)
         self.check_complete(survey_id)
+        self.check_said(survey_id, "clock was set back by 3600 s")
 
 
 if __name__ == "__main__":

@@ -41,14 +41,16 @@ def wait_for_end():
 if what == "home":
     rospy.ServiceProxy(f"{group}/homing", Command)()
 elif "unplugged" in sys.argv:
-    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
+    sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "gpr20_common/test/unit"))
     from vanishing_peer import come_back, vanish
 
     client.send_goal(AxisGoal(target_coordinate=float(what)))
     for change in (vanish, come_back):
         sys.stdin.readline()
-        for connection in client.action_client.pub_goal.impl.connections:
-            change(connection.socket)
+        action = client.action_client
+        for topic in (action.pub_goal, action.status_sub):
+            for connection in topic.impl.connections:
+                change(connection.socket)
     wait_for_end()
     move(1.0)
 else:

@@ -32,3 +32,7 @@ class InvalidValueError(Gpr20Error, ValueError):
 
 class NodeSilentError(Gpr20Error, OSError):
     """A node does not answer."""
+
+
+class NodeGoneError(NodeSilentError):
+    """A node has ended: nothing listens at its address, or the master does not know it."""

@@ -7,7 +7,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from gpr20_common.errors import NodeSilentError
+from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 
 pytestmark = pytest.mark.real_time
@@ -68,7 +68,7 @@ def test_a_node_that_lives_tells_its_process(graph):
 
 
 def test_a_node_that_the_master_does_not_know_is_silent(graph):
-    with pytest.raises(NodeSilentError, match=r"/x does not answer \(unknown node"):
+    with pytest.raises(NodeGoneError, match=r"/x does not answer \(unknown node"):
         graph.probe("/x").process()
 
 
@@ -78,7 +78,7 @@ def test_a_node_that_dies_is_silent_and_one_that_takes_its_place_is_found(graph)
     assert probe.process() == 1
     first.close()
     for _ in range(2):
-        with pytest.raises(NodeSilentError, match="/x does not answer"):
+        with pytest.raises(NodeGoneError, match="/x does not answer"):
             probe.process()
     second = graph.add("/x", 2)
     assert probe.process() == 2
@@ -100,9 +100,18 @@ def test_a_node_that_hangs_is_silent_after_the_limit(graph):
         hanging.listen()
         graph.uris["/x"] = f"http://127.0.0.1:{hanging.getsockname()[1]}/"
         begun_s = time.monotonic()
-        with pytest.raises(NodeSilentError, match="timed out"):
+        with pytest.raises(NodeSilentError, match="timed out") as late:
             graph.probe("/x").process()
+        assert not isinstance(late.value, NodeGoneError)
         assert LIMIT_S <= time.monotonic() - begun_s < 10 * LIMIT_S
+
+
+def test_a_master_that_refuses_connections_does_not_make_a_node_one_that_has_ended(graph):
+    probe = graph.probe("/x")
+    graph.master.close()
+    with pytest.raises(NodeSilentError) as silent:
+        probe.process()
+    assert not isinstance(silent.value, NodeGoneError)
 
 
 def test_an_answer_that_is_none_is_silence(graph):

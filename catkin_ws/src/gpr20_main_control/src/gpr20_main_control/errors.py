@@ -22,7 +22,7 @@ class DeviceError(SurveyError, OSError):
 
 
 class NodeLostError(DeviceError):
-    """A node does not answer or was restarted; the survey waits until it is back."""
+    """There is no contact with a node, or it was restarted; the survey waits until it is back."""
 
 
 class StopRequested(SurveyError):

@@ -12,6 +12,13 @@ class FastClock(Clock):
 
     FACTOR = 1000.0
 
+    def __init__(self):
+        # What a test has set the time of day forward by, against the passing seconds.
+        self.set_s = 1.8e9
+
+    def time_of_day_us(self):
+        return round(1e6 * (self.now_s() + self.set_s))
+
     def now_s(self):
         return time.monotonic() * self.FACTOR
 
@@ -25,6 +32,10 @@ class ManualClock(Clock):
     def __init__(self):
         self.time_s = 0.0
         self.waits_s = []
+        self.set_s = 1.8e9
+
+    def time_of_day_us(self):
+        return round(1e6 * (self.time_s + self.set_s))
 
     def now_s(self):
         return self.time_s

@@ -75,6 +75,9 @@ class FakeAxis:
         age_s = 100.0 if self.silent or self.silent_readings >= 0 else 0.0
         return AxisReading(self.coordinate, self.homed, moving, age_s)
 
+    def is_connected(self):
+        return True
+
     def begin_move(self, target):
         self.moves.append(target)
         self.begun.set()
@@ -228,7 +231,7 @@ class HandNotedNodes(NodeLiveness):
     """Nodes that a test marks as alive or silent; they are not polled."""
 
     def __init__(self, clock, on_change):
-        nodes = {name: WatchedNode(plain_name, int) for name, plain_name in NODES.items()}
+        nodes = {name: WatchedNode(plain_name, []) for name, plain_name in NODES.items()}
         super().__init__(nodes, clock, on_change)
         self.on_refresh = lambda: None
         for name in NODES:
@@ -252,7 +255,7 @@ class Bench:
         self.parameters = []
         self._changed = threading.Condition()
         self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
-        clock = clock or FastClock()
+        clock = self.clock = clock or FastClock()
         self.nodes = HandNotedNodes(clock, self.board.set_missing)
         self.description = described_robot(time_scale)
         self.control = MainControl(

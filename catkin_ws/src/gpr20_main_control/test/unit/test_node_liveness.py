@@ -1,19 +1,29 @@
 """What is known about the nodes: which are missing, which were restarted."""
 
+import os
+import random
 import threading
 
 import pytest
 from fake_clocks import ManualClock
 from fake_robot import LIMIT_S
 
-from gpr20_common.errors import NodeSilentError
+from gpr20_common.errors import NodeGoneError
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import NodeLostError
-from gpr20_main_control.mid.node_liveness import START_LIMIT_S, NodeLiveness, WatchedNode
+from gpr20_main_control.mid.node_liveness import (
+    SILENCE_LIMIT_S,
+    START_LIMIT_S,
+    NodeLiveness,
+    WatchedNode,
+)
+
+SEEDS = int(os.environ.get("GPR20_LIVENESS_SEEDS", "50"))
 
 
 def watched(probe=None, name="x"):
-    return WatchedNode(Message("the {axis} axis driver", axis=name), probe)
+    return WatchedNode(Message("the {axis} axis driver", axis=name), [probe])
 
 
 class Watched:
@@ -96,7 +106,7 @@ class FakeProbe:
         self.asked += 1
         assert self.answering.wait(LIMIT_S)
         if self.pid is None:
-            raise NodeSilentError(verbatim("gone"))
+            raise NodeGoneError(verbatim("gone"))
         return self.pid
 
 
@@ -127,4 +137,85 @@ def test_a_node_that_hangs_delays_no_other(monkeypatch):
     nodes.refresh()
     assert nodes.missing() == ["x"]
     probes["x"].answering.set()
+    nodes.stop()
+
+
+def test_an_answer_that_is_late_is_no_lost_node_and_silence_is_one():
+    bench = Watched()
+    nodes = bench.all_alive()
+    nodes.accept()
+    bench.clock.time_s += SILENCE_LIMIT_S
+    nodes.note_late("y")
+    nodes.check()
+    assert bench.sentences == []
+    bench.clock.time_s += 0.1
+    nodes.note_late("y")
+    with pytest.raises(NodeLostError, match="the y axis driver stopped answering"):
+        nodes.check()
+    assert bench.sentences == ["the y axis driver does not answer (y)"]
+
+
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_answers_that_come_late_in_any_order_change_nothing(seed):
+    draw = random.Random(seed)
+    bench = Watched()
+    nodes = bench.all_alive()
+    nodes.accept()
+    for _poll in range(100):
+        # Between two answers of a node is less than the limit, whatever else is late.
+        bench.clock.time_s += draw.uniform(0.0, SILENCE_LIMIT_S / 2)
+        for name in draw.choices("xy", k=draw.randrange(4)):
+            nodes.note_late(name)
+        for name, process in (("x", 1), ("y", 2)):
+            nodes.note_alive(name, process)
+        nodes.check()
+    assert bench.sentences == [], seed
+
+
+class Overtaken:
+    """Two connections to a node: one brings an answer from before the node's end."""
+
+    def __init__(self):
+        self.asked, self.ended = threading.Event(), threading.Event()
+        self.delivered = threading.Event()
+
+    def slow(self):
+        if self.asked.is_set():
+            assert self.ended.wait(LIMIT_S)
+            self.delivered.set()
+            raise NodeGoneError(verbatim("gone"))
+        self.asked.set()
+        assert self.ended.wait(LIMIT_S)
+        return 5
+
+    def fast(self):
+        assert self.asked.wait(LIMIT_S)
+        raise NodeGoneError(verbatim("gone"))
+
+
+def test_an_answer_from_before_the_end_of_a_node_does_not_revive_it():
+    probes = Overtaken()
+    said = []
+    node = WatchedNode(Message("the node"), [probes.slow, probes.fast])
+    nodes = NodeLiveness({"x": node}, Clock(), said.append, period_s=0.001)
+    nodes.start()
+    assert probes.asked.wait(LIMIT_S)
+    nodes.refresh()
+    probes.ended.set()
+    assert probes.delivered.wait(LIMIT_S)
+    nodes.stop()
+    assert nodes.missing() == ["x"]
+    assert None not in said
+
+
+def test_a_node_with_one_connection_that_hangs_is_asked_over_the_others():
+    hanging, released = FakeProbe(), FakeProbe()
+    hanging.answering.clear()
+    node = WatchedNode(Message("the node"), [hanging.process, released.process])
+    nodes = NodeLiveness({"x": node}, Clock(), lambda _sentence: None, period_s=0.001)
+    nodes.start()
+    for _time in range(3):
+        nodes.refresh()
+        assert nodes.missing() == []
+    hanging.answering.set()
     nodes.stop()

@@ -10,20 +10,27 @@ pytest.importorskip("gpr20_msgs.msg")
 import rospy
 from fake_robot import LIMIT_S
 
+from gpr20_common.high import service_client
+from gpr20_common.high.graph_message import message_fields
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
 from gpr20_main_control.mid.serial_calls import in_background
+from gpr20_msgs.msg import AxisResult
 from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.control_silent import CONTROL_SILENT
 
 
 @pytest.fixture
 def graph(monkeypatch):
     """Services whose nodes are away, and what was called once they were back."""
     graph = Graph()
-    monkeypatch.setattr(rospy, "wait_for_service", graph.wait_for_service)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda name, _class: lambda: graph.call(name))
+    monkeypatch.setattr(
+        service_client, "ServiceConnection", lambda name, _class: Connection(graph, name)
+    )
+    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda _client, _attempt: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
     monkeypatch.setattr(ros_axis.actionlib, "ActionClient", lambda *_arguments: None)
     yield graph
@@ -36,14 +43,27 @@ class Graph:
         self.waiting, self.node_is_back = threading.Event(), threading.Event()
         self.called = []
 
-    def wait_for_service(self, name, timeout):
-        if name == self.away:
-            self.waiting.set()
-            self.node_is_back.wait(LIMIT_S)
-
     def call(self, name):
         self.called.append(name)
         return CommandResponse(success=True)
+
+
+class Connection:
+    """A connection to a service of the graph."""
+
+    def __init__(self, graph, name):
+        self.graph, self.name = graph, name
+
+    def connect(self, _address, _timeout_s):
+        if self.name == self.graph.away:
+            self.graph.waiting.set()
+            self.graph.node_is_back.wait(LIMIT_S)
+
+    def call(self):
+        return self.graph.call(self.name)
+
+    def abort(self):
+        pass
 
 
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
@@ -69,3 +89,28 @@ def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     graph.node_is_back.set()
     homing.result(LIMIT_S)
     assert graph.called == ["x_axis/stop", "x_axis/homing"]
+
+
+class EndedGoal:
+    """The handle of a goal that ended without success."""
+
+    def __init__(self, message):
+        self._result = AxisResult(success=False, **message_fields(message))
+
+    def get_result(self):
+        return self._result
+
+    def get_goal_status_text(self):
+        return ""
+
+
+def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
+    assert ros_axis._outcome(EndedGoal(CONTROL_SILENT)).contact_lost
+    assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
+
+
+def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
+    response = CommandResponse(success=False, **message_fields(CONTROL_SILENT))
+    monkeypatch.setattr(graph, "call", lambda _name: response)
+    with pytest.raises(NodeLostError, match="no contact"):
+        ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)

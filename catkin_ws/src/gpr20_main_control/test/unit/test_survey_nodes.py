@@ -7,6 +7,7 @@ from fake_robot import LIMIT_S, NODES, Bench
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.mid.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
@@ -82,7 +83,7 @@ def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert status.message.sentence() == (
-        "Paused: the VNA driver stopped answering; no answer within 30 s. Fix the fault and "
+        "Paused: the VNA driver stopped answering; no answer within 300 s. Fix the fault and "
         "resume, or stop."
     )
     come_back(bench, VNA)
@@ -272,3 +273,57 @@ def test_the_parameters_are_told_when_they_are_set_and_when_a_survey_begins(benc
     bench.start(x_points=4)
     bench.wait_for(State.FINISHED)
     assert [one.x_points for one in bench.parameters] == [4, 4]
+
+
+def test_an_axis_that_stopped_because_the_link_was_silent_goes_on_by_itself(bench):
+    usual = bench.y.begin_move
+
+    def begin_move(target):
+        usual(target)
+        if len(bench.y.moves) == 2:
+            bench.y.coordinate = target - 1.0
+            silent = Message("no contact")
+            bench.y._outcome = MoveOutcome(False, silent, contact_lost=True)
+
+    bench.y.begin_move = begin_move
+    bench.start()
+    bench.complete()
+    assert "PAUSED" not in bench.states
+    assert bench.states.count("CHECKING") == 2
+    # Nothing has lost its zero.
+    assert [axis.homings for axis in bench.axes] == [1, 1, 1]
+
+
+def test_readings_that_stay_away_for_a_while_do_not_pause_the_survey(bench):
+    def fall_silent():
+        if bench.analyzer.sweeps == 5:
+            bench.analyzer.on_sweep = lambda: None
+            bench.x.silent_readings = 20
+
+    bench.analyzer.on_sweep = fall_silent
+    bench.start()
+    bench.complete()
+    assert "PAUSED" not in bench.states
+    assert bench.states.count("CHECKING") == 2
+
+
+def test_an_axis_that_never_reports_again_pauses_the_survey_though_its_node_answers(bench):
+    def fall_silent():
+        bench.x.silent = bench.analyzer.sweeps >= 5
+
+    bench.analyzer.on_sweep = fall_silent
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "the x axis has not reported its position" in str(status.message)
+    bench.analyzer.on_sweep = lambda: None
+    bench.x.silent = False
+    bench.resume_to_the_end()
+
+
+def test_a_move_waits_until_its_axis_is_connected(bench):
+    waits = iter([False] * 10)
+    bench.z.is_connected = lambda: next(waits, True)
+    bench.start()
+    bench.complete()
+    assert next(waits, None) is None
+    assert "PAUSED" not in bench.states

@@ -2,7 +2,14 @@ import pytest
 
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, StopRequested
+from gpr20_user_interface.mid.events import (
+    Answer,
+    ControlState,
+    LinkState,
+    Progress,
+    Request,
+    StopRequested,
+)
 from gpr20_user_interface.mid.survey_follower import (
     ExitStatus,
     Limits,
@@ -11,7 +18,15 @@ from gpr20_user_interface.mid.survey_follower import (
     SurveyFollower,
 )
 
-LIMITS = Limits(wait_s=10.0, silence_s=5.0, begin_s=10.0, stop_s=60.0, stop_retry_s=2.0)
+LIMITS = Limits(
+    wait_s=10.0,
+    silence_s=5.0,
+    link_down_s=600.0,
+    link_back_s=20.0,
+    begin_s=10.0,
+    stop_s=60.0,
+    stop_retry_s=2.0,
+)
 STARTED = Answer(Request.START, True, verbatim("started"), "ours")
 
 
@@ -119,6 +134,38 @@ def test_lost_main_control_is_noticed_even_while_stopping(surveying, wish):
     assert surveying.wait(5).status is None
     assert surveying.wait(0.5).status is ExitStatus.FAILED
     assert "The robot may still move" in str(surveying.follower.outcome.message)
+
+
+def test_a_link_that_is_down_is_waited_for(surveying):
+    surveying.wait(4).say(LinkState(down=True)).wait(500)
+    assert surveying.status is None
+    # Topics take a while to be connected again.
+    surveying.say(LinkState(down=False)).wait(19)
+    assert surveying.status is None
+    surveying.wait(20, progress()).say(state("FINISHED"))
+    assert surveying.status is ExitStatus.FINISHED
+
+
+def test_a_link_that_stays_down_ends_the_watch(surveying):
+    surveying.say(LinkState(down=True)).wait(600)
+    assert surveying.status is None
+    assert surveying.wait(0.5).status is ExitStatus.FAILED
+
+
+def test_a_main_control_that_has_not_come_back_with_its_link_ends_the_watch(surveying):
+    surveying.say(LinkState(down=True)).wait(60).say(LinkState(down=False))
+    assert surveying.wait(20).status is None
+    assert surveying.wait(0.5).status is ExitStatus.FAILED
+
+
+def test_a_stop_over_a_link_that_is_down_is_repeated_until_it_is_confirmed(surveying):
+    surveying.say(LinkState(down=True), StopRequested("Ctrl-C"))
+    for _attempt in range(50):
+        surveying.say(Answer(Request.STOP, False, verbatim("no answer"))).wait(2.5)
+    assert surveying.status is None
+    assert surveying.requests.count(Request.STOP) == 51
+    surveying.say(LinkState(down=False), state("STOPPED"))
+    assert surveying.status is ExitStatus.STOPPED
 
 
 def test_silence_while_this_process_was_suspended_is_not_main_controls(surveying):

@@ -7,7 +7,7 @@ from typing import Callable, Optional, Tuple
 import rospy
 
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
-from gpr20_axis_driver.high.goals import GoalServer
+from gpr20_axis_driver.high.goals import ClientContact, GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
@@ -26,6 +26,7 @@ from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.control_silent import CONTROL_SILENT
 
 MOVING_RATE_HZ = 50
 # At rest every fifth tick is published: 10 Hz.
@@ -67,15 +68,20 @@ class AxisNode:
         )
 
     def _execute(self, goal: AxisGoal) -> None:
-        stopped = self._stop_since_now()
-        client_gone = self._server.watch_sender()
+        stops = self._stop_since_now()
+        contact = ClientContact(self._server.watch_sender())
+
+        def stopped() -> bool:
+            return stops() or self._server.is_preempt_requested()
+
         try:
             self._driver.move_to_coordinate(
-                goal.target_coordinate,
-                lambda: stopped() or self._server.is_preempt_requested() or client_gone(),
+                goal.target_coordinate, lambda: stopped() or contact.is_lost()
             )
         except MotionStopped as stop:
-            self._finish(self._server.set_preempted, False, stop.message)
+            # A requested stop counts, even if the contact was lost as well.
+            message = CONTROL_SILENT if contact.was_lost and not stopped() else stop.message
+            self._finish(self._server.set_preempted, False, message)
         except AxisException as error:
             self._last_error = error.message
             rospy.logwarn("move refused or failed: %s", error)
@@ -83,8 +89,8 @@ class AxisNode:
         else:
             self._last_error = None
             self._finish(self._server.set_succeeded, True)
-        if client_gone():
-            rospy.logwarn("the client of the last move disconnected; the axis is at rest")
+        if contact.was_lost:
+            rospy.logwarn("no contact with the client of the last move; the axis is at rest")
 
     def _finish(
         self, set_state: Callable[..., None], success: bool, message: Optional[Message] = None
@@ -102,8 +108,15 @@ class AxisNode:
     def _home(self, request: CommandRequest) -> CommandResponse:
         stopped = self._stop_since_now()
         caller = connection_header(request).get("callerid", "")
-        client_gone = self._server.watch_node(caller)
-        return self._find_zero(lambda: self._driver.homing(lambda: stopped() or client_gone()))
+        contact = ClientContact(self._server.watch_node(caller))
+        try:
+            return self._find_zero(
+                lambda: self._driver.homing(lambda: stopped() or contact.is_lost())
+            )
+        except MotionStopped:
+            if contact.was_lost and not stopped():
+                return CommandResponse(success=False, **message_fields(CONTROL_SILENT))
+            raise
 
     def _set_zero(self, _request: CommandRequest) -> CommandResponse:
         return self._find_zero(self._driver.set_zero)

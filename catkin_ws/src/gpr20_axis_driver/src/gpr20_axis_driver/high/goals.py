@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, Iterator, Tuple
 import actionlib
 import rospy
 
-from gpr20_axis_driver.low.tcp_keepalive import keep_alive, silence_s
+from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 
 # How long a client's computer may leave probes unanswered: three probes, one second each.
 SILENCE_LIMIT_S = 3.5
@@ -64,6 +64,10 @@ class GoalServer(actionlib.SimpleActionServer):
         def gone() -> bool:
             # A list, because every connection must be probed from the beginning.
             watched = [one for name, one in self._connections() if is_watched(name)]
+            if not watched:
+                # Its process has ended: the system closed the connections.
+                return True
+            watched += [one for name, one in self._status_connections() if is_watched(name)]
             return not any([liveness.is_alive(one) for one in watched])
 
         return gone
@@ -76,6 +80,32 @@ class GoalServer(actionlib.SimpleActionServer):
             connection = one.socket
             if connection is not None:
                 yield one.callerid_pub, connection
+
+    def _status_connections(self) -> Iterator[Tuple[str, socket.socket]]:
+        # Over a link that loses packets, one connection may be silent for seconds while another
+        # is not. On these the client's system acknowledges five messages per second.
+        topic = self.action_server.status_pub.impl
+        for one in topic.connections if topic is not None else ():
+            connection = one.socket
+            if connection is not None:
+                yield one.endpoint_id, connection
+
+
+class ClientContact:
+    """Whether the contact with the client of a motion was lost at any moment of the motion.
+
+    Attributes:
+        was_lost: Whether it was; the client may be back already.
+    """
+
+    def __init__(self, is_gone: Callable[[], bool]) -> None:
+        self._is_gone = is_gone
+        self.was_lost = False
+
+    def is_lost(self) -> bool:
+        """Check the contact now; return whether it is or was lost."""
+        self.was_lost = self.was_lost or self._is_gone()
+        return self.was_lost
 
 
 class _ConnectionLiveness:

@@ -10,6 +10,7 @@ import rosgraph
 import rospy
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.parameters import (
     configuration_name,
     read_parameters,
@@ -54,9 +55,10 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
         sys.exit(1)
     if configuration_name():
         rospy.set_param(_started_name(), True)
+    keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.spin()
-    del kept
+    del kept, keeper
 
 
 def run_device(

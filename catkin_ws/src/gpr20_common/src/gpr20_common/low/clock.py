@@ -12,11 +12,15 @@ def time_of_day_us() -> int:
 
 
 class Clock:
-    """Seconds that only go forward, and waiting for them; not the time of day."""
+    """Seconds that only go forward, and waiting for them; beside them, the time of day."""
 
     def now_s(self) -> float:
         """Return the time [s] since some fixed moment."""
         return time.monotonic()
+
+    def time_of_day_us(self) -> int:
+        """Return the time of day [us since 1970, UTC], which may be set at any moment."""
+        return time_of_day_us()
 
     def sleep_until_s(self, deadline_s: float) -> None:
         """Return once `now_s()` has reached the deadline [s]; at once if it is past."""

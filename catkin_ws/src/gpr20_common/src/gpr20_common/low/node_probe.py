@@ -2,38 +2,12 @@
 
 from __future__ import annotations
 
-import http.client
 import xmlrpc.client
-from typing import Any, Optional
-from xml.parsers.expat import ExpatError
+from typing import Optional
 
-from gpr20_common.errors import NodeSilentError
+from gpr20_common.errors import NodeGoneError, NodeSilentError
+from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.message import Message
-
-SUCCESS = 1
-# No connection, no HTTP, no XML, no XML-RPC, or not what ROS answers.
-NO_ANSWER = (
-    OSError,
-    http.client.HTTPException,
-    ExpatError,
-    xmlrpc.client.Error,
-    ValueError,
-    TypeError,
-)
-
-
-class LimitedTransport(xmlrpc.client.Transport):
-    """HTTP with a time limit for the connection and for each answer."""
-
-    def __init__(self, time_limit_s: float) -> None:
-        super().__init__()
-        self._time_limit_s = time_limit_s
-
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:
-        """Return a connection, the former one if it is still open."""
-        connection = super().make_connection(host)
-        connection.timeout = self._time_limit_s
-        return connection
 
 
 class NodeProbe:
@@ -51,35 +25,34 @@ class NodeProbe:
         self._caller_id = caller_id
         self._node = node
         self._time_limit_s = time_limit_s
-        self._master = self._server(master_uri)
-        self._uri = ""
+        self._master = limited_server(master_uri, time_limit_s)
         self._server_of_node: Optional[xmlrpc.client.ServerProxy] = None
 
     def process(self) -> int:
         """Return the number of the node's process.
 
         Raises:
+            NodeGoneError: It has ended; the message says how that is known.
             NodeSilentError: It does not answer; the message says why.
         """
         try:
             if self._server_of_node is None:
-                self._server_of_node = self._server(self._look_up())
+                self._server_of_node = limited_server(self._look_up(), self._time_limit_s)
             # The address is kept: a master that is gone does not make its nodes silent.
-            return int(self._ask(self._server_of_node.getPid(self._caller_id)))
+            return int(value_of(self._server_of_node.getPid(self._caller_id)))
+        except NodeGoneError:
+            raise
         except NO_ANSWER as error:
+            # A master that refuses connections says nothing about the node.
+            refused = isinstance(error, ConnectionRefusedError) and self._server_of_node is not None
             self._server_of_node = None
-            raise NodeSilentError(
-                Message("{node} does not answer", node=self._node, details=error)
-            ) from error
+            raise (NodeGoneError if refused else NodeSilentError)(self._silence(error)) from error
 
     def _look_up(self) -> str:
-        return str(self._ask(self._master.lookupNode(self._caller_id, self._node)))
+        try:
+            return str(value_of(self._master.lookupNode(self._caller_id, self._node)))
+        except ValueError as error:
+            raise NodeGoneError(self._silence(error)) from error
 
-    def _ask(self, answer: Any) -> Any:
-        code, message, value = answer
-        if code != SUCCESS:
-            raise ValueError(message)
-        return value
-
-    def _server(self, uri: str) -> xmlrpc.client.ServerProxy:
-        return xmlrpc.client.ServerProxy(uri, transport=LimitedTransport(self._time_limit_s))
+    def _silence(self, error: Exception) -> Message:
+        return Message("{node} does not answer", node=self._node, details=error)

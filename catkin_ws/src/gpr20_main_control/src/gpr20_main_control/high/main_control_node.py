@@ -24,7 +24,12 @@ from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, Ro
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_liveness import ANSWER_LIMIT_S, NodeLiveness, WatchedNode
+from gpr20_main_control.mid.node_liveness import (
+    CONNECTIONS,
+    SILENCE_LIMIT_S,
+    NodeLiveness,
+    WatchedNode,
+)
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_main_control.mid.time_limits import TimeLimits
@@ -173,8 +178,12 @@ def _watched_nodes() -> Dict[str, WatchedNode]:
 
 def _watched(name: str, plain_name: Message) -> WatchedNode:
     own_name, full_name = rospy.get_name(), rospy.resolve_name(name)
-    probe = NodeProbe(rosgraph.get_master_uri(), own_name, full_name, ANSWER_LIMIT_S)
-    return WatchedNode(plain_name, probe.process)
+    master_uri = rosgraph.get_master_uri()
+    probes = [
+        NodeProbe(master_uri, own_name, full_name, SILENCE_LIMIT_S).process
+        for _connection in range(CONNECTIONS)
+    ]
+    return WatchedNode(plain_name, probes)
 
 
 def main() -> None:

@@ -14,15 +14,17 @@ from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.control_silent import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
-SERVER_LIMIT_S = 2.0
-STOP_LIMIT_S = 1.0
+# actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
+SERVER_POLL_S = 0.001
+STOP_LIMIT_S = 5.0
 # The node of an axis, in the axis's namespace.
 DRIVER = "axis_driver"
 
@@ -68,15 +70,13 @@ class RosAxis:
         age_s = self._clock.now_s() - received_s
         return AxisReading(last.coordinate, last.homed, last.moving, age_s)
 
-    def begin_move(self, target: float) -> None:
-        """Begin a move to a target [mm or deg] and return at once.
+    def is_connected(self) -> bool:
+        """Return whether the axis driver will receive the next move."""
+        return bool(self._client.wait_for_server(rospy.Duration(SERVER_POLL_S)))
 
-        Raises:
-            DeviceError: The axis driver does not answer.
-        """
+    def begin_move(self, target: float) -> None:
+        """Begin a move to a target [mm or deg] and return at once."""
         self._await_stops()
-        if not self._client.wait_for_server(rospy.Duration(SERVER_LIMIT_S)):
-            raise DeviceError(self._no_answer(f"{self._driver} offers no action server"))
         outcomes: queue.Queue = queue.Queue()
 
         def note(goal: actionlib.ClientGoalHandle) -> None:
@@ -98,20 +98,26 @@ class RosAxis:
         """Home the axis and return when it is homed.
 
         Raises:
-            DeviceError: It failed, or did not end in time.
+            NodeLostError: No answer came, or the axis had no contact with this node.
+            DeviceError: It failed.
         """
         self._await_stops()
         try:
             response = self._homing.call(time_limit_s)
         except ServiceUnavailableError as error:
-            raise DeviceError(self._no_answer(error)) from error
+            raise NodeLostError(self._no_answer(error)) from error
         if not response.success:
-            raise DeviceError(message_from(response))
+            message = message_from(response)
+            raise (NodeLostError if message == CONTROL_SILENT else DeviceError)(message)
 
     def stop(self) -> None:
         """End any motion; returns at once."""
         # A homing that waits for a lost node must not begin when the node is back.
         self._homing.give_up()
+        goal = self._goal
+        if goal is not None and goal.get_comm_state() != actionlib.CommState.DONE:
+            # On an open connection: it arrives before the call, which has to connect first.
+            goal.cancel()
         thread = threading.Thread(target=self._stop_now, daemon=True)
         with self._lock:
             thread.start()
@@ -167,4 +173,5 @@ def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
         no_result = Message("the move ended without a result", details=text)
         return MoveOutcome(False, no_result)
     # The result of a goal that actionlib itself refused has no message.
-    return MoveOutcome(result.success, message_from(result) if result.message else verbatim(text))
+    message = message_from(result) if result.message else verbatim(text)
+    return MoveOutcome(result.success, message, contact_lost=message == CONTROL_SILENT)

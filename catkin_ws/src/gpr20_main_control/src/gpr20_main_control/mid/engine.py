@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, Optional, Union
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested, message_of
 from gpr20_main_control.mid import survey_steps as steps
+from gpr20_main_control.mid.clock_steps import ClockSteps
 from gpr20_main_control.mid.instruments import AnalyzerState, Instruments
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
@@ -45,8 +46,9 @@ class SurveyEngine:
         self._status = status
         self._positioner = positioner
         self._interruption = interruption
-        self._instruments = Instruments(plan, robot, positioner, interruption)
         self._archive = SurveyArchive(plan, robot, status, interruption.clock)
+        self._clock_steps = ClockSteps(interruption.clock, plan.last, self._note_clock_step)
+        self._instruments = Instruments(plan, robot, positioner, interruption, self._clock_steps)
         limit_s = plan.settings.return_limit_s
         self._recovery = Recovery(positioner, status, interruption, limit_s)
         self._progress = steps.SurveyProgress.at_start(plan)
@@ -198,7 +200,12 @@ class SurveyEngine:
             return False
         return True
 
+    def _note_clock_step(self, warning: Message) -> None:
+        self._archive.note_warning(warning)
+        self._status.set_warning(warning)
+
     def _close_finished(self) -> None:
+        self._clock_steps.check()
         verdict = self._archive.coverage.verdict()
         stored = self._archive.close("finished", verdict.message, self._interruption.check)
         total = self._plan.total_points
@@ -251,6 +258,7 @@ class SurveyEngine:
         self._status.enter(SurveyState.PAUSED, message)
         while not self._resume.is_set():
             self._interruption.check_stop()
+            self._clock_steps.check()
             self._interruption.clock.wait_s(self._resume, POLL_S)
         self._recovery.note_resumed()
 
@@ -269,6 +277,7 @@ class SurveyEngine:
         self._status.enter(state, in_a_row(messages))
 
     def _close_early(self, outcome: str, reason: Message) -> Message:
+        self._clock_steps.check()
         check = self._recovery.return_limit_check()
         try:
             if self._recovery.nodes_changed:

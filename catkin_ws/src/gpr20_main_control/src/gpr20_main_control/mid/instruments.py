@@ -11,6 +11,7 @@ import numpy as np
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.clock_steps import ClockSteps
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.robot import Position, Robot
@@ -38,8 +39,14 @@ class Instruments:
     """Checks the instruments of one survey, and measures at the present position."""
 
     def __init__(
-        self, plan: SurveyPlan, robot: Robot, positioner: Positioner, interruption: Interruption
+        self,
+        plan: SurveyPlan,
+        robot: Robot,
+        positioner: Positioner,
+        interruption: Interruption,
+        clock_steps: ClockSteps,
     ) -> None:
+        self._clock_steps = clock_steps
         self._plan = plan
         self._robot = robot
         self._positioner = positioner
@@ -94,13 +101,17 @@ class Instruments:
                 )
             )
         self._check_sweep(sweep)
+        timestamp_us = time_of_day_us()
+        clock_step = self._clock_steps.check_trace(timestamp_us)
+        if clock_step is not None:
+            remarks += (storable_remark(str(clock_step)),)
         measured = {**vars(sweep), "quality": sweep.quality + remarks}
         return Trace(
             **measured,
             survey_id=self._plan.survey_id,
             sample_id=str(uuid.uuid4()),
             index=point.index,
-            timestamp_us=time_of_day_us(),
+            timestamp_us=timestamp_us,
             x_coord_mm=before.x_mm,
             y_coord_mm=before.y_mm,
             z_coord_deg=before.z_deg,

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from functools import partial
-from typing import Callable, Dict, List, Mapping, Optional
+from typing import Callable, List, Mapping, Optional, Sequence
 
-from gpr20_common.errors import NodeSilentError
+from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import NodeLostError
 
 # Nodes that are launched together are all running after this time [s].
 START_LIMIT_S = 15.0
-# The death of a node is noticed after one period; a node that hangs, after the answer's limit too.
+# The end of a process is noticed after one period: its address refuses connections.
 PERIOD_S = 0.4
-ANSWER_LIMIT_S = 1.2
-REFRESH_LIMIT_S = 2.0 * ANSWER_LIMIT_S
+# A node that does not answer for this time hangs, or the link to it is down [s]. Over a link
+# that loses packets, a single answer may take seconds.
+SILENCE_LIMIT_S = 5.0
+REFRESH_LIMIT_S = SILENCE_LIMIT_S + 1.0
+# Connections to each node: while one waits for a lost packet, the others continue to ask.
+CONNECTIONS = 3
 
 
 @dataclass(frozen=True)
@@ -26,18 +29,43 @@ class WatchedNode:
 
     Attributes:
         plain_name: What operators call it.
-        probe: Returns the number of the node's process, or raises NodeSilentError.
+        probes: Each returns the number of the node's process over a connection of its own, or
+            raises NodeSilentError.
     """
 
     plain_name: Message
-    probe: Callable[[], int]
+    probes: Sequence[Callable[[], int]]
+
+
+@dataclass
+class _Known:
+    """What is known about a node.
+
+    Attributes:
+        process: The number of its process; None if the node does not answer.
+        accepted: The process with which the survey continues.
+        seen: Whether it ever answered.
+        answered_s: When it answered last [s].
+        polls: How many polls have begun.
+        result: The last of these polls that had a result; earlier ones say nothing new.
+        due_s: When the next poll begins [s].
+    """
+
+    process: Optional[int] = None
+    accepted: Optional[int] = None
+    seen: bool = False
+    answered_s: float = 0.0
+    polls: int = 0
+    result: int = 0
+    due_s: float = 0.0
 
 
 class NodeLiveness:
     """Polls the nodes and stores the last answer of each.
 
-    Each node is polled in a thread of its own, so that one that hangs delays no other. Every
-    method may be called from any thread.
+    Each connection to a node is polled in a thread of its own, so that one that hangs delays no
+    other. A node is missing if its process has ended, or if it has not answered on any connection
+    for SILENCE_LIMIT_S. Every method may be called from any thread.
     """
 
     def __init__(
@@ -51,7 +79,7 @@ class NodeLiveness:
 
         Args:
             nodes: The nodes that a survey needs, by their names on the ROS graph.
-            clock: Measures the time that nodes have to start.
+            clock: Measures the time that nodes have to start and to answer.
             on_change: Called with a message about the nodes that do not answer, or with None
                 when all of them answer.
             period_s: Time between two polls of a node [s].
@@ -61,14 +89,9 @@ class NodeLiveness:
         self._on_change = on_change
         self._period_s = period_s
         self._changed = threading.Condition()
-        self._processes: Dict[str, Optional[int]] = dict.fromkeys(nodes)
-        self._accepted: Dict[str, Optional[int]] = dict(self._processes)
-        self._seen: Dict[str, bool] = dict.fromkeys(nodes, False)
+        self._known = {name: _Known() for name in nodes}
         self._reported: Optional[Message] = None
         self._starting_until_s = clock.now_s() + START_LIMIT_S
-        self._asked: Dict[str, int] = dict.fromkeys(nodes, 0)
-        self._answered: Dict[str, int] = dict.fromkeys(nodes, 0)
-        self._refreshes = 0
         self._ended = False
 
     def start(self) -> None:
@@ -85,15 +108,14 @@ class NodeLiveness:
             if name in self._nodes:
                 return
             self._nodes[name] = node
-            self._processes[name] = self._accepted[name] = None
-            self._seen[name] = False
-            self._asked[name] = self._answered[name] = 0
+            self._known[name] = _Known()
         self._start_watch(name)
 
     def _start_watch(self, name: str) -> None:
-        threading.Thread(
-            target=self._watch, args=(name,), name=f"watch {name}", daemon=True
-        ).start()
+        for probe in self._nodes[name].probes:
+            threading.Thread(
+                target=self._watch, args=(name, probe), name=f"watch {name}", daemon=True
+            ).start()
 
     def stop(self) -> None:
         """Stop polling."""
@@ -102,38 +124,48 @@ class NodeLiveness:
             self._changed.notify_all()
 
     def refresh(self) -> None:
-        """Poll every node now; return when all are polled, at the latest after REFRESH_LIMIT_S."""
+        """Poll every node now; return when all have answered or are known to be missing."""
         with self._changed:
-            wanted = {name: asked + 1 for name, asked in self._asked.items()}
-            self._refreshes += 1
+            before = {name: known.polls for name, known in self._known.items()}
+            for known in self._known.values():
+                known.due_s = self._clock.now_s()
             self._changed.notify_all()
             self._changed.wait_for(
-                lambda: all(self._answered[name] >= wanted[name] for name in wanted),
+                lambda: all(self._known[name].result > polls for name, polls in before.items()),
                 REFRESH_LIMIT_S,
             )
+            for name in before:
+                self._note_silence(name)
 
     def note_alive(self, name: str, process: int) -> None:
         """Note that a node has answered, and the number of its process."""
         with self._changed:
-            self._processes[name] = process
-            self._seen[name] = True
+            known = self._known[name]
+            known.process, known.seen = process, True
+            known.answered_s = self._clock.now_s()
             self._report_missing()
 
     def note_silent(self, name: str) -> None:
-        """Note that a node did not answer."""
+        """Note that a node does not answer: its process has ended, or it hangs."""
         with self._changed:
-            self._processes[name] = None
+            self._known[name].process = None
             self._report_missing()
+
+    def note_late(self, name: str) -> None:
+        """Note that one answer of a node did not come in time."""
+        with self._changed:
+            self._note_silence(name)
 
     def missing(self) -> List[str]:
         """Return the nodes that do not answer."""
         with self._changed:
-            return [name for name, process in self._processes.items() if process is None]
+            return [name for name, known in self._known.items() if known.process is None]
 
     def accept(self) -> None:
         """Accept the present processes as those with which the survey continues."""
         with self._changed:
-            self._accepted = dict(self._processes)
+            for known in self._known.values():
+                known.accepted = known.process
 
     def lost(self) -> Optional[Message]:
         """Return which nodes stopped answering or restarted since `accept`; None if no node."""
@@ -141,8 +173,8 @@ class NodeLiveness:
             missing = self.missing()
             restarted = [
                 name
-                for name, process in self._processes.items()
-                if process is not None and process != self._accepted[name]
+                for name, known in self._known.items()
+                if known.process is not None and known.process != known.accepted
             ]
         return _joined(
             [
@@ -174,32 +206,59 @@ class NodeLiveness:
             [
                 Message("{node} does not answer", node=self._plain_name(name), details=name)
                 for name in self.missing()
-                if self._seen[name] or not starting
+                if self._known[name].seen or not starting
             ]
         )
         if missing != self._reported:
             self._reported = missing
             self._on_change(missing)
 
-    def _watch(self, name: str) -> None:
-        while True:
-            with self._changed:
-                if self._ended:
-                    return
-                self._asked[name] += 1
-                refreshes = self._refreshes
-            try:
-                self.note_alive(name, self._nodes[name].probe())
-            except NodeSilentError:
-                self.note_silent(name)
-            with self._changed:
-                self._answered[name] = self._asked[name]
-                self._changed.notify_all()
-                self._changed.wait_for(partial(self._must_look, refreshes), self._period_s)
+    def _note_silence(self, name: str) -> None:
+        known = self._known[name]
+        if self._clock.now_s() - known.answered_s > SILENCE_LIMIT_S:
+            known.process = None
+        self._report_missing()
 
-    def _must_look(self, refreshes: int) -> bool:
-        """Return whether a refresh was requested since that many, or the watch ended."""
-        return self._ended or self._refreshes != refreshes
+    def _watch(self, name: str, probe: Callable[[], int]) -> None:
+        while True:
+            poll = self._wait_for_turn(name)
+            if poll is None:
+                return
+            process: Optional[int] = None
+            try:
+                process = probe()
+            except NodeGoneError:
+                # The end of its process is certain.
+                pass
+            except NodeSilentError:
+                self.note_late(name)
+                continue
+            self._note_result(name, poll, process)
+
+    def _wait_for_turn(self, name: str) -> Optional[int]:
+        """Wait until the node is due; return the number of the poll, None if the watch ended."""
+        with self._changed:
+            known = self._known[name]
+            while not self._ended:
+                wait_s = known.due_s - self._clock.now_s()
+                if wait_s <= 0.0:
+                    known.due_s += self._period_s - wait_s
+                    known.polls += 1
+                    return known.polls
+                self._changed.wait(wait_s)
+            return None
+
+    def _note_result(self, name: str, poll: int, process: Optional[int]) -> None:
+        with self._changed:
+            known = self._known[name]
+            # An answer that was overtaken by that to a later poll is about the past.
+            if poll > known.result:
+                known.result = poll
+                if process is None:
+                    self.note_silent(name)
+                else:
+                    self.note_alive(name, process)
+            self._changed.notify_all()
 
 
 def _joined(messages: List[Message]) -> Optional[Message]:

@@ -9,6 +9,7 @@ from typing import Callable, Dict, List, Mapping, Optional
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.interruption import Interruption
+from gpr20_main_control.mid.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.robot import Axis, AxisReading, Position
 from gpr20_main_control.mid.serial_calls import in_background, result_of
 from gpr20_survey.axes.axis_id import AxisId
@@ -16,13 +17,14 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
 from gpr20_survey.plan.survey_plan import SurveyPoint
 
-# An axis publishes at 10 Hz at rest; without a reading for this time it has failed [s].
-READING_LIMIT_S = 2.0
-# Nodes that are launched together all publish within this time [s].
-START_LIMIT_S = 10.0
+# An axis publishes at 10 Hz at rest; without a reading for this time there is no contact [s].
+# Over a link that loses packets, a single reading may be late by seconds.
+READING_LIMIT_S = SILENCE_LIMIT_S
+# Nodes that are launched together, and links that were down, are connected within this time [s].
+CONNECTION_LIMIT_S = 20.0
 # A move may take this many times its planned duration, plus the extra time.
 TIME_LIMIT_FACTOR = 1.5
-TIME_LIMIT_EXTRA_S = 5.0
+TIME_LIMIT_EXTRA_S = 10.0
 # Homing travels the length of the axis at the lowest speed and touches twice.
 HOMING_TIME_FACTOR = 1.3
 # How often a waiting survey checks for a stop request [s].
@@ -65,15 +67,20 @@ class Positioner:
             elapsed_s = self._clock.now_s() - begun_s
             return all(self._reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
 
-        self._wait(all_publish, START_LIMIT_S)
+        self._wait(all_publish, CONNECTION_LIMIT_S)
         for axis_id in self._axes:
-            self._reading(axis_id)
+            try:
+                self._reading(axis_id)
+            except NodeLostError as error:
+                # Its node is there, and waiting longer does not help.
+                raise DeviceError(error.message) from error
 
     def position(self) -> Position:
         """Return the position of the axes.
 
         Raises:
-            DeviceError: An axis does not publish or is not homed.
+            NodeLostError: An axis does not publish.
+            DeviceError: An axis is not homed.
         """
         readings = {axis_id: self._reading(axis_id) for axis_id in self._axes}
         for axis_id, reading in readings.items():
@@ -126,6 +133,7 @@ class Positioner:
 
         Raises:
             DeviceError: An axis failed; the others have been stopped.
+            NodeLostError: There is no contact with an axis; the others have been stopped.
             StopRequested: A stop of the survey was requested; the axes have been stopped.
         """
         targets = {AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}
@@ -172,6 +180,8 @@ class Positioner:
         limit_s = HOMING_TIME_FACTOR * slow_s + TIME_LIMIT_EXTRA_S
         try:
             self._axes[axis_id].home(limit_s)
+        except NodeLostError:
+            raise
         except DeviceError as error:
             raise DeviceError(
                 Message(
@@ -186,7 +196,12 @@ class Positioner:
         # ends before its sender has returned.
         if self._at_target(axis_id, self._reading(axis_id), target):
             return False
-        self._axes[axis_id].begin_move(target)
+        axis = self._axes[axis_id]
+        if not self._wait(axis.is_connected, CONNECTION_LIMIT_S):
+            raise NodeLostError(
+                Message("the {axis} axis driver is not connected", axis=axis_id.value)
+            )
+        axis.begin_move(target)
         return True
 
     def _finish(self, axis_id: AxisId, target: float) -> None:
@@ -220,7 +235,8 @@ class Positioner:
             elif now_s - arrived_s > LOST_RESULT_S:
                 return
         if not outcome.success:
-            raise DeviceError(
+            error_class = NodeLostError if outcome.contact_lost else DeviceError
+            raise error_class(
                 Message(
                     "the {axis} axis did not reach {target:g} {unit}: {reason}",
                     axis=axis_id.value,
@@ -276,7 +292,7 @@ class Positioner:
     def _reading(self, axis_id: AxisId) -> AxisReading:
         reading = self._axes[axis_id].reading()
         if reading is None or not _is_fresh(reading):
-            raise DeviceError(
+            raise NodeLostError(
                 Message(
                     "the {axis} axis has not reported its position for {limit_s:g} s; check that "
                     "its driver runs",

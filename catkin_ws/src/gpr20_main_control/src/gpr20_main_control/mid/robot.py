@@ -59,10 +59,17 @@ class Position:
 
 @dataclass(frozen=True)
 class MoveOutcome:
-    """How a move ended, with the axis's message."""
+    """How a move ended.
+
+    Attributes:
+        success: Whether the axis reached its target.
+        message: What the axis said.
+        contact_lost: Whether it stopped because it had no contact with the main control.
+    """
 
     success: bool
     message: Message
+    contact_lost: bool = False
 
 
 class Axis(Protocol):
@@ -70,6 +77,9 @@ class Axis(Protocol):
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
+
+    def is_connected(self) -> bool:
+        """Return whether the axis driver will receive the next move."""
 
     def begin_move(self, target: float) -> None:
         """Begin a move to a target [mm or deg] and return at once."""

@@ -101,6 +101,10 @@ class SurveyArchive:
         self._report.note_repeat(repeat, time_of_day_us())
         self._send_report(self._report.to_json(), check)
 
+    def note_warning(self, warning: Message) -> None:
+        """Note a warning, which is stored with the next report."""
+        self._report.note_warning(warning, time_of_day_us())
+
     def close(self, outcome: str, reason: Message, check: Check) -> int:
         """Close the survey and return how many traces its folder holds."""
         report_json = self._report.to_json()

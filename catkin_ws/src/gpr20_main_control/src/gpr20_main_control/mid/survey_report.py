@@ -35,6 +35,7 @@ class SurveyReport:
         """
         self.coverage = coverage
         self._controls = _controls_of(former_json, coverage.planned)
+        self._warnings = _warnings_of(former_json)
         for control in self._controls:
             coverage.note_remeasured(control["index"])
 
@@ -43,12 +44,22 @@ class SurveyReport:
         self._controls.append(
             {
                 "index": repeat.index,
-                "time": datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat(),
+                "time": _iso_time(time_us),
                 "difference_db": _finite_or_none(repeat.difference_db),
                 "height_difference_m": _finite_or_none(repeat.height_difference_m),
             }
         )
         self.coverage.note_remeasured(repeat.index)
+
+    def note_warning(self, warning: Message, time_us: int) -> None:
+        """Note a warning about the recording."""
+        self._warnings.append(
+            {
+                "time": _iso_time(time_us),
+                "warning": str(warning),
+                "warning_message": _record_of(warning),
+            }
+        )
 
     def to_json(self) -> str:
         """Return the report as it is stored in survey.json.
@@ -69,6 +80,7 @@ class SurveyReport:
                     for index, reason in reasons
                 ],
                 "controls": self._controls,
+                "warnings": self._warnings,
             }
         )
 
@@ -86,6 +98,20 @@ def _controls_of(former_json: str, planned: int) -> List[Dict[str, Any]]:
         raise SurveyError(
             Message("the report in survey.json cannot be read", details=repr(error))
         ) from error
+
+
+def _warnings_of(former_json: str) -> List[Dict[str, Any]]:
+    # Reports of earlier versions have none.
+    former = json.loads(former_json).get("warnings", []) if former_json else []
+    if not isinstance(former, list):
+        raise SurveyError(
+            Message("the report in survey.json cannot be read", details="warnings: no list")
+        )
+    return former
+
+
+def _iso_time(time_us: int) -> str:
+    return datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat()
 
 
 def _record_of(message: Message) -> Any:

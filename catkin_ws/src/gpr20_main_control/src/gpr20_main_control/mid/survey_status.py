@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass, replace
 from typing import Callable, Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import SurveyPoint
@@ -28,6 +28,7 @@ class Status:
         visited_points: Traces that are stored durably.
         remaining_s: Time to the end [s].
         missing: Which nodes do not answer; None if all answer.
+        warning: A warning about the current or last survey; None if there is none.
     """
 
     state: SurveyState = SurveyState.IDLE
@@ -38,13 +39,16 @@ class Status:
     visited_points: int = 0
     remaining_s: float = 0.0
     missing: Optional[Message] = None
+    warning: Optional[Message] = None
 
     @property
     def full_message(self) -> Message:
-        """The message, preceded by a warning if nodes are missing."""
-        if self.missing is None:
+        """The message, preceded by a warning if nodes are missing or the survey has one."""
+        warnings = [one for one in (self.missing, self.warning) if one is not None]
+        if not warnings:
             return self.message
-        return Message("Warning: {warning}. {status}", warning=self.missing, status=self.message)
+        warning = in_a_row(warnings) if len(warnings) > 1 else warnings[0]
+        return Message("Warning: {warning}. {status}", warning=warning, status=self.message)
 
     @property
     def completion_percent(self) -> float:
@@ -102,6 +106,11 @@ class SurveyStatus:
         with self._lock:
             self._change(replace(self._status, missing=missing))
 
+    def set_warning(self, warning: Message) -> None:
+        """Set a warning, which is shown until the next survey begins."""
+        with self._lock:
+            self._change(replace(self._status, warning=warning))
+
     def begin_survey(
         self, survey_id: str, total_points: int, visited_points: int, planned_s: float
     ) -> None:
@@ -114,6 +123,7 @@ class SurveyStatus:
                     total_points=total_points,
                     visited_points=visited_points,
                     remaining_s=planned_s,
+                    warning=None,
                 )
             )
 

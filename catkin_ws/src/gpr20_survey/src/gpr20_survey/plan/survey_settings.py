@@ -26,14 +26,15 @@ class SurveySettings:
         height_s: Time that the height measurement takes [s]; for the estimate only.
         attempts: How often a height measurement is tried before the survey pauses.
         on_height_failure: `pause`, or `store_without` to store the trace with no height.
-        return_limit_s: How long a survey waits for a node that is gone before it pauses [s].
+        return_limit_s: How long a survey waits for a node that is gone, or for a link that is
+            down, before it pauses [s].
     """
 
     settle_s: float = 0.5
     height_s: float = 0.4
     attempts: int = 3
     on_height_failure: str = HeightPolicy.PAUSE.value
-    return_limit_s: float = 30.0
+    return_limit_s: float = 300.0
 
     def __post_init__(self) -> None:
         number_between("settle_s", self.settle_s, 0.0, 60.0, "s")

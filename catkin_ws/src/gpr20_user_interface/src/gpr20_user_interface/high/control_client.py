@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import queue
 import threading
 from typing import Any, Callable, Dict
 
@@ -13,6 +12,7 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_msgs.msg import ControlStatus, Coordinates, RobotConfiguration, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
@@ -36,6 +36,9 @@ SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
 # STOP must not wait for a main control that hangs: then it goes to the axes directly.
 STOP_TIMEOUT_S = 2.0
+# A STOP that was not answered is repeated: the survey would continue when the link is back.
+STOP_RETRY_S = 2.0
+STOP_RETRIES_S = 900.0
 AXES = ("x", "y", "z")
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
@@ -46,7 +49,8 @@ class DirectServiceClient(ServiceClient):
     """Remembers the address of a service: STOP must work while the master is away."""
 
     def __init__(self, name: str, service_class: Any) -> None:
-        super().__init__(name, service_class)
+        # A STOP that arrives late is still wanted.
+        super().__init__(name, service_class, discard_late=False)
         self._address = ""
 
     def remember(self) -> None:
@@ -63,28 +67,11 @@ class DirectServiceClient(ServiceClient):
             # There is no such service now.
             return
 
-    def _ask(
-        self, timeout_s: float, arguments: Any, answers: queue.Queue, given_up: threading.Event
-    ) -> None:
-        if self._address:
-            proxy = _AddressedProxy(self.name, self._service_class, self._address)
-            request, fields = arguments
-            try:
-                answers.put(proxy(*request, **fields))
-                return
-            except (rospy.ROSException, rospy.ServiceException, OSError):
-                # It has ended or has another address: the master may know.
-                pass
-        super()._ask(timeout_s, arguments, answers, given_up)
-
-
-class _AddressedProxy(rospy.ServiceProxy):
-    def __init__(self, name: str, service_class: Any, address: str) -> None:
-        super().__init__(name, service_class)
-        self._address = address
-
-    def _get_service_uri(self, _request: Any) -> str:
-        return self._address
+    def _look_up(self, attempt: int) -> str:
+        # After a failure the master is asked: the service may have another address now.
+        if attempt == 0 and self._address:
+            return self._address
+        return super()._look_up(attempt)
 
 
 class ControlClient(RosEvents):
@@ -103,6 +90,14 @@ class ControlClient(RosEvents):
         self._master = MasterWatch()
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
+        self._repeating_stop = threading.Lock()
+        self._stop_obsolete = threading.Event()
+        self._clock = Clock()
+
+    def close(self) -> None:
+        """Call the listener no more, and repeat no request."""
+        self._stop_obsolete.set()
+        super().close()
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
@@ -126,11 +121,13 @@ class ControlClient(RosEvents):
             parameters: What to measure.
             annotation: What people add to the survey; empty fields become the robot's defaults.
         """
+        self._stop_obsolete.set()
         self._ask(Request.START, lambda: self._ask_start(parameters, annotation))
 
     def stop_survey(self) -> None:
-        """Ask to stop the survey; the answer is an event."""
-        in_background(lambda: self._emit(self._stop_answer()))
+        """Ask to stop the survey, until the main control answers; the answer is an event."""
+        self._stop_obsolete.clear()
+        in_background(self._stop_until_answered)
 
     def pause_survey(self) -> None:
         """Ask to pause the survey; the answer is an event."""
@@ -138,6 +135,7 @@ class ControlClient(RosEvents):
 
     def resume_survey(self, survey_id: str = "") -> None:
         """Ask to resume the paused survey or the one named; the answer is an event."""
+        self._stop_obsolete.set()
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
 
     def check_master(self) -> None:
@@ -173,16 +171,38 @@ class ControlClient(RosEvents):
         note = conversions.annotation_message(annotation)
         return self._start.call(START_TIMEOUT_S, annotation=note)
 
-    def _stop_answer(self) -> Answer:
+    def _stop_until_answered(self) -> None:
         try:
-            return _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
+            answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
         except ServiceUnavailableError as error:
             message = Message(
                 "{reason}; the axes were asked to stop directly; {answers}",
                 reason=_no_answer(error),
                 answers=self._stop_axes(),
             )
-            return Answer(Request.STOP, False, message)
+            self._emit(Answer(Request.STOP, False, message))
+            self._repeat_stop()
+        else:
+            self._emit(answer)
+
+    def _repeat_stop(self) -> None:
+        # One thread is enough, however often STOP is pressed.
+        if not self._repeating_stop.acquire(blocking=False):
+            return
+        try:
+            end_s = self._clock.now_s() + STOP_RETRIES_S
+            while self._clock.now_s() < end_s:
+                if self._clock.wait_s(self._stop_obsolete, STOP_RETRY_S):
+                    return
+                try:
+                    answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
+                except ServiceUnavailableError as error:
+                    rospy.logwarn_throttle(10.0, f"STOP is not answered: {error}")
+                    continue
+                self._emit(answer)
+                return
+        finally:
+            self._repeating_stop.release()
 
     def _stop_axes(self) -> Message:
         answers: Dict[str, Message] = {}
@@ -204,8 +224,6 @@ class ControlClient(RosEvents):
         return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer))
 
     def _ask_resume(self, survey_id: str) -> Any:
-        # The long limit is for the answer, not for a service that is not there.
-        rospy.wait_for_service(self._resume.name, timeout=SET_TIMEOUT_S)
         return self._resume.call(START_TIMEOUT_S, survey=survey_id)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:

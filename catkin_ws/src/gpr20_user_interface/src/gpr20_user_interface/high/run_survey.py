@@ -11,12 +11,14 @@ import rospy
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient
+from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
@@ -86,7 +88,10 @@ def _follow(options: Options, events: queue.SimpleQueue, catalogue: Catalogue) -
     display = _display(options.bar, catalogue)
     session = SurveySession(follower, events, lambda request: requests[request](), display)
     client.listen()
+    keeper, link = ConnectionKeeper(), LinkWatch(events.put)
     outcome = session.run()
+    link.close()
+    keeper.close()
     client.close()
     messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
     lines = [terminal_line(message, catalogue) for message in messages]

@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language, language_from_code
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -125,7 +126,9 @@ def _show(application: QApplication) -> int:
     # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
+    keeper = ConnectionKeeper()
     status = application.exec_()
+    keeper.close()
     interface.end()
     # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")

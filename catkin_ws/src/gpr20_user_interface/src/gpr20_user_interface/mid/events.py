@@ -192,8 +192,19 @@ class StopRequested:
 
 
 # Everything that can happen while a survey is followed.
+@dataclass(frozen=True)
+class LinkState:
+    """Whether the link to the main control is down.
+
+    It is not down if the process of the main control answers, or has certainly ended.
+    """
+
+    down: bool
+
+
 Event = Union[
     ControlState,
+    LinkState,
     Progress,
     CurrentPosition,
     TargetPosition,

@@ -13,6 +13,7 @@ from gpr20_user_interface.mid.events import (
     Answer,
     ControlState,
     Event,
+    LinkState,
     Progress,
     Request,
     StopRequested,
@@ -60,6 +61,10 @@ class Limits:
     wait_s: float = 15.0
     # The main control publishes at 2 Hz: ten messages have to be lost.
     silence_s: float = 5.0
+    # While the link is down; the survey itself waits for 300 s by default and then pauses.
+    link_down_s: float = 600.0
+    # For topics to be connected again when the link is back.
+    link_back_s: float = 20.0
     # For the first status of the survey that was started.
     begin_s: float = 10.0
     # For axes to ramp down, a sweep to end and pending traces to be stored.
@@ -101,6 +106,7 @@ class SurveyFollower:
         self._stop_wanted_s: Optional[float] = None
         self._stop_due_s: Optional[float] = None
         self._stop_refusal: Optional[Message] = None
+        self._link_down = False
         now_s = clock.now_s()
         self._began_s = self._received_s = self._ticked_s = now_s
 
@@ -124,7 +130,15 @@ class SurveyFollower:
             return self._answered(event)
         if isinstance(event, StopRequested):
             return self._request_stop()
+        if isinstance(event, LinkState):
+            self._take_link(event)
         return []
+
+    def _take_link(self, link: LinkState) -> None:
+        if self._link_down and not link.down:
+            wait_s = self._limits.link_back_s - self._limits.silence_s
+            self._received_s = max(self._received_s, self._clock.now_s() + wait_s)
+        self._link_down = link.down
 
     def tick(self) -> List[Request]:
         """Check the time limits; return the requests to send to the main control now."""
@@ -135,13 +149,17 @@ class SurveyFollower:
         self._ticked_s = now_s
         if self._phase is _Phase.WAITING and now_s - self._began_s > self._limits.wait_s:
             self._end(ExitStatus.REFUSED, _not_there(self._limits.wait_s))
-        elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._limits.silence_s:
-            self._end(ExitStatus.FAILED, _lost(self._limits.silence_s))
+        elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._silence_limit_s:
+            self._end(ExitStatus.FAILED, _lost(self._silence_limit_s))
         elif self._stop_wanted_s is not None:
             return self._tick_stop(now_s, now_s - self._stop_wanted_s)
         elif self._phase is _Phase.FOLLOWING and not self._seen:
             self._tick_unseen(now_s - self._began_s)
         return []
+
+    @property
+    def _silence_limit_s(self) -> float:
+        return self._limits.link_down_s if self._link_down else self._limits.silence_s
 
     def _tick_unseen(self, waited_s: float) -> None:
         if waited_s > self._limits.begin_s:
@@ -156,7 +174,8 @@ class SurveyFollower:
             )
 
     def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
-        if waited_s > self._limits.stop_s:
+        # A survey that is not stopped continues when the link is back.
+        if waited_s > self._limits.stop_s and not self._link_down:
             message = _stop_not_confirmed(self._limits.stop_s, self._stop_refusal)
             self._end(ExitStatus.FAILED, message)
         elif self._stop_due_s is not None and now_s >= self._stop_due_s:

@@ -27,8 +27,8 @@ from gpr20_user_interface.mid.events import (
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport, HealthTracker
 
-# The main control publishes at 2 Hz.
-CONTROL_SILENCE_S = 3.0
+# The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
+CONTROL_SILENCE_S = 5.0
 # A coordinate or height that is older than this [s] is not shown.
 STALE_S = 3.0
 

@@ -12,6 +12,7 @@ from gpr20_user_interface.mid.events import (
     Answer,
     ControlState,
     Event,
+    LinkState,
     Progress,
     Request,
     StopRequested,
@@ -31,6 +32,10 @@ _HEADLINES = {
     ExitStatus.PAUSED: Message("Survey PAUSED; it stays paused."),
     ExitStatus.STOPPED: Message("Survey stopped."),
 }
+_LINK_DOWN = Message(
+    "No contact with the main control. The robot may still move. Waiting for the link."
+)
+_LINK_BACK = Message("In contact with the main control again.")
 _RESUME_HINT = Message(
     "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with `rosservice "
     "call stop_survey` in the robot's namespace."
@@ -125,6 +130,8 @@ class SurveySession:
             self._show_progress(event)
         elif isinstance(event, Accepted):
             self._display.note(_accepted(event))
+        elif isinstance(event, LinkState):
+            self._display.note(_LINK_DOWN if event.down else _LINK_BACK)
         elif isinstance(event, StopRequested):
             self._display.note(Message("{signal}: stopping the survey.", signal=event.signal))
         elif isinstance(event, Answer) and event.request is Request.STOP and not event.success:

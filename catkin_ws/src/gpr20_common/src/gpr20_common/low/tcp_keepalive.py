@@ -1,4 +1,4 @@
-"""TCP keep-alive: how long the other end of a connection has been silent, as Linux knows it."""
+"""TCP connections whose other end may vanish: how long it has been silent, and when they end."""
 
 from __future__ import annotations
 
@@ -27,6 +27,28 @@ def keep_alive(connection: socket.socket) -> None:
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, PROBE_PERIOD_S)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, MOST_PROBES)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+
+
+def end_when_broken(connection: socket.socket, limit_s: float) -> None:
+    """Have the kernel end the connection when the other end has not answered for a time [s].
+
+    Without this limit a connection over a link that was down stays silent for as long again:
+    Linux doubles the time between its attempts to send.
+
+    Raises:
+        OSError: The connection is closed.
+    """
+    keep_alive(connection)
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * limit_s))
+
+
+def send_at_once(connection: socket.socket) -> None:
+    """Send small messages without waiting for the acknowledgement of earlier ones.
+
+    Raises:
+        OSError: The connection is closed.
+    """
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
 def silence_s(connection: socket.socket) -> float:

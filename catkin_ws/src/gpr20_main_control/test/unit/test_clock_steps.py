@@ -1,0 +1,99 @@
+"""The computer's clock is set during a survey, or between two sessions of it."""
+
+import random
+from dataclasses import replace
+
+import pytest
+from fake_clocks import ManualClock
+from trace_examples import make_trace
+
+from gpr20_main_control.mid.clock_steps import LARGEST_CORRECTION_S, ClockSteps
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+DRAWS = 200
+
+
+class Steps:
+    def __init__(self, last=None):
+        self.clock = ManualClock()
+        self.said = []
+        self.steps = ClockSteps(self.clock, last, lambda message: self.said.append(str(message)))
+
+    def next_trace(self):
+        self.clock.time_s += 1.0
+        return self.steps.check_trace(self.clock.time_of_day_us())
+
+
+def test_a_clock_that_is_set_is_said_once_with_the_step():
+    bench = Steps()
+    assert bench.next_trace() is None
+    bench.clock.set_s -= 3600.0
+    assert bench.next_trace() is not None
+    assert bench.next_trace() is None
+    bench.clock.set_s += 86400.0
+    bench.steps.check()
+    assert bench.next_trace() is None
+    assert bench.said == [
+        "the computer's clock was set back by 3600 s during the survey; times in the recording "
+        "are out of order",
+        "the computer's clock was set forward by 86400 s during the survey; durations in the "
+        "recording are too long",
+    ]
+
+
+def test_a_small_step_is_said_if_it_orders_two_traces_wrongly():
+    bench = Steps()
+    bench.next_trace()
+    bench.clock.set_s -= 0.5
+    assert bench.next_trace() is None
+    bench.clock.set_s -= 1.5
+    bench.next_trace()
+    assert bench.said == [
+        "the computer's clock is 0.5 s behind the last stored trace; times in the recording are "
+        "out of order"
+    ]
+
+
+def test_a_clock_that_is_behind_the_traces_of_another_session_is_said():
+    clock = ManualClock()
+    last = replace(make_trace(), timestamp_us=clock.time_of_day_us() + 86_401_000_000)
+    bench = Steps(last)
+    bench.next_trace()
+    bench.next_trace()
+    assert bench.said == [
+        "the computer's clock is 86400.0 s behind the last stored trace; times in the recording "
+        "are out of order"
+    ]
+
+
+@pytest.mark.parametrize("seed", range(DRAWS))
+def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order(seed):
+    draw = random.Random(seed)
+    bench = Steps()
+    for _trace in range(20):
+        bench.clock.time_s += draw.uniform(2.0, 100.0)
+        bench.clock.set_s += draw.uniform(-1.0, 1.0) * LARGEST_CORRECTION_S
+        assert bench.next_trace() is None, seed
+
+
+def test_a_survey_tells_the_operator_and_stores_it_and_continues(bench):
+    def set_back():
+        if bench.analyzer.sweeps == 5:
+            bench.analyzer.on_sweep = lambda: None
+            bench.clock.set_s -= 3600.0 * 1000
+
+    bench.analyzer.on_sweep = set_back
+    bench.start()
+    bench.complete()
+    status = bench.board.status
+    assert status.state is State.FINISHED
+    said = status.full_message.sentence()
+    assert said.startswith("Warning: the computer's clock was set back by ")
+    assert "Finished" in said
+    (warning,) = bench.storage.reports[-1]["warnings"]
+    assert warning["warning"].startswith("the computer's clock was set back by ")
+    remarked = [one.index for one in bench.storage.samples if "clock was set" in str(one.quality)]
+    assert remarked == [5]
+    bench.start()
+    assert bench.board.status.warning is None
+    bench.wait_for(State.FINISHED)

@@ -1,0 +1,94 @@
+"""Surveys of two machines over a link that delays and loses packets, and that fails for a while.
+
+The seed of the link and of the moment at which it fails is in the name of the test. Environment
+variables make it harder: GPR20_LINK_SEEDS (how many seeds), GPR20_LINK_POINTS (points of a row),
+GPR20_LINK_DELAY_S (in each direction), GPR20_LINK_CUT_S.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+
+import bad_link
+import pytest
+from network_namespaces import badly_linked_machines
+from two_machine_survey import (
+    CLIENT,
+    launched,
+    outcome,
+    statuses,
+    stored_traces,
+    survey_folder,
+)
+from user_shell import wait_until
+
+SEEDS = int(os.environ.get("GPR20_LINK_SEEDS", "1"))
+POINTS = int(os.environ.get("GPR20_LINK_POINTS", "3"))
+# Longer than a survey once waited for a lost node.
+CUT_S = float(os.environ.get("GPR20_LINK_CUT_S", "45"))
+DELAY_S = float(os.environ.get("GPR20_LINK_DELAY_S", "0.1"))
+JITTER_S, LOSS = 0.02, 0.05
+TRACES = 3 * POINTS * 2
+# Requests over this link take a second or two.
+STOP_LIMIT_S = 15.0
+STOPPED_BY_CTRL_C = 130
+SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
+
+pytestmark = [
+    pytest.mark.real_time,
+    pytest.mark.takes(150),
+    pytest.mark.skipif(bool(bad_link.unavailable()), reason=bad_link.unavailable()),
+]
+
+
+def check_complete(folder):
+    assert outcome(folder) == "finished"
+    assert stored_traces(folder) == Counter(range(TRACES))
+    verify = [sys.executable, "-m", "gpr20_analysis.commands.main", "verify"]
+    subprocess.run([*verify, survey_folder(folder)], check=True)
+
+
+def check_stop(on_robot, folder):
+    """Stop a survey by Ctrl-C at its client."""
+    client = on_robot.start(SURVEY)
+    wait_until(lambda: statuses(folder)[-1][0] == "SURVEYING", client)
+    begun_s = time.monotonic()
+    client.send_signal(signal.SIGINT)
+    assert client.wait(60.0) == STOPPED_BY_CTRL_C
+    assert time.monotonic() - begun_s < STOP_LIMIT_S
+    assert statuses(folder)[-1][0] == "STOPPED"
+
+
+@pytest.mark.parametrize("seed", range(1, 1 + SEEDS))
+def test_a_survey_over_a_bad_link_continues_by_itself_when_the_link_was_down(tmp_path, seed):
+    draw = random.Random(seed)
+    quality = bad_link.LinkQuality(DELAY_S, JITTER_S, LOSS, seed)
+    with contextlib.ExitStack() as stack:
+        server, robot, link = stack.enter_context(badly_linked_machines(quality))
+        _on_server, on_robot = stack.enter_context(launched(server, robot, tmp_path))
+        client = on_robot.start(SURVEY)
+        cut_at = draw.randrange(2, TRACES - 2)
+        wait_until(lambda: sum(stored_traces(tmp_path).values()) >= cut_at, client)
+        before_cut = len(statuses(tmp_path))
+        # At rest, nodes that are still starting are named.
+        states = [state for state, _message in statuses(tmp_path) if state != "IDLE"]
+        # Late answers are no lost nodes: one status for each state.
+        assert states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING"], states
+        link.wait(draw.uniform(0.0, 2.0))
+        link.cut()
+        link.wait(CUT_S)
+        link.restore()
+        assert client.wait(300.0) == 0
+        states = [state for state, _message in statuses(tmp_path)[before_cut:]]
+        # The survey has waited once, and nobody has resumed it.
+        changes = [new for old, new in zip(["SURVEYING", *states], states) if new != old]
+        assert changes == ["CHECKING", "HOMING", "SURVEYING", "FINISHED"], states
+        check_complete(tmp_path)
+        check_stop(on_robot, tmp_path)
