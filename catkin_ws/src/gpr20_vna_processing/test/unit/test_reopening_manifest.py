@@ -183,6 +183,17 @@ def test_without_any_copy_a_plan_that_fits_is_used_with_a_warning(kit, cut_off):
     assert "no copy confirms survey.json" in reopen_and_finish(kit, cut_off)
 
 
+def test_a_trace_that_a_flipped_bit_moved_to_another_place_is_left_out(kit, cut_off):
+    path = cut_off / "survey.bag"
+    content = bytearray(path.read_bytes())
+    # Of a recorded trace the index is behind its sample_id.
+    place = content.index(b"sample-2") + len(b"sample-2") + 1
+    content[place] ^= 4  # 2 becomes 1026
+    path.write_bytes(content)
+    repairs = reopen_and_finish(kit, cut_off)
+    assert "trace 1026 has other numbers" in repairs
+
+
 def test_copies_that_contradict_each_other_are_refused_where_nothing_decides(kit, cut_off):
     path = cut_off / "survey.json"
     path.write_bytes(path.read_bytes().replace(b'"simulated": true', b'"simulated": null'))

@@ -150,5 +150,9 @@ class Plan:
         """Rotation [deg], y and x [mm] of each, (samples, 3)."""
 
     def misplaced(self, trace: Trace) -> List[Message]:
-        """Return the differences between a trace and the plan for its index."""
+        """Return how the place and the number of frequencies of a trace differ from the plan."""
+        return self._fit.misplaced(trace)
+
+    def misfits(self, trace: Trace) -> List[Message]:
+        """Return all differences between a trace and the plan for its index."""
         return self._fit.misfits(trace)

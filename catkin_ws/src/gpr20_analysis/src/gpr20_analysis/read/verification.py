@@ -262,7 +262,7 @@ class _Verifier:
                 Message("{file} changed while it was read: {reason}", file=name, reason=reason)
             )
             return
-        misplaced = plan.misplaced(trace)
+        misplaced = plan.misfits(trace)
         self._found.faults += misplaced
         self._found.stored += not misplaced
 

@@ -33,6 +33,10 @@ class PlanFit:
 
     def misfits(self, trace: Trace) -> List[Message]:
         """Return the differences between a trace and the plan for its index."""
+        return self.misplaced(trace) or self._other_frequencies(trace)
+
+    def misplaced(self, trace: Trace) -> List[Message]:
+        """Return the same, but of the frequencies only their number."""
         if trace.index >= len(self.points):
             return [
                 Message(
@@ -41,9 +45,9 @@ class PlanFit:
                     planned=len(self.points),
                 )
             ]
-        return [*self._misplaced(trace), *self._other_frequencies(trace)]
+        return [*self._elsewhere(trace), *self._other_number(trace)]
 
-    def _misplaced(self, trace: Trace) -> List[Message]:
+    def _elsewhere(self, trace: Trace) -> List[Message]:
         point, travel = self.points[trace.index], self._travel
         return [
             Message(
@@ -62,17 +66,20 @@ class PlanFit:
             if abs(own - planned) > step / 2
         ]
 
+    def _other_number(self, trace: Trace) -> List[Message]:
+        if len(trace.frequency_hz) == len(self._frequencies_hz):
+            return []
+        return [
+            Message(
+                "trace {index} has {count} frequencies instead of {planned}",
+                index=trace.index,
+                count=len(trace.frequency_hz),
+                planned=len(self._frequencies_hz),
+            )
+        ]
+
     def _other_frequencies(self, trace: Trace) -> List[Message]:
         own, planned = trace.frequency_hz, self._frequencies_hz
-        if len(own) != len(planned):
-            return [
-                Message(
-                    "trace {index} has {count} frequencies instead of {planned}",
-                    index=trace.index,
-                    count=len(own),
-                    planned=len(planned),
-                )
-            ]
         wrong = np.abs(own - planned) > FREQUENCY_TOLERANCE_HZ
         if not wrong.any():
             return []

@@ -113,6 +113,8 @@ class StoredBag:
             one = bag_format.read_record(data, place)
             if one.kind == bag_format.CONNECTION:
                 connection = bag_format.read_connection(one)
+                if data[place : one.end] != bag_format.connection_record(connection):
+                    raise BagFormatError("a connection is not as the storage writes it")
                 if connections.setdefault(connection.number, connection) != connection:
                     raise BagFormatError("a connection has two types")
             elif one.kind == bag_format.MESSAGE:

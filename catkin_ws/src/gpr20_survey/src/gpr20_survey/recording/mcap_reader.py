@@ -27,6 +27,8 @@ from gpr20_survey.recording.stored_recording import damaged, mapped
 COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
 # Opcode, length, start of the summary and of its offsets, checksum of the summary.
 FOOTER = struct.Struct("<BQQQI")
+# Opcode, length, checksum of all before it.
+DATA_END = struct.Struct("<BQI")
 HEAD = (Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT)
 
 _TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
@@ -67,7 +69,7 @@ class StoredMcap:
             place = end
 
     def frame_faults(self) -> List[Message]:
-        """Return what is damaged behind the data, if the file was finished."""
+        """Return what is damaged anywhere in the file, by its two checksums, if it was finished."""
         content = mapped(self.path)
         footer = len(content) - len(MAGIC) - FOOTER.size
         if footer < len(MAGIC) or content[-len(MAGIC) :] != MAGIC:
@@ -76,9 +78,14 @@ class StoredMcap:
             content[footer : footer + FOOTER.size]
         )
         covered = memoryview(content)[start : footer + FOOTER.size - 4]
-        if (opcode, size) == (Opcode.FOOTER, FOOTER.size - 9) and zlib.crc32(covered) == expected:
+        if (opcode, size) != (Opcode.FOOTER, FOOTER.size - 9) or zlib.crc32(covered) != expected:
+            return [damaged(self.path, "the checksum of its summary is wrong")]
+        # A damaged length can hide the end of the data from `messages`.
+        data = memoryview(content)[: start - DATA_END.size]
+        end = DATA_END.unpack(content[len(data) : start])
+        if end in ((Opcode.DATA_END, 4, 0), (Opcode.DATA_END, 4, zlib.crc32(data))):
             return []
-        return [damaged(self.path, "the checksum of its summary is wrong")]
+        return [damaged(self.path, "the checksum of its data is wrong")]
 
     def _messages(self, opcode: int, data: bytes) -> List[RecordedMessage]:
         if opcode in HEAD or opcode == Opcode.MESSAGE_INDEX:

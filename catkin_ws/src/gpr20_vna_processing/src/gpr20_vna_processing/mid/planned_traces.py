@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Set
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -57,6 +57,13 @@ class PlannedTraces:
         """Note a trace that is stored in one of the forms."""
         for one in self._candidates:
             one.note(trace)
+
+    def damaged(self, truth: Mapping[int, bytes]) -> Set[int]:
+        """Return the places in the plan whose traces do not fit it, if the plan is certain."""
+        if self._recovered.basis is Basis.NOTHING:
+            return set()
+        (only,) = self._candidates
+        return {index for index, own in truth.items() if only.misfits({index: own})}
 
     def description(self, truth: Mapping[int, bytes]) -> Dict[str, Any]:
         """Return the description that is right.

@@ -99,6 +99,7 @@ class Reopening:
             self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
             self._forms = StoredForms(folder, survey_id, self._sealed, planned.note)
             self._refuse_foreign()
+            self._forms.leave_out(planned.damaged(self._forms.truth))
             self._description = planned.description(self._forms.truth)
             self._start = self._start_copy()
             survey_metadata.started_us(self._start)

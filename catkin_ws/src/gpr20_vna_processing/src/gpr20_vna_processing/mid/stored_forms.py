@@ -129,6 +129,7 @@ class StoredForms:
                 if len(types) == 1
             }
         self.bag.compare_types(self._types)
+        self._unconfirmed: Set[int] = set()  # in one form only, which has no checksum
         self.truth = self._decide()
         """Fingerprint of each trace that is true."""
 
@@ -275,7 +276,19 @@ class StoredForms:
             decided = best if count > 1 or not contradicted else self.mcap.prints.get(index)
             if decided is not None:
                 truth[index] = decided
+            if count == 1 and index not in self.mcap.prints:
+                self._unconfirmed.add(index)
         return truth
+
+    def leave_out(self, damaged: Set[int]) -> None:
+        """Count traces as not stored if nothing but a form without a checksum holds them.
+
+        Args:
+            damaged: Places of traces that the survey did not plan so. A flipped bit makes such a
+                trace of a right one, whose place it leaves.
+        """
+        for index in damaged & self._unconfirmed:
+            self.truth.pop(index, None)
 
     def _certain_prints(self) -> Dict[int, bytes]:
         """Return the traces of the files that are as in the manifest."""
