@@ -99,7 +99,9 @@ class StoreSurveyTest(unittest.TestCase):
         return self.services["store_data"](make_trace(self.survey_id, index, changes))
 
     def close(self, outcome: str = "finished"):
-        return self.services["close_survey"](self.survey_id, outcome, "by the test")
+        return self.services["close_survey"](
+            survey_id=self.survey_id, outcome=outcome, reason="by the test"
+        )
 
     def connected(self, publisher: rospy.Publisher) -> rospy.Publisher:
         self.wait_until(lambda: publisher.get_num_connections() > 0, "nobody records the topic")
@@ -349,7 +351,7 @@ class StoreSurveyTest(unittest.TestCase):
             answer = self.store(index, timestamp=rospy.Time(1_790_000_000 + index))
             self.assertEqual(answer.success, index > 2, answer.message)
         close = self.service("/robot3/close_survey", CloseSurvey)
-        closed = close(self.survey_id, "finished", "by the test")
+        closed = close(survey_id=self.survey_id, outcome="finished", reason="by the test")
         self.assertEqual((closed.success, closed.stored_traces), (True, TRACES), closed.message)
         for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
             indices = [message.index for message in found["/robot3/trace"]]
@@ -385,7 +387,8 @@ class StoreSurveyTest(unittest.TestCase):
         self.wait_until(lambda: self.on_disk(opened.path, renamed), "the status is not recorded")
         self.assertTrue(self.store(1).success)
         close = self.service("/robot4/close_survey", CloseSurvey)
-        self.assertTrue(close(self.survey_id, "stopped", "by the test").success)
+        closed = close(survey_id=self.survey_id, outcome="stopped", reason="by the test")
+        self.assertTrue(closed.success, closed.message)
         second.send_signal(signal.SIGINT)
         second.wait(TIME_LIMIT_S)
         new.unregister()

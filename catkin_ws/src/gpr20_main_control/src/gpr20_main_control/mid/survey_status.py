@@ -46,6 +46,10 @@ class Status:
             return self.message
         return Message("Warning: {warning}. {status}", warning=self.missing, status=self.message)
 
+    def ended(self, state: SurveyState, message: Message) -> Status:
+        """Return the status of this survey after its end."""
+        return replace(self, state=state, message=message, target=None)
+
     @property
     def completion_percent(self) -> float:
         """Part of the plan that is stored durably [%]."""

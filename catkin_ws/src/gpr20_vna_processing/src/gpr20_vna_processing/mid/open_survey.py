@@ -201,8 +201,11 @@ class OpenSurvey:
             self.last = stored.trace
             self._on_stored(stored.message)
 
-    def report(self, report: Dict[str, Any]) -> None:
+    def report(self, report: Dict[str, Any]) -> int:
         """Write a report into survey.json; it replaces the former one.
+
+        Returns:
+            How many traces are stored.
 
         Raises:
             SurveyRefusedError: The survey is being closed.
@@ -210,6 +213,7 @@ class OpenSurvey:
         """
         self._refuse_ending()
         self._describe({**self.description, "report": report})
+        return self.stored_traces
 
     def close(self, outcome: str, reason: str, ended: str) -> None:
         """Finish the recordings and write how the survey ended; may be repeated.
