@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import threading
-
 import pytest
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.replay import Due, Pace, paced, recorded
+from gpr20_analysis.read.playback import Pace, Playback
+from gpr20_analysis.read.replay import Due, recorded
 from gpr20_survey.recording.recording import RecordedMessage
 
 
@@ -37,15 +36,15 @@ class JumpingClock:
 def test_messages_are_due_at_their_recorded_times(pace, expected_s):
     clock = JumpingClock()
     items = [Due(int(time_s * 1e9), time_s) for time_s in (50.0, 52.0, 51.0, 62.0)]
-    found = [clock.now - 100.0 for _ in paced(items, pace, clock, threading.Event())]
+    found = [clock.now - 100.0 for _ in Playback(pace, clock).play(items)]
     assert found == pytest.approx(expected_s)
 
 
 def test_a_stopped_replay_yields_nothing_more():
-    stopped = threading.Event()
-    contents = paced([Due(0, "a"), Due(1, "b")], Pace(), JumpingClock(), stopped)
+    playback = Playback(Pace(), JumpingClock())
+    contents = playback.play([Due(0, "a"), Due(1, "b")])
     assert next(contents) == "a"
-    stopped.set()
+    playback.stop()
     assert list(contents) == []
 
 

@@ -59,6 +59,24 @@ class RecordedSurvey:
         survey_id, started = (text if isinstance(text, str) else "" for text in texts)
         return cls(survey_id, started, folder.name)
 
+    @classmethod
+    def decode(cls, data: bytes) -> RecordedSurvey:
+        """Return the survey of a serialized message.
+
+        Raises:
+            ValueError: It is not one.
+        """
+        texts, place = [], 0
+        for _ in range(3):
+            try:
+                (size,) = _LENGTH.unpack_from(data, place)
+            except struct.error as error:
+                raise ValueError("the message is incomplete") from error
+            place += _LENGTH.size
+            texts.append(data[place : place + size].decode("utf-8", "replace"))
+            place += size
+        return cls(*texts)
+
     def encode(self) -> bytes:
         """Return the serialized message of a recording."""
         texts = [
