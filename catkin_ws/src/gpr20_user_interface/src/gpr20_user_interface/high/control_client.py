@@ -14,12 +14,13 @@ from sensor_msgs.msg import Range
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, in_a_row
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import ControlStatus, Coordinates, Replay, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
+from gpr20_user_interface.high.replay_watch import ReplayWatch
 from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event, Request
@@ -32,6 +33,11 @@ AXES = ("x", "y", "z")
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
+
+
+def main_control_name() -> str:
+    """Return the full name of the robot's main control."""
+    return str(rospy.resolve_name("main_control"))
 
 
 class DirectServiceClient(ServiceClient):
@@ -92,13 +98,22 @@ class ControlClient(RosEvents):
         self._axis_stops = {
             axis: DirectServiceClient(f"{axis}_axis/stop", Command) for axis in AXES
         }
+        self._pause_replay = ServiceClient("replay/pause", Command)
+        self._continue_replay = ServiceClient("replay/continue", Command)
         self._master = MasterWatch()
+        self._watch = ReplayWatch(main_control_name(), self._emit)
         self._reading_limits = threading.Lock()
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
-        self._subscribe("control_status", ControlStatus, conversions.control_state, None)
+        self._subscribe_raw("replay", Replay, self._on_replay, None)
+        self._subscribe_raw("control_status", ControlStatus, self._on_status, None)
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
+
+    def close(self) -> None:
+        """Call the listener no more, even if messages are in flight."""
+        self._watch.close()
+        super().close()
 
     def listen_to_robot(self) -> None:
         """Subscribe to position, height and health of the robot."""
@@ -124,6 +139,11 @@ class ControlClient(RosEvents):
     def resume_survey(self, survey_id: str = "") -> None:
         """Ask to resume the paused survey or the one named; the answer is an event."""
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
+
+    def set_replay_paused(self, paused: bool) -> None:
+        """Ask the replay to pause or to continue; its next mark shows whether it did."""
+        service = self._pause_replay if paused else self._continue_replay
+        in_background(lambda: _call_or_log(service))
 
     def read_axis_limits(self) -> None:
         """Read the limits of the axes; the answer is an event."""
@@ -193,7 +213,22 @@ class ControlClient(RosEvents):
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._emit(health)
+            self._emit_received(message, health)
+
+    def _on_replay(self, message: Replay) -> None:
+        self._watch.note(message)
+        self._emit_received(message, conversions.replay_mark(message))
+
+    def _on_status(self, message: ControlStatus) -> None:
+        self._watch.note(message)
+        self._emit_received(message, conversions.control_state(message))
+
+
+def _call_or_log(service: ServiceClient) -> None:
+    try:
+        service.call(PAUSE_TIMEOUT_S)
+    except ServiceUnavailableError as error:
+        rospy.logwarn("the replay did not answer: %s", error)
 
 
 def _answer(request: Request, ask: Callable[[], Any]) -> Answer:

@@ -76,7 +76,7 @@ class StorageClient(RosEvents):
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:
-            self._emit(trace)
+            self._emit_received(message, trace)
 
     def _ask(self, call: Callable[[], Any], convert: Callable[[Any], TraceEvent]) -> None:
         in_background(lambda: self._emit(self._answer(call, convert)))

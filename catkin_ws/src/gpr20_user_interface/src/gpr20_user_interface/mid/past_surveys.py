@@ -8,6 +8,8 @@ from typing import List, Optional, Tuple
 
 from gpr20_common.message import Message
 
+NO_LIST = Message("During a replay no list of surveys is available.")
+
 
 class Verdict(enum.Enum):
     """How a survey ended, in one word."""
@@ -55,6 +57,7 @@ class PastSurveys:
         outdated: Whether the list should be requested again when it is visible.
         problem: Why the list or a survey cannot be read; None if it can.
         more: Whether there are older ones.
+        replay: Whether a replay is shown, and no robot.
     """
 
     def __init__(self) -> None:
@@ -64,6 +67,7 @@ class PastSurveys:
         self._surveys: List[PastSurvey] = []
         self.more = False
         self._running_id = ""
+        self.replay = False
 
     @property
     def surveys(self) -> Tuple[PastSurvey, ...]:
@@ -91,6 +95,11 @@ class PastSurveys:
             self._running_id = survey_id
             self.set_outdated()
 
+    def set_replay(self, replay: bool) -> None:
+        """Note whether a replay is shown, beside which nothing can be resumed."""
+        self.replay = replay
+        self.set_outdated()
+
     def set_outdated(self) -> None:
         """Note that the surveys have changed."""
         self.outdated = True
@@ -98,7 +107,7 @@ class PastSurveys:
 
     def set_problem(self, reason: Message) -> None:
         """Note why the list or a survey cannot be read."""
-        self._change(problem=reason)
+        self._change(problem=NO_LIST if self.replay else reason)
 
     def verdict(self, survey: PastSurvey) -> Verdict:
         """Return how a survey ended; only one with every trace stored is complete."""
@@ -110,7 +119,9 @@ class PastSurveys:
 
     def can_resume(self, survey: PastSurvey) -> bool:
         """Whether a survey lacks traces that could be measured now."""
-        return not self._running_id and self.verdict(survey) is Verdict.INCOMPLETE
+        return (
+            not self.replay and not self._running_id and self.verdict(survey) is Verdict.INCOMPLETE
+        )
 
     def can_open(self, survey: PastSurvey) -> bool:
         """Whether there is something to show."""

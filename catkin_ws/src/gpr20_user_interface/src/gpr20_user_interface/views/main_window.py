@@ -11,6 +11,7 @@ from PyQt5.QtWidgets import QTabWidget, QVBoxLayout, QWidget
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import Answer
+from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.notices import (
     Refused,
     node_notice,
@@ -126,7 +127,8 @@ class MainWindow(TranslatedWidget):
             self._show_refusal(Refused[refusal.request.name], refusal.reason)
         if isinstance(event, Answer):
             self.refresh()
-        self.traces.on_event(event)
+        if self.survey.is_shown(event):
+            self.traces.on_event(event.event if isinstance(event, Received) else event)
         self._show_opened()
         self.past.refresh()
 
@@ -134,6 +136,7 @@ class MainWindow(TranslatedWidget):
         """Show what is known of the robot and the survey now."""
         snapshot = self.survey.refresh()
         self.traces.note_state(snapshot)
+        self._show_opened()
         self.map.set_carriage(self.traces.carriage_mm)
         self.past.refresh()
         self.show_snapshot(snapshot)
@@ -192,6 +195,7 @@ class MainWindow(TranslatedWidget):
     def _connect(self) -> None:
         survey, control = self.survey, self.control
         self.top_bar.stop.pressed.connect(lambda: self._ask(survey.stop))
+        self.top_bar.replay.pause.clicked.connect(lambda: self._ask(survey.pause_replay))
         control.start_pressed.connect(lambda fields: self._ask(lambda: survey.start(fields)))
         control.pause_pressed.connect(lambda: self._ask(survey.pause))
         control.resume_pressed.connect(lambda: self._ask(survey.resume))

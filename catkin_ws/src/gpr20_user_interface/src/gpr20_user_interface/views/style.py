@@ -56,6 +56,7 @@ class TextColours(enum.Enum):
     START = ColourPair("#ffffff", "#1b6b2f")
     STOP = ColourPair("#ffffff", "#a80000")
     PRESSED = ColourPair("#111111", "#ffd400")
+    REPLAY = ColourPair("#ffffff", "#0a5fb4")
     SIMULATED = ColourPair("#111111", "#ffd400")
     ALARM = ColourPair("#ffffff", "#8f0000")
     GOOD = ColourPair("#ffffff", "#1b6b2f")
@@ -78,6 +79,7 @@ QLabel#figure {{ font-size: 18px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QLabel#simulated {{ {css(TextColours.SIMULATED)} font-weight: bold; padding: 4px; }}
+QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-size: {SMALL_TEXT_PX}px; font-weight: bold;
     padding: 0 6px; }}
 QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 3px; }}

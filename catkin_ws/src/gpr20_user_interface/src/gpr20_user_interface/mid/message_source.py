@@ -1,0 +1,54 @@
+"""Whether a message comes from a robot or from a replay."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Set
+
+# How `rosbag play` names its node; older recordings hold no mark.
+ROSBAG_PLAY = re.compile(r".*/play_[0-9]+")
+
+
+@dataclass(frozen=True)
+class Received:
+    """An event, and the full name of the node that sent it."""
+
+    source: str
+    event: object
+
+
+@dataclass(frozen=True)
+class SourceGone:
+    """A node that sent messages does not answer any more."""
+
+    source: str
+
+
+class MessageSources:
+    """Knows which nodes replay a recording.
+
+    A node does if it sends the mark `replay`, or has the name of `rosbag play`. A mark says
+    something about its own sender alone, and nothing about the main control of a robot: it cannot
+    make a robot look like a replay. Any other node counts as a robot's.
+
+    Args:
+        main_control: Full name of the robot's main control.
+    """
+
+    def __init__(self, main_control: str) -> None:
+        self.main_control = main_control
+        self._marked: Set[str] = set()
+
+    def note_mark(self, source: str) -> bool:
+        """Note that a node sent a mark; return whether this is news about it."""
+        if self.is_replay(source) or source == self.main_control:
+            return False
+        self._marked.add(source)
+        return True
+
+    def is_replay(self, source: str) -> bool:
+        """Return whether a node replays a recording."""
+        if source == self.main_control:
+            return False
+        return source in self._marked or ROSBAG_PLAY.fullmatch(source) is not None
