@@ -98,16 +98,18 @@ class PastSurveys:
     def set_replay(self, replay: bool) -> None:
         """Note whether a replay is shown, beside which nothing can be resumed."""
         self.replay = replay
-        self.set_outdated()
+        self.outdated = not replay
+        self._change(problem=NO_LIST if replay else None)
 
     def set_outdated(self) -> None:
         """Note that the surveys have changed."""
-        self.outdated = True
-        self._change(problem=None)
+        if not self.replay:
+            self.outdated = True
+            self._change(problem=None)
 
     def set_problem(self, reason: Message) -> None:
         """Note why the list or a survey cannot be read."""
-        self._change(problem=NO_LIST if self.replay else reason)
+        self._change(problem=reason)
 
     def verdict(self, survey: PastSurvey) -> Verdict:
         """Return how a survey ended; only one with every trace stored is complete."""

@@ -26,8 +26,10 @@ class ReplayBar(TranslatedWidget):
         self.title.setObjectName("title")
         self.message = ElidedLabel()
         self.pause = QPushButton()
-        self.pause.setObjectName("arrow")
+        self.pause.setObjectName("replay_pause")
         self.pause.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.simulated = QLabel()
+        self.simulated.setObjectName("simulated")
         words = QVBoxLayout()
         words.setSpacing(0)
         words.addWidget(self.title)
@@ -35,11 +37,13 @@ class ReplayBar(TranslatedWidget):
         layout = QHBoxLayout(self)
         layout.setContentsMargins(8, 2, 4, 2)
         layout.addLayout(words, 1)
+        layout.addWidget(self.simulated)
         layout.addWidget(self.pause)
         self.retranslate()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
+        self.simulated.setText(self.tr("SIMULATED"))
         paused = self._replay is not None and self._replay.paused
         self.pause.setText(self.tr("CONTINUE") if paused else self.tr("PAUSE"))
 
@@ -55,5 +59,6 @@ class ReplayBar(TranslatedWidget):
             title = f"{title}  {percent:.1f} %"
         self.title.setText(title)
         self.message.show_text(shown_text(self._replay.message))
+        self.simulated.setVisible(snapshot.simulated)
         self.pause.setVisible(self._replay.can_pause)
         self.retranslate()
