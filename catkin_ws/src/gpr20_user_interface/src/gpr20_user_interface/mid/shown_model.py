@@ -26,14 +26,9 @@ from gpr20_user_interface.mid.survey_model import Refusal, Snapshot, SurveyModel
 # A robot that was heard within this time [s] is there, whatever is replayed beside it. Longer than
 # any of the times after which its messages are stale.
 ROBOT_LIMIT_S = 10.0
-ROBOT_EVENTS = (
-    ControlState,
-    Progress,
-    CurrentPosition,
-    TargetPosition,
-    MeasuredHeight,
-    ControlParameters,
-)
+# What the main control alone publishes.
+CONTROL_EVENTS = (ControlState, Progress, CurrentPosition, TargetPosition, ControlParameters)
+ROBOT_EVENTS = (*CONTROL_EVENTS, MeasuredHeight)
 
 
 class StoppedClock(Clock):
@@ -107,6 +102,8 @@ class ShownModel:
         if self._sources.is_replay(source):
             self._replay_of(source).model.handle(content)
             return None
+        if self._is_strange(source, content):
+            return None
         self._note_robot(source, content)
         return self._robot.handle(content)
 
@@ -129,6 +126,33 @@ class ShownModel:
             return True
         robot = self._robot.snapshot()
         return bool(robot.pending) or (robot.state is not None and robot.state.code in RUNNING)
+
+    def _is_strange(self, source: str, event: object) -> bool:
+        """Return whether a node speaks for the main control although there is one."""
+        control = self._sources.main_control
+        if source == control:
+            if control not in self._robot_heard_s:
+                self._forget_strange()
+            return False
+        return control in self._robot_heard_s and isinstance(event, CONTROL_EVENTS)
+
+    def _forget_strange(self) -> None:
+        found = False
+        for events in self._last.values():
+            for kind in [one for one, event in events.items() if isinstance(event, CONTROL_EVENTS)]:
+                del events[kind]
+                found = True
+        if found:
+            self._make_robot_again()
+
+    def _make_robot_again(self) -> None:
+        pending = self._robot.snapshot().pending
+        self._robot = SurveyModel(self._clock)
+        for events in self._last.values():
+            for event in events.values():
+                self._robot.handle(event)
+        for request in pending:
+            self._robot.request_sent(request)
 
     def _note_robot(self, source: str, event: object) -> None:
         if isinstance(event, NodeHealth) and event.name not in (*EXPECTED_NODES, SIMULATOR):
@@ -154,13 +178,7 @@ class ShownModel:
         moved = self._last.pop(source, {})
         if not moved:
             return
-        pending = self._robot.snapshot().pending
-        self._robot = SurveyModel(self._clock)
-        for events in self._last.values():
-            for event in events.values():
-                self._robot.handle(event)
-        for request in pending:
-            self._robot.request_sent(request)
+        self._make_robot_again()
         replay = self._replay_of(source)
         for event in moved.values():
             replay.model.handle(event)

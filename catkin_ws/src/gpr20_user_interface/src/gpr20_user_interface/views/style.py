@@ -78,8 +78,9 @@ QLabel#preview {{ font-weight: bold; }}
 QLabel#figure {{ font-size: 18px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
-QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)} font-weight: bold; padding: 4px; }}
 QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
+    font-weight: bold; padding: 4px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-size: {SMALL_TEXT_PX}px; font-weight: bold;
     padding: 0 6px; }}
 QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 3px; }}
