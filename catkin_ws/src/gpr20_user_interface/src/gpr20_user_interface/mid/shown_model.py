@@ -92,8 +92,6 @@ class ShownModel:
             self._note_gone(event.source)
             return None
         if not isinstance(event, Received):
-            if isinstance(event, ROBOT_EVENTS):
-                self._note_robot(self._sources.main_control, event)
             return self._robot.handle(event)
         source, content = event.source, event.event
         if isinstance(content, ReplayMark):
@@ -102,10 +100,7 @@ class ShownModel:
         if self._sources.is_replay(source):
             self._replay_of(source).model.handle(content)
             return None
-        if self._is_strange(source, content):
-            return None
-        self._note_robot(source, content)
-        return self._robot.handle(content)
+        return self._take_robot(source, content)
 
     def is_shown(self, event: object) -> bool:
         """Return whether an event that was handled is about what is shown."""
@@ -130,37 +125,33 @@ class ShownModel:
     def _is_strange(self, source: str, event: object) -> bool:
         """Return whether a node speaks for the main control although there is one."""
         control = self._sources.main_control
-        if source == control:
-            if control not in self._robot_heard_s:
-                self._forget_strange()
-            return False
-        return control in self._robot_heard_s and isinstance(event, CONTROL_EVENTS)
-
-    def _forget_strange(self) -> None:
-        found = False
-        for events in self._last.values():
-            for kind in [one for one, event in events.items() if isinstance(event, CONTROL_EVENTS)]:
-                del events[kind]
-                found = True
-        if found:
-            self._make_robot_again()
+        known = control in self._robot_heard_s
+        return known and source != control and isinstance(event, CONTROL_EVENTS)
 
     def _make_robot_again(self) -> None:
         pending = self._robot.snapshot().pending
         self._robot = SurveyModel(self._clock)
-        for events in self._last.values():
+        for source, events in self._last.items():
             for event in events.values():
-                self._robot.handle(event)
+                if not self._is_strange(source, event):
+                    self._robot.handle(event)
         for request in pending:
             self._robot.request_sent(request)
 
-    def _note_robot(self, source: str, event: object) -> None:
+    def _take_robot(self, source: str, event: object) -> Optional[Refusal]:
         if isinstance(event, NodeHealth) and event.name not in (*EXPECTED_NODES, SIMULATOR):
-            return
-        self._robot_heard_s[source] = self._clock.now_s()
+            return None
         kind = (type(event), event.name) if isinstance(event, NodeHealth) else (type(event),)
         if isinstance(event, (*ROBOT_EVENTS, NodeHealth)):
             self._last.setdefault(source, {})[kind] = event
+        if self._is_strange(source, event):
+            return None
+        is_news = source not in self._robot_heard_s
+        self._robot_heard_s[source] = self._clock.now_s()
+        if is_news and source == self._sources.main_control:
+            # What others have said in its name does not count any more.
+            self._make_robot_again()
+        return self._robot.handle(event)
 
     def _note_mark(self, source: str, mark: ReplayMark) -> None:
         if source == self._sources.main_control:
