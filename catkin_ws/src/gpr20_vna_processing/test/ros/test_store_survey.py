@@ -395,7 +395,8 @@ class StoreSurveyTest(unittest.TestCase):
         for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
             self.assertEqual([one.index for one in found["/robot4/trace"]], [0, 1])
             self.assertEqual([one.message for one in found[name]], ["old"])
-            self.assertEqual([one.message_json for one in found[renamed]], ["{}"])
+            recorded, end = found[renamed]
+            self.assertEqual((recorded.message_json, end.code), ("{}", ControlStatus.STOPPED))
         self.check_play(f"{opened.path}/survey.bag", name, old_status_class(), "old")
         self.check_play(f"{opened.path}/survey.bag", renamed, ControlStatus, "new")
 
@@ -449,6 +450,12 @@ class StoreSurveyTest(unittest.TestCase):
             survey = json.load(stream)
         self.assertEqual((survey["outcome"], survey["stored_traces"]), ("interrupted", 1))
         self.assertEqual(len(self.read_bag(opened.path)["/robot2/trace"]), 1)
+        for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
+            end = found["/robot2/control_status"][-1]
+            self.assertEqual((end.code, end.survey_id), (ControlStatus.FAILED, self.survey_id))
+            self.assertEqual(end.message, "Interrupted before its end: the storage was shut down")
+            (mark,) = found["/robot2/replay"]
+            self.assertEqual(mark.survey_id, self.survey_id)
         self.assertEqual(len(self.read_mcap(opened.path)["/robot2/trace"]), 1)
 
 
