@@ -215,7 +215,7 @@ class ReplayTest(unittest.TestCase):
             ([*node, "--start", "1", str(self.folder)], f"{named}", "FINISHED"),
         )
         for command, beginning, end in ways:
-            with self.subTest(command), master() as environment:
+            with master() as environment:
                 with Window(environment).open() as window:
                     with process(*command, env=environment, stdout=subprocess.DEVNULL):
                         during = window.wait_for(lambda one: one["replay"], "no replay is shown")
