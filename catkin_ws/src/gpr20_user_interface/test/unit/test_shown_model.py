@@ -103,7 +103,7 @@ def test_an_axis_without_main_control_is_a_robot(model):
 def test_a_player_that_is_recognized_late_leaves_nothing_in_the_robot(model, clock):
     model.handle(Received(CONTROL, state(SurveyState.IDLE, "robot")))
     model.handle(Received(PLAYER, state(SurveyState.SURVEYING, "recorded")))
-    model.handle(Received(PLAYER, MARK))
+    model.handle(Received(PLAYER, ReplayMark("recorded")))
     snapshot = model.snapshot()
     assert (snapshot.replay, snapshot.state.survey_id) == (None, "robot")
     clock.advance(ROBOT_LIMIT_S + 0.1)
@@ -113,13 +113,13 @@ def test_a_player_that_is_recognized_late_leaves_nothing_in_the_robot(model, clo
 @pytest.mark.parametrize(
     ("code", "ended", "text"),
     [
-        (SurveyState.FINISHED, True, "Survey of 2026-11-22 07:53 UTC, {folder}: FINISHED"),
-        (SurveyState.SURVEYING, False, "Survey of 2026-11-22 07:53 UTC, {folder}: SURVEYING"),
+        (SurveyState.FINISHED, True, "FINISHED. Survey of 2026-11-22 07:53 UTC, {folder}"),
+        (SurveyState.SURVEYING, False, "SURVEYING. Survey of 2026-11-22 07:53 UTC, {folder}"),
         (
             SurveyState.SURVEYING,
             True,
-            "Survey of 2026-11-22 07:53 UTC, {folder}: SURVEYING; the recording does not contain "
-            "the survey's end",
+            "SURVEYING, and the recording does not contain the survey's end. Survey of 2026-11-22 "
+            "07:53 UTC, {folder}",
         ),
     ],
 )
@@ -147,12 +147,21 @@ def test_a_player_that_begins_again_shows_nothing_of_its_former_replay(model):
     assert snapshot.state is None and not snapshot.replay.ended
 
 
+def test_a_message_in_flight_when_its_player_ended_begins_no_other_replay(model):
+    model.handle(Received(REPLAY, state(SurveyState.FINISHED)))
+    model.handle(SourceGone(REPLAY))
+    model.handle(Received(REPLAY, MARK))
+    model.handle(SourceGone(REPLAY))
+    view = model.snapshot().replay
+    assert (view.ended, view.state, view.mark) == (True, SurveyState.FINISHED, MARK)
+
+
 class Oracle:
     """What an operator knows who sees the senders."""
 
     def __init__(self, clock):
         self._clock = clock
-        self.marked = {ROSBAG}
+        self.marked = {ROSBAG, REPLAY}
         self.last = {}
         self.heard_s = {}
         self.asked = False

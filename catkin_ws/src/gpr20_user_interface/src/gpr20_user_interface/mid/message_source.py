@@ -6,8 +6,9 @@ import re
 from dataclasses import dataclass
 from typing import Set
 
-# How `rosbag play` names its node; older recordings hold no mark.
-ROSBAG_PLAY = re.compile(r".*/play_[0-9]+")
+# How `rosbag play`, whose older recordings hold no mark, and replay.launch name their nodes. The
+# mark of a replay may come after its other messages.
+PLAYERS = re.compile(r".*/(play_[0-9]+|replay)")
 
 
 @dataclass(frozen=True)
@@ -28,9 +29,9 @@ class SourceGone:
 class MessageSources:
     """Knows which nodes replay a recording.
 
-    A node does if it sends the mark `replay`, or has the name of `rosbag play`. A mark says
-    something about its own sender alone, and nothing about the main control of a robot: it cannot
-    make a robot look like a replay. Any other node counts as a robot's.
+    A node does if it sends the mark `replay`, or has the name of a player. A mark says something
+    about its own sender alone, and nothing about the main control of a robot: it cannot make a
+    robot look like a replay. Any other node counts as a robot's.
 
     Args:
         main_control: Full name of the robot's main control.
@@ -51,4 +52,4 @@ class MessageSources:
         """Return whether a node replays a recording."""
         if source == self.main_control:
             return False
-        return source in self._marked or ROSBAG_PLAY.fullmatch(source) is not None
+        return source in self._marked or PLAYERS.fullmatch(source) is not None

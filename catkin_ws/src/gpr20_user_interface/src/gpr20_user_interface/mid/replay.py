@@ -98,8 +98,8 @@ class ReplayView:
             return self.mark.survey
         if self.ended and self.state not in ENDED:
             return Message(
-                "{survey}: {state}; the recording does not contain the survey's end",
-                survey=self.mark.survey,
+                "{state}, and the recording does not contain the survey's end. {survey}",
                 state=self.state.label,
+                survey=self.mark.survey,
             )
-        return Message("{survey}: {state}", survey=self.mark.survey, state=self.state.label)
+        return Message("{state}. {survey}", state=self.state.label, survey=self.mark.survey)

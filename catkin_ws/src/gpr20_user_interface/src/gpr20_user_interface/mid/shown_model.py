@@ -45,6 +45,7 @@ class _Replay:
     def __init__(self) -> None:
         self.model = SurveyModel(StoppedClock())
         self.mark = ReplayMark()
+        self.survey_id = ""
         self.gone = False
 
     def snapshot(self) -> Snapshot:
@@ -98,7 +99,7 @@ class ShownModel:
             self._note_mark(source, content)
             return None
         if self._sources.is_replay(source):
-            self._replay_of(source).model.handle(content)
+            self._replay_of(source, _survey_id(content)).model.handle(content)
             return None
         return self._take_robot(source, content)
 
@@ -158,10 +159,7 @@ class ShownModel:
             return
         if self._sources.note_mark(source):
             self._take_from_robot(source)
-        replay = self._replay_of(source)
-        if mark.survey_id != replay.mark.survey_id and replay.mark.survey_id:
-            replay = self._replays[source] = _Replay()
-        replay.mark = mark
+        self._replay_of(source, mark.survey_id).mark = mark
 
     def _take_from_robot(self, source: str) -> None:
         """Move what a node has sent from the robot to its replay."""
@@ -173,14 +171,27 @@ class ShownModel:
         replay = self._replay_of(source)
         for event in moved.values():
             replay.model.handle(event)
+            replay.survey_id = _survey_id(event) or replay.survey_id
 
-    def _replay_of(self, source: str) -> _Replay:
+    def _replay_of(self, source: str, survey_id: str = "") -> _Replay:
+        """Return the replay of a node; another survey begins another one.
+
+        Messages that were in flight when the node ended still belong to its replay.
+        """
         replay = self._replays.get(source)
-        if replay is None or replay.gone:
+        if replay is None or (survey_id and replay.survey_id not in ("", survey_id)):
+            # The last one is shown.
             self._replays = {name: one for name, one in self._replays.items() if not one.gone}
+            self._replays.pop(source, None)
             replay = self._replays[source] = _Replay()
+        replay.survey_id = survey_id or replay.survey_id
+        replay.gone = False
         return replay
 
     def _note_gone(self, source: str) -> None:
         if source in self._replays:
             self._replays[source].gone = True
+
+
+def _survey_id(event: object) -> str:
+    return event.survey_id if isinstance(event, (ControlState, Progress)) else ""
