@@ -11,19 +11,27 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, in_a_row
-from gpr20_msgs.msg import ControlStatus, Coordinates, Replay, SurveyData
+from gpr20_msgs.msg import (
+    ControlStatus,
+    Coordinates,
+    Replay,
+    RobotConfiguration,
+    SurveyData,
+)
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.replay_watch import ReplayWatch
-from gpr20_user_interface.high.robot_travel import read_axis_limits
+from gpr20_user_interface.high.robot_travel import axis_limits
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event, Request
+from gpr20_user_interface.mid.message_source import is_player
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -102,13 +110,15 @@ class ControlClient(RosEvents):
         self._continue_replay = ServiceClient("replay/continue", Command)
         self._master = MasterWatch()
         self._watch = ReplayWatch(main_control_name(), self._emit)
-        self._reading_limits = threading.Lock()
+        self._checking_master = threading.Lock()
+        self._limits = AxisLimits(None)
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
         self._subscribe_raw("replay", Replay, self._on_replay, None)
         self._subscribe_raw("control_status", ControlStatus, self._on_status, None)
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
+        self._subscribe_raw("robot_configuration", RobotConfiguration, self._on_robot, None)
 
     def close(self) -> None:
         """Call the listener no more, even if messages are in flight."""
@@ -145,25 +155,29 @@ class ControlClient(RosEvents):
         service = self._pause_replay if paused else self._continue_replay
         in_background(lambda: _call_or_log(service))
 
-    def read_axis_limits(self) -> None:
-        """Read the limits of the axes; the answer is an event."""
+    def check_master(self) -> None:
+        """Check that the master answers; the answer is an event with the limits of the axes."""
         # A master that hangs must not collect one thread per call.
-        if self._reading_limits.acquire(blocking=False):
-            in_background(self._read_axis_limits)
+        if self._checking_master.acquire(blocking=False):
+            in_background(self._check_master)
 
-    def _read_axis_limits(self) -> None:
+    def _check_master(self) -> None:
         try:
-            limits = read_axis_limits()
-            if limits.master_alive:
-                self._master.check()
-                for service in (self._stop, *self._axis_stops.values()):
-                    service.remember()
-            self._emit(limits)
+            self._master.check()
+            for service in (self._stop, *self._axis_stops.values()):
+                service.remember()
+            self._emit(self._limits)
         except (rosgraph.MasterException, OSError) as error:
             reason = Message("the ROS master does not answer", details=error)
             self._emit(AxisLimits(None, reason, master_alive=False))
         finally:
-            self._reading_limits.release()
+            self._checking_master.release()
+
+    def _on_robot(self, message: RobotConfiguration) -> None:
+        limits = axis_limits(message)
+        if not is_player(connection_header(message)["callerid"]):
+            self._limits = limits
+        self._emit_received(message, limits)
 
     def _ask_start(self, parameters: SurveyParameters) -> Any:
         message = conversions.parameters_message(parameters)

@@ -26,6 +26,11 @@ class SourceGone:
     source: str
 
 
+def is_player(source: str) -> bool:
+    """Return whether a node has the name of a player of recordings."""
+    return PLAYERS.fullmatch(source) is not None
+
+
 class MessageSources:
     """Knows which nodes replay a recording.
 
@@ -52,4 +57,4 @@ class MessageSources:
         """Return whether a node replays a recording."""
         if source == self.main_control:
             return False
-        return source in self._marked or PLAYERS.fullmatch(source) is not None
+        return source in self._marked or is_player(source)
