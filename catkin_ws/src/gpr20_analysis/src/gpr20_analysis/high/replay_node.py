@@ -15,17 +15,17 @@ from gpr20_common.high.raw_message import preserialized
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
+from gpr20_survey.recording.survey_topics import TRACE_TOPIC
 from gpr20_survey.trace import trace_message
 
 QUEUE_LENGTH = 1000
 POLL_S = 0.05
-# Of these, no subscriber must miss the first message.
 # A subscriber that is known to the master may be dead [s].
 CONNECT_WAIT_S = 2.0
 # Without a subscriber a trace waits this long for a first one [s].
 FIRST_WAIT_S = 2.0
-AWAITED = (TRACE_TOPIC, METADATA_TOPIC)
+# For the last messages to be sent [s].
+LINGER_S = 0.5
 
 
 class ReplayNode:
@@ -64,6 +64,8 @@ class ReplayNode:
                 publisher.publish(preserialized(Trace, trace_message.encode(content)))
                 self.traces += 1
             self.published += 1
+        # Messages are sent by other threads, which end with the node.
+        self._clock.wait_s(self._playback.ended, LINGER_S)
 
     def _publish_recorded(self, message: RecordedMessage) -> None:
         topic = rospy.resolve_name(message.topic)
@@ -76,14 +78,15 @@ class ReplayNode:
     def _publisher(self, topic: str, kind: Type, latch: bool) -> rospy.Publisher:
         if topic not in self._publishers:
             refuse_beside_others([topic], rospy.get_name())
-            name = topic.rsplit("/", 1)[-1]
-            awaited = name in AWAITED
+            is_trace = topic.rsplit("/", 1)[-1] == TRACE_TOPIC
+            # Of these, no subscriber must miss a message, however short the replay is.
+            awaited = latch or is_trace
             # A replay from a later start publishes all traces before it at once: none is dropped.
             size = 0 if awaited else QUEUE_LENGTH
             publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=size)
             self._publishers[topic] = publisher
             if awaited:
-                self._await_subscribers(publisher, FIRST_WAIT_S if name == TRACE_TOPIC else 0.0)
+                self._await_subscribers(publisher, FIRST_WAIT_S if is_trace else 0.0)
         return self._publishers[topic]
 
     def _await_subscribers(self, publisher: rospy.Publisher, first_wait_s: float) -> None:
