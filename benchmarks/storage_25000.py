@@ -175,7 +175,7 @@ def run(data: Path, parameters: SurveyParameters) -> bool:
         store = rospy.ServiceProxy("store_data", StoreData, persistent=True)
         rows = store_all(store, Traces(survey_id), points, node.pid, marks)
         close = service("close_survey", CloseSurvey)
-        closing_s = seconds(lambda: close(survey_id, "stopped", "end of the benchmark"))
+        closing_s = seconds(lambda: close(survey_id=survey_id, outcome="stopped", reason="end"))
     folder = Path(opened.path)
     print(table(rows))
     print(f"\nClosing, with the indexes and the manifest: {closing_s:.1f} s. {sizes(folder)}.")
@@ -184,7 +184,7 @@ def run(data: Path, parameters: SurveyParameters) -> bool:
         reopening_s = seconds(lambda: reopen(survey=survey_id))
         print(f"Reopening, with every trace read three times: {reopening_s:.1f} s.")
         finish = service("close_survey", CloseSurvey)
-        seconds(lambda: finish(survey_id, "finished", "end of the benchmark"))
+        seconds(lambda: finish(survey_id=survey_id, outcome="finished", reason="end"))
     verifying_s = seconds(lambda: subprocess.run([str(VERIFY), str(folder)], check=True))
     print(f"Verifying: {verifying_s:.1f} s.")
     grown_mib = rows[-1]["rss_mib"] - rows[0]["rss_mib"]

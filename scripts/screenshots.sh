@@ -3,6 +3,7 @@
 #   scripts/screenshots.sh                   every tab, over two targets, into docs/images
 #   scripts/screenshots.sh FOLDER            the same into another folder
 #   scripts/screenshots.sh --faults FOLDER   STATUS, after each fault of the simulator
+#   scripts/screenshots.sh --replay SURVEY   a replay of a recorded survey, into docs/images
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -12,5 +13,9 @@ export ROS_IP=127.0.0.1
 export PYTHONPATH="$GPR20_ROOT/benchmarks:$PYTHONPATH"
 if [ "${1:-}" = --faults ]; then
     exec python "$GPR20_ROOT/scripts/fault_screenshots.py" "${2:?name a folder for the pictures}"
+fi
+if [ "${1:-}" = --replay ]; then
+    exec python "$GPR20_ROOT/scripts/replay_screenshots.py" "${2:?name a survey}" \
+        "${3:-$GPR20_ROOT/docs/images}"
 fi
 exec python "$GPR20_ROOT/scripts/screenshots.py" "${1:-$GPR20_ROOT/docs/images}"

@@ -19,7 +19,13 @@ from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
-from gpr20_msgs.msg import ControlStatus, SurveyParameters, Trace
+from gpr20_msgs.msg import (
+    ControlStatus,
+    SurveyCoverage,
+    SurveyData,
+    SurveyParameters,
+    Trace,
+)
 from gpr20_msgs.srv import (
     CloseSurvey,
     Command,
@@ -43,6 +49,7 @@ TRACES = 18
 RESUMABLE = "Fix the fault and resume, or stop."
 NAN = float("nan")
 SPANISH = read_translations(FOLDER / "es.po")
+LAST_MESSAGES = (ControlStatus(), SurveyData(), SurveyCoverage())
 # What each service must refuse before there is a survey or a connection.
 REFUSED = (
     ("set_survey_parameters", SetSurveyParameters, SurveyParameters(x_start_mm=NAN)),
@@ -56,7 +63,7 @@ REFUSED = (
     ("get_calibration_status", GetCalibrationStatus),
     ("open_survey", OpenSurvey, "../..", rospy.Time(), "[]", 2**64 - 1, False),
     ("store_data", StoreData, Trace()),
-    ("close_survey", CloseSurvey, "../..", "lost", ""),
+    ("close_survey", CloseSurvey, "../..", "lost", "", *LAST_MESSAGES),
     ("simulator/set_fault", SetFault, "toaster", "BURNT", -1),
 )
 NODES = (

@@ -226,7 +226,9 @@ class HostileValuesTest(unittest.TestCase):
             self.assertRegex(survey_id, r"^\d{8}T\d{6}_[0-9a-f]{8}$")
             close = rosservice.get_service_class_by_name(rospy.resolve_name("close_survey"))
             whole_id = answer.message.split()[1]
-            closed = rospy.ServiceProxy("close_survey", close)(whole_id, "stopped", "a test")
+            closed = rospy.ServiceProxy("close_survey", close)(
+                survey_id=whole_id, outcome="stopped", reason="a test"
+            )
             self.assertTrue(closed.success, closed.message)
 
     def assert_a_survey_still_works(self, client):

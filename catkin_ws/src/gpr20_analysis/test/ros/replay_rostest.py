@@ -131,9 +131,13 @@ class ReplayTest(unittest.TestCase):
             robot.unregister()
         self.assertEqual(self.traces, [])
 
-    def test_the_launch_file_replays_a_folder(self) -> None:
-        command = ["roslaunch", "gpr20", "replay.launch", f"survey:={self.folder}", "rate:=100"]
-        subprocess.run(command, check=True, timeout=2 * TIME_LIMIT_S, stdout=subprocess.DEVNULL)
+    def test_the_launch_file_replays_a_folder_named_from_where_it_is_called(self) -> None:
+        named = self.data / 'a "survey" of señor O\'Neill & <sons> $HOME'
+        self.folder.rename(named)
+        command = ["roslaunch", "gpr20", "replay.launch", f"survey:={named.name}", "rate:=100"]
+        subprocess.run(
+            command, check=True, timeout=2 * TIME_LIMIT_S, stdout=subprocess.DEVNULL, cwd=self.data
+        )
         with self.changed:
             self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
         self.assert_same()

@@ -26,7 +26,7 @@ from gpr20_survey.recording.survey_topics import (
 )
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import Limits, Storage
+from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
@@ -45,6 +45,12 @@ AXES = {
 
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
 TRACE_DEFINITION = (MESSAGES / "Trace.msg").read_text()
+HEADER_DEFINITION = "uint32 seq\ntime stamp\nstring frame_id\n"
+STATUS_MD5SUM = "a03e61f3a68474fd87c9325d30026060"
+STATUS_DEFINITION = "\n".join(
+    ((MESSAGES / "ControlStatus.msg").read_text(), "=" * 80, "MSG: std_msgs/Header")
+    + (HEADER_DEFINITION,)
+)
 
 
 def planned_trace(index: int, **changes: Any) -> Trace:
@@ -83,6 +89,24 @@ def _text_message(text: str, number: int) -> RecordedMessage:
     )
 
 
+def end_status(end: SurveyEnd) -> RecordedMessage:
+    """Return the last status of a survey: gpr20_msgs/ControlStatus, serialized."""
+    texts = (one.encode() for one in (str(end.message), end.survey_id, end.message.to_json()))
+    message, survey_id, message_json = (struct.pack("<I", len(one)) + one for one in texts)
+    header = struct.pack("<IIII", 0, *divmod(end.time_ns, 10**9), 0)
+    code = struct.pack("<i", end.state)
+    simulated = bytes([end.simulated])
+    return RecordedMessage(
+        "/control_status",
+        "gpr20_msgs/ControlStatus",
+        STATUS_MD5SUM,
+        STATUS_DEFINITION,
+        header + code + message + survey_id + simulated + message_json,
+        end.time_ns,
+        True,
+    )
+
+
 def make_survey(
     data: Path,
     stored: int,
@@ -110,6 +134,7 @@ def make_survey(
             now_ns=lambda: NOW_NS,
             clock=Clock(),
             revision="1.2.3",
+            end_status=end_status,
         ),
         Limits(timeout_s=10.0, period_s=0.05),
         on_opened=lambda _: None,

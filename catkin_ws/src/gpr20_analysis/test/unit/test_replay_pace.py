@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-import threading
+import os
+from pathlib import Path
 
 import pytest
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, STARTED_US, SURVEY, make_survey
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.replay import Due, Pace, paced, recorded
+from gpr20_analysis.read.launched_path import with_survey
+from gpr20_analysis.read.playback import Pace, Playback
+from gpr20_analysis.read.replay import Due, describe, from_start, recorded
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.replay_message import RecordedSurvey
+from gpr20_survey.trace import utc_time
+
+STARTED = utc_time.iso_text(STARTED_US)
 
 
 class JumpingClock:
@@ -17,11 +24,15 @@ class JumpingClock:
 
     def __init__(self):
         self.now = 100.0
+        # What happens during a wait; returns how long it took.
+        self.on_wait = None
 
     def now_s(self):
         return self.now
 
     def wait_s(self, event, timeout_s):
+        if self.on_wait is not None:
+            timeout_s = self.on_wait(timeout_s)
         self.now += timeout_s
         return event.is_set()
 
@@ -37,15 +48,15 @@ class JumpingClock:
 def test_messages_are_due_at_their_recorded_times(pace, expected_s):
     clock = JumpingClock()
     items = [Due(int(time_s * 1e9), time_s) for time_s in (50.0, 52.0, 51.0, 62.0)]
-    found = [clock.now - 100.0 for _ in paced(items, pace, clock, threading.Event())]
+    found = [clock.now - 100.0 for _ in Playback(pace, clock).play(items)]
     assert found == pytest.approx(expected_s)
 
 
 def test_a_stopped_replay_yields_nothing_more():
-    stopped = threading.Event()
-    contents = paced([Due(0, "a"), Due(1, "b")], Pace(), JumpingClock(), stopped)
+    playback = Playback(Pace(), JumpingClock())
+    contents = playback.play([Due(0, "a"), Due(1, "b")])
     assert next(contents) == "a"
-    stopped.set()
+    playback.stop()
     assert list(contents) == []
 
 
@@ -62,3 +73,95 @@ def test_a_folder_gives_every_recorded_topic_and_files_alone_the_traces(tmp_path
     traces = [due.content for due in recorded(folder / "traces")]
     assert [trace.index for trace in traces] == list(range(len(POINTS)))
     assert not any(isinstance(trace, RecordedMessage) for trace in traces)
+
+
+def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():
+    clock = JumpingClock()
+    playback = Playback(Pace(1.0), clock)
+    happens = [lambda: playback.set_paused(True), lambda: playback.set_paused(False)]
+    happens += [lambda: playback.set_rate(10.0)]
+
+    def wait(timeout_s):
+        if not happens:
+            return timeout_s
+        happens.pop(0)()
+        return 1.0
+
+    clock.on_wait = wait
+    items = [Due(0, "a"), Due(12 * 10**9, "b")]
+    assert list(playback.play(items)) == ["a", "b"]
+    # 1 s, paused for 1 s, another 1 s, then the remaining 10 s ten times as fast.
+    assert clock.now - 100.0 == pytest.approx(4.0)
+    assert playback.position_s == 12.0
+
+
+def test_a_replay_that_starts_paused_shows_its_first_moment():
+    clock = JumpingClock()
+    playback = Playback(Pace(paused=True), clock)
+    contents = playback.play([Due(5, "a"), Due(5, "b"), Due(10**9, "c")])
+    assert (next(contents), next(contents)) == ("a", "b")
+    clock.on_wait = lambda _timeout_s: playback.stop() or 0.0
+    assert list(contents) == []
+
+
+def message(topic, time_s, data=b""):
+    kind = "gpr20_msgs/Trace" if topic == "/trace" else "std_msgs/String"
+    return Due(round(time_s * 1e9), RecordedMessage(topic, kind, "", "", data, round(time_s * 1e9)))
+
+
+def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once():
+    items = [
+        message("/survey_metadata", 50.0),
+        message("/control_status", 50.0, b"checking"),
+        message("/trace", 51.0, b"0"),
+        message("/control_status", 52.0, b"measuring"),
+        message("/trace", 53.0, b"1"),
+        message("/trace", 54.0, b"2"),
+        message("/control_status", 60.0, b"finished"),
+    ]
+    found = [
+        (due.content.topic, due.content.data, due.time_ns / 1e9) for due in from_start(items, 4.0)
+    ]
+    assert found == [
+        ("/survey_metadata", b"", 54.0),
+        ("/trace", b"0", 54.0),
+        ("/trace", b"1", 54.0),
+        ("/control_status", b"measuring", 54.0),
+        ("/trace", b"2", 54.0),
+        ("/control_status", b"finished", 60.0),
+    ]
+    # Behind the end: everything at once.
+    late = list(from_start(items, 1000.0))
+    assert [due.content.data for due in late][-1] == b"finished"
+    assert len({due.time_ns for due in late}) == 1
+
+
+@pytest.mark.parametrize("start_s", [-1.0, float("nan"), float("inf")])
+def test_a_start_that_is_none_is_refused(start_s):
+    with pytest.raises(AnalysisError, match="start"):
+        Pace(start_s=start_s)
+
+
+def test_a_survey_is_described_from_each_of_its_forms(tmp_path):
+    folder = make_survey(tmp_path, len(POINTS), "finished")
+    for form in (folder, folder / "survey.mcap"):
+        described = describe(form)
+        assert described.survey == RecordedSurvey(SURVEY, STARTED, folder.name)
+        assert described.namespace == "/"
+    assert describe(folder / "traces").survey.survey_id == SURVEY
+    (folder / "survey.mcap").unlink()
+    assert describe(folder).survey == RecordedSurvey(SURVEY, STARTED, folder.name)
+    first = next(iter(recorded(folder)))
+    assert first.content.topic == "survey_metadata"
+
+
+def test_a_path_of_the_launch_file_begins_where_roslaunch_was_called():
+    own = Path(os.readlink(f"/proc/{os.getppid()}/cwd"))
+    for name, path in {
+        "a b": own / "a b",
+        "/a": Path("/a"),
+        "~/x": Path("~/x").expanduser(),
+    }.items():
+        arguments = with_survey(["--rate", "2"], {"GPR20_REPLAY_SURVEY": name})
+        assert arguments == ["--rate", "2", "--", str(path)]
+    assert with_survey(["x"], {}) == ["x"]

@@ -169,6 +169,7 @@ class FakeStorage:
         self.records = []
         self.samples = []
         self.closed = []
+        self.ends = []
         self.reports = []
         self.reopened = None
         self.interrupted = ""
@@ -198,6 +199,9 @@ class FakeStorage:
 
     def report(self, survey_id, report_json):
         self.reports.append(json.loads(report_json))
+        stored = sum(sample.survey_id == survey_id for sample in self.samples)
+        before = 0 if self.reopened is None else len(self.reopened.stored_indices)
+        return before + stored - self.lose
 
     def store(self, sample):
         self.free.wait(LIMIT_S)
@@ -206,11 +210,9 @@ class FakeStorage:
             raise DeviceError(Message("the disk is full"))
         self.samples.append(sample)
 
-    def close(self, survey_id, outcome, reason):
-        self.closed.append((survey_id, outcome, reason))
-        stored = sum(sample.survey_id == survey_id for sample in self.samples)
-        before = 0 if self.reopened is None else len(self.reopened.stored_indices)
-        return before + stored - self.lose
+    def close(self, survey_id, end):
+        self.closed.append((survey_id, end.outcome, end.reason))
+        self.ends.append(end)
 
 
 def described_robot(time_scale=1.0, simulated=True):

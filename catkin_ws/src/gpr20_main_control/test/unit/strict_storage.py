@@ -54,6 +54,7 @@ class StrictStorage:
         self._check_open(survey_id)
         json.loads(report_json)
         self.reports[survey_id] = report_json
+        return len(self.samples[survey_id])
 
     def store(self, sample):
         self._check_open(sample.survey_id)
@@ -63,13 +64,12 @@ class StrictStorage:
                 Message("index {index} is stored with other content", index=sample.index)
             )
 
-    def close(self, survey_id, outcome, reason):
-        if not self.opened and self.outcomes.get(survey_id) == outcome:
-            return len(self.samples[survey_id])
+    def close(self, survey_id, end):
+        if not self.opened and self.outcomes.get(survey_id) == end.outcome:
+            return
         self._check_open(survey_id)
         self.opened = ""
-        self.outcomes[survey_id] = outcome
-        return len(self.samples[survey_id])
+        self.outcomes[survey_id] = end.outcome
 
     def restart(self):
         """Forget which survey is open, as a restarted process does."""

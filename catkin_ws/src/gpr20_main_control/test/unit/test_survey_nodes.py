@@ -197,9 +197,9 @@ def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(pa
     bench = patient_bench
     usual = bench.storage.close
 
-    def close_and_die(survey_id, outcome, reason):
+    def close_and_die(survey_id, end):
         bench.storage.close = usual
-        usual(survey_id, outcome, reason)
+        usual(survey_id, end)
         bench.nodes.note_silent(STORAGE)
         bench.nodes.check()
 

@@ -115,6 +115,7 @@ def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench,
         bench.control.resume("survey")
     assert bench.board.status.state is State.IDLE
     assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].status.state is State.FAILED
 
 
 def test_a_survey_that_is_not_there_is_refused(bench):

@@ -25,6 +25,9 @@ def test_a_survey_stores_every_point_exactly_once_and_finishes(bench, x_points):
     assert status.remaining_s == 0.0
     assert bench.states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING", "FINISHED"]
     assert [outcome for _id, outcome, _reason in bench.storage.closed] == ["finished"]
+    # The recordings end with the status that is published.
+    assert bench.storage.ends[-1].status == status
+    assert bench.storage.ends[-1].coverage.verdict().complete
 
 
 def test_every_sample_has_a_sweep_of_its_own_taken_where_it_says(bench):

@@ -25,6 +25,7 @@ def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
     assert final.target is None
     assert len(bench.storage.samples) < 24
     assert bench.storage.closed[-1][1] == "stopped"
+    assert bench.storage.ends[-1].status == final
 
 
 def test_a_paused_survey_can_be_stopped(bench):
@@ -47,6 +48,7 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
     assert "a fault of ours" in str(final.message)
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].status == final
 
 
 def test_a_survey_can_follow_one_that_was_stopped(bench):

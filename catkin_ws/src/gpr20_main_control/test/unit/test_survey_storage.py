@@ -113,6 +113,8 @@ def test_a_folder_that_holds_too_few_traces_is_never_called_finished(bench):
     final = bench.wait_for(State.FAILED, State.FINISHED)
     assert final.state is State.FAILED
     assert "23 of 24 traces" in str(final.message)
+    assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].status == final
 
 
 def test_the_coverage_says_of_every_sample_what_became_of_it(bench):

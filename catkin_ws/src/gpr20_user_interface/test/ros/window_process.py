@@ -29,6 +29,7 @@ def shown(interface: UserInterface) -> str:
     control, live = interface.window.control, interface.window.traces.live
     progress = interface.window.survey.snapshot.progress
     counts = live.map.counts()
+    snapshot, bar = interface.window.survey.snapshot, interface.window.top_bar
     return json.dumps(
         {
             "title": interface.window.status.message.title,
@@ -39,6 +40,10 @@ def shown(interface: UserInterface) -> str:
             else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
             "parameters": str(parameters_message(control.parameters)),
             "locked": not control.form.isEnabled(),
+            "replay": bar.replay.title.text() if bar.replay.isVisible() else "",
+            "survey": bar.replay.message.whole,
+            "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
+            "alarm": "" if snapshot.alarm is None else str(snapshot.alarm.message),
             "simulated": interface.window.top_bar.simulated.isVisible(),
         }
     )

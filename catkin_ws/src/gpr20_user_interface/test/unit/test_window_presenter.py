@@ -18,6 +18,8 @@ from gpr20_user_interface.mid.events import (
     Request,
     RobotFigures,
 )
+from gpr20_user_interface.mid.message_source import MessageSources
+from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimated
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
@@ -79,7 +81,8 @@ def estimator():
 @pytest.fixture
 def parts(application, clock, estimator):
     control, model = ControlThatRecords(), WatchedModel(clock)
-    survey = WindowPresenter(model, control, estimator)
+    shown = ShownModel(clock, MessageSources("/main_control"), model)
+    survey = WindowPresenter(shown, control, estimator)
     languages = Languages(application, Language.ENGLISH)
     window = new_window(languages, survey)
     window.show()

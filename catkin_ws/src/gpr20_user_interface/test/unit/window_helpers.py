@@ -42,6 +42,12 @@ class Survey:
     def on_event(self, event):
         return None
 
+    def is_shown(self, event):
+        return True
+
+    def pause_replay(self):
+        self.asked.append("pause replay")
+
     def set_parameters(self, parameters):
         pass
 

@@ -99,7 +99,9 @@ class StoreSurveyTest(unittest.TestCase):
         return self.services["store_data"](make_trace(self.survey_id, index, changes))
 
     def close(self, outcome: str = "finished"):
-        return self.services["close_survey"](self.survey_id, outcome, "by the test")
+        return self.services["close_survey"](
+            survey_id=self.survey_id, outcome=outcome, reason="by the test"
+        )
 
     def connected(self, publisher: rospy.Publisher) -> rospy.Publisher:
         self.wait_until(lambda: publisher.get_num_connections() > 0, "nobody records the topic")
@@ -186,7 +188,7 @@ class StoreSurveyTest(unittest.TestCase):
 
     def check_other_topics(self, recording: dict) -> None:
         statuses = [message.message for message in recording["/robot1/control_status"]]
-        self.assertEqual(statuses, ["before the survey"])
+        self.assertEqual(statuses, ["before the survey", "Finished: by the test"])
         (metadata,) = recording["/robot1/survey_metadata"]
         self.assertEqual(json.loads(metadata.data)["survey_id"], self.survey_id)
         coordinates = [one.coordinate for one in recording["/robot1/x_axis/current_coord"]]
@@ -356,7 +358,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertEqual([trace.index for trace in live], published)
         self.assertEqual(live[2].sample_id, live[3].sample_id)
         close = self.service("/robot3/close_survey", CloseSurvey)
-        closed = close(self.survey_id, "finished", "by the test")
+        closed = close(survey_id=self.survey_id, outcome="finished", reason="by the test")
         self.assertEqual((closed.success, closed.stored_traces), (True, TRACES), closed.message)
         for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
             indices = [message.index for message in found["/robot3/trace"]]
@@ -392,14 +394,16 @@ class StoreSurveyTest(unittest.TestCase):
         self.wait_until(lambda: self.on_disk(opened.path, renamed), "the status is not recorded")
         self.assertTrue(self.store(1).success)
         close = self.service("/robot4/close_survey", CloseSurvey)
-        self.assertTrue(close(self.survey_id, "stopped", "by the test").success)
+        closed = close(survey_id=self.survey_id, outcome="stopped", reason="by the test")
+        self.assertTrue(closed.success, closed.message)
         second.send_signal(signal.SIGINT)
         second.wait(TIME_LIMIT_S)
         new.unregister()
         for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
             self.assertEqual([one.index for one in found["/robot4/trace"]], [0, 1])
             self.assertEqual([one.message for one in found[name]], ["old"])
-            self.assertEqual([one.message_json for one in found[renamed]], ["{}"])
+            recorded, end = found[renamed]
+            self.assertEqual((recorded.message_json, end.code), ("{}", ControlStatus.STOPPED))
         self.check_play(f"{opened.path}/survey.bag", name, old_status_class(), "old")
         self.check_play(f"{opened.path}/survey.bag", renamed, ControlStatus, "new")
 
@@ -410,7 +414,8 @@ class StoreSurveyTest(unittest.TestCase):
         subprocess.run([*command, "--topics", topic], check=True, timeout=TIME_LIMIT_S)
         self.wait_until(lambda: found, f"rosbag does not play {topic}")
         subscriber.unregister()
-        self.assertEqual([one.message for one in found], [text])
+        # The storage's own status, the last one, may follow.
+        self.assertEqual(found[0].message, text)
 
     def start_node(self, namespace: str, data: str) -> subprocess.Popen:
         node = subprocess.Popen(
@@ -455,6 +460,12 @@ class StoreSurveyTest(unittest.TestCase):
             survey = json.load(stream)
         self.assertEqual((survey["outcome"], survey["stored_traces"]), ("interrupted", 1))
         self.assertEqual(len(self.read_bag(opened.path)["/robot2/trace"]), 1)
+        for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
+            end = found["/robot2/control_status"][-1]
+            self.assertEqual((end.code, end.survey_id), (ControlStatus.FAILED, self.survey_id))
+            self.assertEqual(end.message, "Interrupted before its end: the storage was shut down")
+            (mark,) = found["/robot2/replay"]
+            self.assertEqual(mark.survey_id, self.survey_id)
         self.assertEqual(len(self.read_mcap(opened.path)["/robot2/trace"]), 1)
 
 

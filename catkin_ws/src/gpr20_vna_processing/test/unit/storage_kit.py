@@ -16,7 +16,7 @@ from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import Limits, Storage
+from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
 
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOW_NS = 1_790_000_100_000_000_001
@@ -40,6 +40,13 @@ def text_message(topic: str, text: str, time_ns: int = NOW_NS, latching: bool = 
     """Return a std_msgs/String for recording."""
     message = TYPES.types["std_msgs/msg/String"](data=text)
     return recorded(topic, "std_msgs/String", message, time_ns, latching)
+
+
+def end_status(end: SurveyEnd) -> RecordedMessage:
+    """Return a text in the place of the last status, whose type these tests do not know."""
+    return text_message(
+        "/control_status", f"{end.state.name}: {end.message}", end.time_ns, latching=True
+    )
 
 
 class MemoryRecording:
@@ -117,6 +124,7 @@ class Kit:
                 clock=Clock(),
                 revision="1.2.3",
                 readers=readers,
+                end_status=end_status,
             ),
             limits,
             on_opened=self.opened.append,

@@ -3,23 +3,44 @@
 from __future__ import annotations
 
 import argparse
-import threading
+import sys
 from pathlib import Path
 
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, not_there
-from gpr20_analysis.read.replay import Pace, paced, recorded
+from gpr20_analysis.read.playback import Pace, Playback
+from gpr20_analysis.read.replay import describe, recorded
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_survey.recording.replay_message import REPLAY_TOPIC
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 
-SUBSCRIBER_WAIT_S = 2.0
+TOPICS_OF_A_ROBOT = ("control_status", TRACE_TOPIC, METADATA_TOPIC, REPLAY_TOPIC)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("survey", type=Path, help="folder of a survey, its .mcap, or JSON files")
     parser.add_argument("--rate", type=float, default=1.0, help="speed relative to the recording")
+    parser.add_argument(
+        "--start",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="start at this time of the recording [s]; earlier traces are published at once",
+    )
+    parser.add_argument("--paused", action="store_true", help="start paused")
+    parser.add_argument(
+        "--hold", action="store_true", help="keep the last messages until interrupted"
+    )
+    parser.add_argument(
+        "--wait",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="wait at most this long for a window before the first message [s]",
+    )
     parser.add_argument(
         "--longest-pause",
         type=float,
@@ -30,13 +51,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Publish the survey; return the exit status."""
-    pace = Pace(chosen.rate, chosen.longest_pause)
+    pace = Pace(chosen.rate, chosen.longest_pause, chosen.start, chosen.paused)
     if not chosen.survey.exists():
         raise AnalysisError(not_there(chosen.survey))
+    replayed = describe(chosen.survey)
     try:
         import rosgraph
         import rospy
 
+        from gpr20_analysis.high.graph import refuse_beside_others
+        from gpr20_analysis.high.replay_marker import ReplayMarker
         from gpr20_analysis.high.replay_node import ReplayNode
     except ImportError as error:
         raise MissingLibraryError(
@@ -50,10 +74,18 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 address=rosgraph.get_master_uri(),
             )
         )
+    namespace = replayed.namespace or rospy.names.get_namespace()
+    # Before this joins the graph, which would end another replay.
+    refuse_beside_others(f"{namespace}{name}" for name in TOPICS_OF_A_ROBOT)
     rospy.init_node("replay", anonymous=False)
-    stopped = threading.Event()
-    node = ReplayNode(stopped, SUBSCRIBER_WAIT_S)
-    node.run(paced(recorded(chosen.survey), pace, Clock(), stopped))
+    playback = Playback(pace, Clock())
+    rospy.on_shutdown(playback.stop)
+    marker = ReplayMarker(f"{namespace}{REPLAY_TOPIC}", replayed, playback)
+    node = ReplayNode(playback, marker, chosen.wait)
+    node.run(recorded(chosen.survey))
+    stopped = playback.stopped
+    if not stopped:
+        marker.end()
     print(
         catalogue.tr(
             "{traces} traces in {messages} messages were published",
@@ -61,7 +93,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             messages=node.published,
         )
     )
-    return REFUSED if stopped.is_set() else DONE
+    if chosen.hold:
+        sys.stdout.flush()
+        rospy.spin()
+    return REFUSED if stopped else DONE
 
 
 COMMAND = Command(

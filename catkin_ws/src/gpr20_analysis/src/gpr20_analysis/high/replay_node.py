@@ -2,104 +2,109 @@
 
 from __future__ import annotations
 
-import threading
-from typing import Dict, Iterable, List, Type
+from typing import Dict, Iterable, Type
 
-import rosgraph
 import rospy
 
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.high.graph import refuse_beside_others, subscriber_count
 from gpr20_analysis.high.old_recordings import completed
-from gpr20_analysis.read.replay import Content
+from gpr20_analysis.high.replay_marker import ReplayMarker
+from gpr20_analysis.read.playback import Playback
+from gpr20_analysis.read.replay import Due
 from gpr20_common.high.raw_message import preserialized
-from gpr20_common.message import Message
+from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.survey_topics import TRACE_TOPIC
 from gpr20_survey.trace import trace_message
 
-TRACE_TOPIC = "trace"
 QUEUE_LENGTH = 1000
 POLL_S = 0.05
-# All nodes publish there, also a window that shows the replay.
-SHARED_TOPICS = ("/diagnostics",)
+# A subscriber that is known to the master may be dead [s].
+CONNECT_WAIT_S = 2.0
+# Without a subscriber a trace waits this long for a first one [s].
+FIRST_WAIT_S = 2.0
+# For the last messages to be sent [s].
+LINGER_S = 0.5
 
 
 class ReplayNode:
     """Publishes messages, with a publisher for each new topic."""
 
-    def __init__(self, stopped: threading.Event, subscriber_wait_s: float) -> None:
+    def __init__(self, playback: Playback, marker: ReplayMarker, window_wait_s: float) -> None:
         """Make the replay; the ROS node must be initialized.
 
         Args:
-            stopped: Set when the replay must end.
-            subscriber_wait_s: How long a topic waits for its first subscriber before its first
-                message [s].
+            playback: Gives out the messages.
+            marker: Says that this is a replay.
+            window_wait_s: How long to wait for a window before the first message [s].
         """
-        self._stopped = stopped
-        self._subscriber_wait_s = subscriber_wait_s
+        self._playback = playback
+        self._marker = marker
+        self._window_wait_s = window_wait_s
+        self._clock = Clock()
         self._publishers: Dict[str, rospy.Publisher] = {}
         self.published = 0
         self.traces = 0
-        rospy.on_shutdown(stopped.set)
 
-    def run(self, contents: Iterable[Content]) -> None:
+    def run(self, items: Iterable[Due]) -> None:
         """Publish everything in the order of the iterable.
 
         Raises:
             AnalysisError: Another node publishes one of the topics, such as a robot, whose
                 positions would be mixed with those of the recording.
         """
-        for content in contents:
+        # Before any other message: nobody must take those for a robot's.
+        self._await_subscribers(self._marker.publisher, self._window_wait_s)
+        for content in self._playback.play(items):
             if isinstance(content, RecordedMessage):
                 self._publish_recorded(completed(content))
             else:
-                publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), None)
+                publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), Trace, False)
                 publisher.publish(preserialized(Trace, trace_message.encode(content)))
                 self.traces += 1
             self.published += 1
+        # Messages are sent by other threads, which end with the node.
+        self._clock.wait_s(self._playback.ended, LINGER_S)
 
     def _publish_recorded(self, message: RecordedMessage) -> None:
-        publisher = self._publisher(message.topic, message)
+        topic = rospy.resolve_name(message.topic)
+        publisher = self._publisher(topic, _message_class(message), message.latching)
         raw = publisher.data_class()
         raw._buff = message.data
         publisher.publish(raw)
         self.traces += message.datatype == trace_message.DATATYPE
 
-    def _publisher(self, topic: str, message: object) -> rospy.Publisher:
+    def _publisher(self, topic: str, kind: Type, latch: bool) -> rospy.Publisher:
         if topic not in self._publishers:
-            if isinstance(message, RecordedMessage):
-                kind, latch = _message_class(message), message.latching
-            else:
-                kind, latch = Trace, False
-            _refuse_beside_others(topic)
-            publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=QUEUE_LENGTH)
+            refuse_beside_others([topic], rospy.get_name())
+            is_trace = topic.rsplit("/", 1)[-1] == TRACE_TOPIC
+            # Of these, no subscriber must miss a message, however short the replay is.
+            awaited = latch or is_trace
+            # A replay from a later start publishes all traces before it at once: none is dropped.
+            size = 0 if awaited else QUEUE_LENGTH
+            publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=size)
             self._publishers[topic] = publisher
-            if topic.rsplit("/", 1)[-1] == TRACE_TOPIC:
-                self._await_subscriber(publisher)
+            if awaited:
+                self._await_subscribers(publisher, FIRST_WAIT_S if is_trace else 0.0)
         return self._publishers[topic]
 
-    def _await_subscriber(self, publisher: rospy.Publisher) -> None:
-        # Existing subscribers connect to a new publisher a moment later.
-        polls = int(self._subscriber_wait_s / POLL_S)
-        for _ in range(polls):
-            if publisher.get_num_connections() or self._stopped.wait(POLL_S):
+    def _await_subscribers(self, publisher: rospy.Publisher, first_wait_s: float) -> None:
+        """Wait until the subscribers have connected, which takes them a moment.
+
+        Args:
+            publisher: Of a new topic.
+            first_wait_s: How long to wait for a first one, if there is none yet [s].
+        """
+        begin_s = self._clock.now_s()
+        while not self._playback.stopped:
+            waited_s = self._clock.now_s() - begin_s
+            known, connected = subscriber_count(publisher.name), publisher.get_num_connections()
+            if waited_s >= (CONNECT_WAIT_S if known else first_wait_s):
                 return
-
-
-def _refuse_beside_others(topic: str) -> None:
-    published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
-    publishers: List[str] = dict(published).get(topic, [])
-    others = [name for name in publishers if name != rospy.get_name()]
-    if others and topic not in SHARED_TOPICS:
-        raise AnalysisError(
-            Message(
-                "a robot or another replay is running on {address}, and its data would be mixed "
-                "with those of the recording; stop it, or replay on another ROS master "
-                "(ROS_MASTER_URI=http://localhost:11411 roslaunch gpr20 replay.launch survey:=...)",
-                address=rosgraph.get_master_uri(),
-                details=f"{topic} is published by {', '.join(others)}",
-            )
-        )
+            if known and connected >= known:
+                return
+            self._clock.wait_s(self._playback.ended, POLL_S)
 
 
 def _message_class(message: RecordedMessage) -> Type:

@@ -33,6 +33,7 @@ BAG, MCAP = ".bag", ".mcap"
 METADATA_TOPIC = "survey_metadata"
 BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 INDEX_POSITION = b"index_pos="
+NS_PER_S = 1_000_000_000
 RECORD_HEAD_BYTES = 9  # opcode and length
 CUT_OFF = Message(
     "the recording was cut off before its index was written; all complete messages were read"
@@ -96,6 +97,25 @@ def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
             if schema is not None:
                 yield recorded_message(schema, channel, message)
+
+
+def mcap_length_s(path: Path) -> float:
+    """Return the time between the first and the last message of an MCAP file [s].
+
+    Of a file that was cut off it is not known: 0.
+
+    Raises:
+        UnreadableFileError: The file is damaged.
+        OSError: It cannot be read.
+    """
+    if not is_finished(path):
+        return 0.0
+    with _failing_as_unreadable(path), path.open("rb") as stream:
+        summary = make_reader(stream, validate_crcs=True).get_summary()
+    if summary is None or summary.statistics is None:
+        return 0.0
+    statistics = summary.statistics
+    return max(0, statistics.message_end_time - statistics.message_start_time) / NS_PER_S
 
 
 def is_finished(path: Path) -> bool:

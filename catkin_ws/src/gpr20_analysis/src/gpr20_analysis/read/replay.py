@@ -1,19 +1,22 @@
-"""The messages of a recorded survey, and when each is due in a replay."""
+"""The messages of a recorded survey that a replay publishes."""
 
 from __future__ import annotations
 
-import threading
+import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterable, Iterator, Optional, Union
+from typing import Dict, Iterable, Iterator, Optional, Union
 
-from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
-from gpr20_analysis.read.recordings import MCAP, mcap_messages
-from gpr20_analysis.read.sources import open_source
-from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, in_a_row
+from gpr20_analysis.errors import DamagedSurveyError
+from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
+from gpr20_analysis.read.sources import SurveySource, open_source
+from gpr20_common.message import in_a_row
 from gpr20_survey.folder import survey_folder
+from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, SurveyTopics
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
 NS_PER_S = 1_000_000_000
@@ -31,70 +34,127 @@ class Due:
 
 
 @dataclass(frozen=True)
-class Pace:
-    """The speed of a replay.
+class ReplayedSurvey:
+    """What is known of a survey before its replay begins.
 
     Attributes:
-        rate: How many times faster than it was recorded.
-        longest_pause_s: Longer gaps of the recording are shortened to this [s]; None: they are not.
+        survey: Which one it is.
+        namespace: Of the robot that recorded it, with a slash at its end; empty if it is not
+            recorded, as in JSON files.
+        length_s: Length of the recording [s]; 0 if it is not known.
     """
 
-    rate: float = 1.0
-    longest_pause_s: Optional[float] = None
+    survey: RecordedSurvey
+    namespace: str = ""
+    length_s: float = 0.0
 
-    def __post_init__(self) -> None:
-        if not 0.0 < self.rate <= 1e6:
-            raise AnalysisError(
-                Message("the rate is {rate:g}; it must be more than 0, at most 1e6", rate=self.rate)
-            )
-        if self.longest_pause_s is not None and not self.longest_pause_s >= 0.0:
-            raise AnalysisError(
-                Message(
-                    "the longest pause is {pause_s:g} s; it must be 0 or more",
-                    pause_s=self.longest_pause_s,
-                )
-            )
 
-    def pause_s(self, before_ns: int, after_ns: int) -> float:
-        """Return how long to wait between two messages [s]."""
-        # Recorders may swap messages of the same instant: a gap is never negative.
-        gap_s = max(0, after_ns - before_ns) / NS_PER_S / self.rate
-        return gap_s if self.longest_pause_s is None else min(gap_s, self.longest_pause_s)
+def describe(survey: Path) -> ReplayedSurvey:
+    """Return what a survey is.
+
+    Raises:
+        AnalysisError: It is not a survey, or it is damaged.
+        OSError: It cannot be read.
+    """
+    folder = survey.resolve()
+    path = _mcap(survey)
+    if path is None:
+        return ReplayedSurvey(_survey_of_files(open_source(survey), folder))
+    found: Dict[str, RecordedMessage] = {}
+    for message in mcap_messages(path):
+        name = message.topic.rsplit("/", 1)[-1]
+        found.setdefault(name, message)
+        # The metadata are the first message, behind the marker where there is one.
+        if name == METADATA_TOPIC or len(found) > 2:
+            break
+    own = found.get(METADATA_TOPIC) or next(iter(found.values()), None)
+    namespace = "/" if own is None else own.topic[: own.topic.rindex("/") + 1]
+    return ReplayedSurvey(_survey_of_mcap(found, path, folder), namespace, mcap_length_s(path))
 
 
 def recorded(survey: Path) -> Iterator[Due]:
     """Yield the messages of a survey in order of time.
 
     Of a folder its MCAP file is read, which holds every topic of the graph. Without one, or from
-    JSON files alone, only the traces are yielded. Bags are replayed by `rosbag play`.
+    JSON files alone, only survey.json, if it is there, and the traces are yielded. Bags are
+    replayed by `rosbag play`.
 
     Raises:
         AnalysisError: It is not a survey or is damaged; messages before the damage are yielded.
         OSError: It cannot be read.
     """
-    path = survey / survey_folder.MCAP_FILE if survey.is_dir() else survey
-    if path.suffix == MCAP and path.exists():
+    path = _mcap(survey)
+    if path is not None:
         for message in mcap_messages(path):
-            yield Due(message.time_ns, message)
+            if message.datatype != replay_message.DATATYPE:
+                yield Due(message.time_ns, message)
         return
     source = open_source(survey)
+    described = source.description is not None
     for trace in source.traces():
-        yield Due(trace.timestamp_us * NS_PER_US, trace)
+        time_ns = trace.timestamp_us * NS_PER_US
+        if described:
+            described = False
+            text = json.dumps(source.description)
+            topics = SurveyTopics("", metadata_topic=METADATA_TOPIC)
+            yield Due(time_ns, topics.metadata(text, time_ns))
+        yield Due(time_ns, trace)
     if source.faults:
         raise DamagedSurveyError(in_a_row(fault.message for fault in source.faults))
 
 
-def paced(
-    items: Iterable[Due], pace: Pace, clock: Clock, stopped: threading.Event
-) -> Iterator[Content]:
-    """Yield the contents when they are due, until stopped."""
-    due_s = clock.now_s()
-    before_ns: Optional[int] = None
+def from_start(items: Iterable[Due], start_s: float) -> Iterator[Due]:
+    """Yield what a replay from a later moment publishes, in order of time.
+
+    What was recorded before that moment is due at it, without delay: every trace and the survey's
+    metadata, which a map needs, and the last message of each other topic.
+
+    Args:
+        items: The whole recording.
+        start_s: The moment, from the start of the recording [s].
+    """
+    start_ns: Optional[int] = None
+    last: Dict[str, Content] = {}
     for item in items:
-        if before_ns is not None:
-            due_s += pace.pause_s(before_ns, item.time_ns)
-        # For messages out of order the latest time counts, so that no gap is waited for twice.
-        before_ns = item.time_ns if before_ns is None else max(before_ns, item.time_ns)
-        if clock.wait_s(stopped, max(0.0, due_s - clock.now_s())):
-            return
-        yield item.content
+        if start_ns is None:
+            start_ns = item.time_ns + round(start_s * NS_PER_S)
+        if item.time_ns < start_ns:
+            content = item.content
+            if isinstance(content, Trace) or _is_kept(content):
+                yield Due(start_ns, content)
+            else:
+                # Removed first, so that the topics are in the order of their last messages.
+                last.pop(content.topic, None)
+                last[content.topic] = content
+            continue
+        yield from (Due(start_ns, content) for content in last.values())
+        last = {}
+        yield item
+    yield from (Due(start_ns or 0, content) for content in last.values())
+
+
+def _is_kept(message: RecordedMessage) -> bool:
+    metadata = message.topic.rsplit("/", 1)[-1] == METADATA_TOPIC
+    return metadata or message.datatype == trace_message.DATATYPE
+
+
+def _mcap(survey: Path) -> Optional[Path]:
+    path = survey / survey_folder.MCAP_FILE if survey.is_dir() else survey
+    return path if path.suffix == MCAP and path.exists() else None
+
+
+def _survey_of_mcap(found: Dict[str, RecordedMessage], path: Path, folder: Path) -> RecordedSurvey:
+    if REPLAY_TOPIC in found:
+        return RecordedSurvey.decode(found[REPLAY_TOPIC].data)
+    # A recording of an earlier version.
+    description = open_source(path).description or {}
+    return RecordedSurvey.of(description, folder if folder.is_dir() else Path())
+
+
+def _survey_of_files(source: SurveySource, folder: Path) -> RecordedSurvey:
+    if folder.name == survey_folder.TRACES_FOLDER:
+        folder = folder.parent
+    if source.description is not None:
+        return RecordedSurvey.of(source.description, folder)
+    first = next(source.traces(), None)
+    return RecordedSurvey("" if first is None else first.survey_id, folder=folder.name)

@@ -160,7 +160,7 @@ def build_main_control_node() -> MainControlNode:
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
         analyzer=RosAnalyzer(limits.analyzer_limit_s),
         height_sensor=RosHeightSensor(limits.height_limit_s),
-        storage=RosStorage(limits.storage_limit_s),
+        storage=RosStorage(limits.storage_limit_s, topics),
         nodes=nodes,
         description=description,
     )

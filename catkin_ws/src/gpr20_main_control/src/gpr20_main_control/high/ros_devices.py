@@ -12,7 +12,13 @@ from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
+from gpr20_main_control.high.survey_topics import (
+    SurveyTopics,
+    coverage_message,
+    progress_message,
+)
+from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyEnd, SurveyRecord
+from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     CloseSurvey,
     Connection,
@@ -149,7 +155,15 @@ class RosHeightSensor:
 class RosStorage:
     """Implements `gpr20_main_control.mid.robot.Storage`."""
 
-    def __init__(self, time_limit_s: float) -> None:
+    def __init__(self, time_limit_s: float, topics: SurveyTopics) -> None:
+        """Prepare the calls.
+
+        Args:
+            time_limit_s: For each answer [s].
+            topics: Makes the messages with which the recordings of a survey end.
+        """
+        self._topics = topics
+
         def service(name: str, service_class: Any, limit_s: float) -> DeviceService:
             return DeviceService(STORAGE_NAME, name, service_class, limit_s)
 
@@ -184,16 +198,27 @@ class RosStorage:
             interrupted=response.interrupted,
         )
 
-    def report(self, survey_id: str, report_json: str) -> None:
-        """Store a report of the survey beside its metadata."""
-        self._report(survey_id=survey_id, report_json=report_json)
+    def report(self, survey_id: str, report_json: str) -> int:
+        """Store a report beside the survey's metadata; return how many traces are stored."""
+        response = self._report(survey_id=survey_id, report_json=report_json)
+        return int(response.stored_traces)
 
     def store(self, trace: Trace) -> None:
         """Store a trace; it is durable when this returns."""
         # The trace is the only field of the request, so their bytes are the same.
         self._store(preserialized(StoreDataRequest, trace_message.encode(trace)))
 
-    def close(self, survey_id: str, outcome: str, reason: Message) -> int:
-        """Close a survey and return how many traces its folder holds."""
-        response = self._close(survey_id=survey_id, outcome=outcome, reason=str(reason))
-        return int(response.stored_traces)
+    def close(self, survey_id: str, end: SurveyEnd) -> None:
+        """Close a survey; its end is in the recordings when this returns."""
+        progress, coverage = SurveyData(), SurveyCoverage()
+        if end.coverage is not None:
+            progress = progress_message(end.status)
+            coverage = coverage_message(end.coverage, survey_id)
+        self._close(
+            survey_id=survey_id,
+            outcome=end.outcome,
+            reason=str(end.reason),
+            status=self._topics.status_message(end.status),
+            progress=progress,
+            coverage=coverage,
+        )

@@ -47,12 +47,16 @@ class SurveyTopics:
 
     def publish_status(self, status: Status) -> None:
         """Publish state and message."""
+        self._status.publish(self.status_message(status))
+
+    def status_message(self, status: Status) -> ControlStatus:
+        """Return the message with state and message."""
         message = ControlStatus(**message_fields(status.full_message))
         message.header.stamp = rospy.Time.now()
         message.code = int(status.state)
         message.survey_id = status.survey_id
         message.simulated = self.simulated
-        self._status.publish(message)
+        return message
 
     def _publish_target(self, status: Status) -> None:
         message = Coordinates()
@@ -66,35 +70,11 @@ class SurveyTopics:
     def publish_progress(self, status: Status) -> None:
         """Publish the point being visited and the progress of the survey."""
         self._publish_target(status)
-        self._publish_survey_data(status)
-
-    def _publish_survey_data(self, status: Status) -> None:
-        message = SurveyData()
-        message.header.stamp = rospy.Time.now()
-        message.survey_id = status.survey_id
-        message.completion_percent = status.completion_percent
-        message.total_points = status.total_points
-        message.visited_points = status.visited_points
-        message.remaining_points = status.total_points - status.visited_points
-        message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
-        self._progress.publish(message)
+        self._progress.publish(progress_message(status))
 
     def publish_coverage(self, coverage: Coverage, survey_id: str) -> None:
         """Publish the state of each planned sample."""
-        reasons = sorted(coverage.reasons.items())
-        verdict = coverage.verdict().message
-        message = SurveyCoverage()
-        message.header.stamp = rospy.Time.now()
-        message.survey_id = survey_id
-        runs = coverage.runs()
-        message.planned = coverage.planned
-        message.run_starts = [start for start, _state in runs]
-        message.run_states = bytes(state for _start, state in runs)
-        message.failures = [f"{index}: {reason}" for index, reason in reasons]
-        message.failures_json = [reason.to_json() for _index, reason in reasons]
-        message.verdict = str(verdict)
-        message.verdict_json = verdict.to_json()
-        self._coverage.publish(message)
+        self._coverage.publish(coverage_message(coverage, survey_id))
 
     def publish_parameters(self, parameters: SurveyParameters) -> None:
         """Publish the parameters of the next or present survey."""
@@ -111,3 +91,34 @@ class SurveyTopics:
             reading.coordinate for reading in readings if reading is not None
         )
         self._current.publish(message)
+
+
+def progress_message(status: Status) -> SurveyData:
+    """Return the message with the progress of the survey."""
+    message = SurveyData()
+    message.header.stamp = rospy.Time.now()
+    message.survey_id = status.survey_id
+    message.completion_percent = status.completion_percent
+    message.total_points = status.total_points
+    message.visited_points = status.visited_points
+    message.remaining_points = status.total_points - status.visited_points
+    message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
+    return message
+
+
+def coverage_message(coverage: Coverage, survey_id: str) -> SurveyCoverage:
+    """Return the message with the state of each planned sample."""
+    reasons = sorted(coverage.reasons.items())
+    verdict = coverage.verdict().message
+    message = SurveyCoverage()
+    message.header.stamp = rospy.Time.now()
+    message.survey_id = survey_id
+    runs = coverage.runs()
+    message.planned = coverage.planned
+    message.run_starts = [start for start, _state in runs]
+    message.run_states = bytes(state for _start, state in runs)
+    message.failures = [f"{index}: {reason}" for index, reason in reasons]
+    message.failures_json = [reason.to_json() for _index, reason in reasons]
+    message.verdict = str(verdict)
+    message.verdict_json = verdict.to_json()
+    return message

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Dict, Optional, Union
+from typing import Any, Callable, Dict, List, Optional, Union
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested, message_of
@@ -207,24 +207,26 @@ class SurveyEngine:
     def _close_finished(self) -> None:
         self._clock_steps.check()
         verdict = self._archive.coverage.verdict()
-        stored = self._archive.close("finished", verdict.message, self._interruption.check)
-        total = self._plan.total_points
-        if not verdict.complete or stored != total:
-            failed = Message(
+        check = self._interruption.check
+        stored, total = self._archive.send_last_report(check), self._plan.total_points
+        if verdict.complete and stored == total:
+            state, outcome = SurveyState.FINISHED, "finished"
+            message = Message(
+                "Finished, {verdict}; {stored} traces in {folder}",
+                verdict=verdict.message,
+                stored=stored,
+                folder=self._archive.folder,
+            )
+        else:
+            state, outcome = SurveyState.FAILED, "failed"
+            message = Message(
                 "Failed: the survey's folder holds {stored} of {total} traces; {verdict}",
                 stored=stored,
                 total=total,
                 verdict=verdict.message,
             )
-            self._status.enter(SurveyState.FAILED, failed)
-            return
-        finished = Message(
-            "Finished, {verdict}; {stored} traces in {folder}",
-            verdict=verdict.message,
-            stored=stored,
-            folder=self._archive.folder,
-        )
-        self._status.enter(SurveyState.FINISHED, finished)
+        self._archive.close(outcome, verdict.message, state, message, check)
+        self._status.enter(state, message)
 
     def _recover_or_pause(self, error: DeviceError) -> None:
         """Return when the survey can continue: because a node is back, or it was resumed."""
@@ -272,11 +274,15 @@ class SurveyEngine:
         messages = [message]
         if not self._positioner.wait_for_rest(REST_LIMIT_S):
             messages.append(Message("AN AXIS IS STILL MOVING: switch the motors off"))
+        ended = in_a_row(messages)
         if self._archive.folder:
-            messages.append(self._close_early(outcome, reason))
-        self._status.enter(state, in_a_row(messages))
+            ended = self._close_early(state, outcome, messages, reason)
+        self._status.enter(state, ended)
 
-    def _close_early(self, outcome: str, reason: Message) -> Message:
+    def _close_early(
+        self, state: SurveyState, outcome: str, messages: List[Message], reason: Message
+    ) -> Message:
+        """Close the survey's folder; return what the last status says."""
         self._clock_steps.check()
         check = self._recovery.return_limit_check()
         try:
@@ -285,15 +291,18 @@ class SurveyEngine:
                 self._archive.reopen(check)
             self._archive.queue.retry()
             self._archive.queue.drain_within(STOPPING_LIMIT_S)
-            stored = self._archive.close(outcome, reason, check)
+            count = Message(
+                "{stored} of {total} traces in {folder}",
+                stored=self._archive.send_last_report(check),
+                total=self._plan.total_points,
+                folder=self._archive.folder,
+            )
+            message = in_a_row([*messages, count])
+            self._archive.close(outcome, reason, state, message, check)
         except Exception as error:
             # Faults in the software too: the survey must not remain STOPPING for ever.
-            return Message(
+            unfinished = Message(
                 "the recordings could not be finished: {reason}", reason=message_of(error)
             )
-        return Message(
-            "{stored} of {total} traces in {folder}",
-            stored=stored,
-            total=self._plan.total_points,
-            folder=self._archive.folder,
-        )
+            return in_a_row([*messages, unfinished])
+        return message

@@ -15,10 +15,10 @@ from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.engine import SurveyEngine
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyEnd
 from gpr20_main_control.mid.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.survey_status import Status, SurveyStatus
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -241,7 +241,7 @@ class MainControl:
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
-            storage.close(reopened.survey_id, "failed", refusal)
+            storage.close(reopened.survey_id, _refused_end(reopened, refusal))
             raise
         pending, total = len(plan.pending), plan.total_points
         resuming = Message(
@@ -266,3 +266,9 @@ class MainControl:
         self._status.enter(SurveyState.CHECKING, Message("Checking the robot"))
         self._thread = threading.Thread(target=engine.run, name="survey")
         self._thread.start()
+
+
+def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
+    """Return the end of a survey that was reopened but cannot continue on this robot."""
+    status = Status(SurveyState.FAILED, refusal, reopened.survey_id)
+    return SurveyEnd("failed", refusal, status)

@@ -14,7 +14,9 @@ from gpr20_common.message import Message
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.serial_calls import SerialCalls
+from gpr20_main_control.mid.survey_status import Status
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -173,6 +175,23 @@ class ReopenedSurvey:
     interrupted: str = ""
 
 
+@dataclass(frozen=True)
+class SurveyEnd:
+    """How a survey ended.
+
+    Attributes:
+        outcome: One word, as in survey.json.
+        reason: Why.
+        status: The last status of the survey; the recordings end with it.
+        coverage: The state of each sample; None if there is no plan of this survey.
+    """
+
+    outcome: str
+    reason: Message
+    status: Status
+    coverage: Optional[Coverage] = None
+
+
 class Storage(Protocol):
     """The storage of surveys."""
 
@@ -182,14 +201,14 @@ class Storage(Protocol):
     def reopen(self, survey: str) -> ReopenedSurvey:
         """Reopen a survey by its id or folder; another one that is open is interrupted."""
 
-    def report(self, survey_id: str, report_json: str) -> None:
-        """Store a report of the survey beside its metadata."""
+    def report(self, survey_id: str, report_json: str) -> int:
+        """Store a report beside the survey's metadata; return how many traces are stored."""
 
     def store(self, trace: Trace) -> None:
         """Store a trace; it is durable when this returns."""
 
-    def close(self, survey_id: str, outcome: str, reason: Message) -> int:
-        """Close a survey and return how many traces its folder holds."""
+    def close(self, survey_id: str, end: SurveyEnd) -> None:
+        """Close a survey; its end is in the recordings when this returns."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control.mid.instruments import AnalyzerState
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
-from gpr20_main_control.mid.robot import Robot, SurveyRecord
+from gpr20_main_control.mid.robot import Robot, SurveyEnd, SurveyRecord
 from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
@@ -19,6 +19,7 @@ from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
+from gpr20_survey.plan.survey_state import SurveyState
 
 Check = Callable[[], None]
 
@@ -53,6 +54,7 @@ class SurveyArchive:
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
         self._closing_report = ""
+        self._closing_count = 0
         self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
         self._remaining = RemainingTime(plan.pending_durations_s)
         self._measuring_since_s: Optional[float] = None
@@ -105,15 +107,30 @@ class SurveyArchive:
         """Note a warning, which is stored with the next report."""
         self._report.note_warning(warning, time_of_day_us())
 
-    def close(self, outcome: str, reason: Message, check: Check) -> int:
-        """Close the survey and return how many traces its folder holds."""
+    def send_last_report(self, check: Check) -> int:
+        """Store the report of the survey's end; return how many traces its folder holds."""
         report_json = self._report.to_json()
-        if report_json != self._closing_report:
-            self._send_report(report_json, check)
         # Once: a survey that was closed by a call whose answer was lost accepts no report.
-        self._closing_report = report_json
+        if report_json != self._closing_report:
+            self._closing_count = self._send_report(report_json, check)
+            self._closing_report = report_json
+        return self._closing_count
+
+    def close(
+        self, outcome: str, reason: Message, state: SurveyState, message: Message, check: Check
+    ) -> None:
+        """Close the survey.
+
+        Args:
+            outcome: One word, for survey.json.
+            reason: Why it ended.
+            state: The state that it ends in.
+            message: What the status says then.
+            check: Ends the wait.
+        """
         survey_id = self._plan.survey_id
-        return self._calls.call(lambda: self._storage.close(survey_id, outcome, reason), check)
+        end = SurveyEnd(outcome, reason, self._status.status.ended(state, message), self.coverage)
+        self._calls.call(lambda: self._storage.close(survey_id, end), check)
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
@@ -121,9 +138,9 @@ class SurveyArchive:
             self._record = analyzer, survey_record(self._plan, analyzer, self._recorded())
         return self._record[1]
 
-    def _send_report(self, report_json: str, check: Check) -> None:
+    def _send_report(self, report_json: str, check: Check) -> int:
         survey_id = self._plan.survey_id
-        self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
+        return self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
 
     def _note_stored(self, stored: int, index: int) -> None:
         self.coverage.note_stored(index)

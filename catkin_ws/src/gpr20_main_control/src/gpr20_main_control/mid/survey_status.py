@@ -50,6 +50,10 @@ class Status:
         warning = in_a_row(warnings) if len(warnings) > 1 else warnings[0]
         return Message("Warning: {warning}. {status}", warning=warning, status=self.message)
 
+    def ended(self, state: SurveyState, message: Message) -> Status:
+        """Return the status of this survey after its end."""
+        return replace(self, state=state, message=message, target=None)
+
     @property
     def completion_percent(self) -> float:
         """Part of the plan that is stored durably [%]."""

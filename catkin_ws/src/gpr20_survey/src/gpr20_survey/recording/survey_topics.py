@@ -1,12 +1,15 @@
-"""The two topics that the storage itself publishes and records."""
+"""The topics that the storage itself records."""
 
 from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import Optional
+from pathlib import Path
+from typing import Any, Mapping, Optional
 
+from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -22,7 +25,7 @@ TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION = (
 
 @dataclass(frozen=True)
 class SurveyTopics:
-    """Makes the messages of these topics; the same bytes are published and recorded."""
+    """Makes the messages of these topics; the bytes that are published are recorded."""
 
     trace_definition: str
     """Full text of the message type gpr20_msgs/Trace."""
@@ -30,6 +33,8 @@ class SurveyTopics:
     """Absolute name."""
     metadata_topic: str = f"/{METADATA_TOPIC}"
     """Absolute name."""
+    replay_topic: str = f"/{REPLAY_TOPIC}"
+    """Absolute name; recorded only, so that it is published when the recording is played."""
 
     def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         """Return a trace as a message, received at a moment [ns since 1970, UTC]."""
@@ -48,6 +53,18 @@ class SurveyTopics:
         data = struct.pack("<I", len(content)) + content
         return RecordedMessage(
             self.metadata_topic, TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION, data, time_ns, True
+        )
+
+    def replay(self, description: Mapping[str, Any], folder: Path, time_ns: int) -> RecordedMessage:
+        """Return the latched message by which a replay of the survey is recognized."""
+        return RecordedMessage(
+            self.replay_topic,
+            replay_message.DATATYPE,
+            replay_message.MD5SUM,
+            replay_message.DEFINITION,
+            RecordedSurvey.of(description, folder).encode(),
+            time_ns,
+            True,
         )
 
 

@@ -10,17 +10,25 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
-from gpr20_msgs.msg import ControlStatus, Coordinates, RobotConfiguration, SurveyData
+from gpr20_msgs.msg import (
+    ControlStatus,
+    Coordinates,
+    Replay,
+    RobotConfiguration,
+    SurveyData,
+)
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
+from gpr20_user_interface.high.replay_watch import ReplayWatch
 from gpr20_user_interface.high.robot_travel import axis_limits
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.events import (
@@ -31,6 +39,7 @@ from gpr20_user_interface.mid.events import (
     Event,
     Request,
 )
+from gpr20_user_interface.mid.message_source import is_player
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -43,6 +52,11 @@ AXES = ("x", "y", "z")
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
+
+
+def main_control_name() -> str:
+    """Return the full name of the robot's main control."""
+    return str(rospy.resolve_name("main_control"))
 
 
 class DirectServiceClient(ServiceClient):
@@ -87,7 +101,10 @@ class ControlClient(RosEvents):
         self._axis_stops = {
             axis: DirectServiceClient(f"{axis}_axis/stop", Command) for axis in AXES
         }
+        self._pause_replay = ServiceClient("replay/pause", Command)
+        self._continue_replay = ServiceClient("replay/continue", Command)
         self._master = MasterWatch()
+        self._watch = ReplayWatch(main_control_name(), self._emit)
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
         self._repeating_stop = threading.Lock()
@@ -97,11 +114,13 @@ class ControlClient(RosEvents):
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
         self._stop_obsolete.set()
+        self._watch.close()
         super().close()
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
-        self._subscribe("control_status", ControlStatus, conversions.control_state, None)
+        self._subscribe_raw("replay", Replay, self._on_replay, None)
+        self._subscribe_raw("control_status", ControlStatus, self._on_status, None)
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
         self._subscribe_raw("robot_configuration", RobotConfiguration, self._on_robot, None)
 
@@ -138,6 +157,11 @@ class ControlClient(RosEvents):
         self._stop_obsolete.set()
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
 
+    def set_replay_paused(self, paused: bool) -> None:
+        """Ask the replay to pause or to continue; its next mark shows whether it did."""
+        service = self._pause_replay if paused else self._continue_replay
+        in_background(lambda: _call_or_log(service))
+
     def check_master(self) -> None:
         """Check that the master answers; the answer is an event with the limits of the axes."""
         # A master that hangs must not collect one thread per call.
@@ -157,10 +181,13 @@ class ControlClient(RosEvents):
             self._checking_master.release()
 
     def _on_robot(self, message: RobotConfiguration) -> None:
-        self._limits = axis_limits(message)
-        self._emit(self._limits)
-        if self._limits.defaults is not None:
-            self._emit(AnnotationDefaults(self._limits.defaults.site.annotation))
+        limits = axis_limits(message)
+        self._emit_received(message, limits)
+        if is_player(connection_header(message)["callerid"]):
+            return
+        self._limits = limits
+        if limits.defaults is not None:
+            self._emit(AnnotationDefaults(limits.defaults.site.annotation))
 
     def _ask_start(self, parameters: SurveyParameters, annotation: Annotation) -> Any:
         message = conversions.parameters_message(parameters)
@@ -231,7 +258,22 @@ class ControlClient(RosEvents):
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in conversions.node_healths(message, rospy.get_namespace()):
-            self._emit(health)
+            self._emit_received(message, health)
+
+    def _on_replay(self, message: Replay) -> None:
+        self._watch.note(message)
+        self._emit_received(message, conversions.replay_mark(message))
+
+    def _on_status(self, message: ControlStatus) -> None:
+        self._watch.note(message)
+        self._emit_received(message, conversions.control_state(message))
+
+
+def _call_or_log(service: ServiceClient) -> None:
+    try:
+        service.call(PAUSE_TIMEOUT_S)
+    except ServiceUnavailableError as error:
+        rospy.logwarn("the replay did not answer: %s", error)
 
 
 def _answer(request: Request, ask: Callable[[], Any]) -> Answer:

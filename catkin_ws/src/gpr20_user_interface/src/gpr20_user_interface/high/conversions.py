@@ -15,7 +15,14 @@ from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.message import Message, received_message
 from gpr20_msgs.msg import Annotation as AnnotationMessage
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData, SurveySummary
+from gpr20_msgs.msg import (
+    ControlStatus,
+    Coordinates,
+    Replay,
+    SurveyCoverage,
+    SurveyData,
+    SurveySummary,
+)
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_metadata
@@ -34,6 +41,7 @@ from gpr20_user_interface.mid.events import (
 )
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
 from gpr20_user_interface.mid.trace_events import (
     AnnotationFailed,
     AnnotationRead,
@@ -44,6 +52,19 @@ from gpr20_user_interface.mid.trace_events import (
     TracesRead,
     page_of_traces,
 )
+
+
+def replay_mark(message: Replay) -> ReplayMark:
+    """Convert `replay`."""
+    return ReplayMark(
+        survey_id=message.survey_id,
+        started=message.started,
+        folder=message.folder,
+        phase=ReplayPhase(message.state),
+        rate=message.rate,
+        position_s=message.position_s,
+        length_s=message.length_s,
+    )
 
 
 def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:

@@ -7,6 +7,9 @@ from typing import Any, Callable, List
 
 import rospy
 
+from gpr20_common.high.connection_header import connection_header
+from gpr20_user_interface.mid.message_source import Received
+
 
 class RosEvents:
     """Base of the clients: subscriptions, and a listener that may be gone after `close`.
@@ -34,7 +37,10 @@ class RosEvents:
     ) -> None:
         """Emit an event for each message of a topic; `queue_size` None: any number may wait."""
         self._subscribe_raw(
-            name, message_class, lambda message: self._emit(convert(message)), queue_size
+            name,
+            message_class,
+            lambda message: self._emit_received(message, convert(message)),
+            queue_size,
         )
 
     def _subscribe_raw(
@@ -44,6 +50,10 @@ class RosEvents:
         self._subscribers.append(
             rospy.Subscriber(name, message_class, received, queue_size=queue_size)
         )
+
+    def _emit_received(self, message: Any, event: Any) -> None:
+        """Emit an event with the node that sent it."""
+        self._emit(Received(connection_header(message)["callerid"], event))
 
     def _emit(self, event: Any) -> None:
         with self._emitting:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import queue
 import sys
-from typing import Callable, Dict
+from typing import Callable, Dict, Union
 
 import rospy
 
@@ -17,13 +16,16 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
-from gpr20_user_interface.high.control_client import ControlClient
+from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay, terminal_line
+from gpr20_user_interface.mid.event_router import EventRouter
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL, Request, StopRequested
+from gpr20_user_interface.mid.message_source import MessageSources
+from gpr20_user_interface.mid.replay_follower import REFUSAL, ReplayFollower
 from gpr20_user_interface.mid.survey_arguments import (
     Bar,
     Options,
@@ -39,20 +41,17 @@ def main() -> int:
     arguments = rospy.myargv()[1:]
     catalogue = read_catalogue(terminal_language(arguments, os.environ))
     options = parse_arguments(arguments, catalogue)
-    # Unlike that of queue.Queue its put() may be interrupted by a signal that puts, too.
-    events: queue.SimpleQueue = queue.SimpleQueue()
+    router = EventRouter(MessageSources(main_control_name()))
     try:
-        with StopSignals(lambda name: events.put(StopRequested(name))) as signals:
-            return _run(options, events, signals, catalogue)
+        with StopSignals(lambda name: router.stop(StopRequested(name))) as signals:
+            return _run(options, router, signals, catalogue)
     except SecondStopSignal:
         left = catalogue.tr("Ended at once, without waiting: the robot may still move.")
         print(f"\n{left}", file=sys.stderr)
         leave_now(ExitStatus.STOPPED)
 
 
-def _run(
-    options: Options, events: queue.SimpleQueue, signals: StopSignals, catalogue: Catalogue
-) -> int:
+def _run(options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue) -> int:
     try:
         # What can be refused at once needs no robot.
         _check(options)
@@ -64,7 +63,7 @@ def _run(
             # At once: the exit handlers of rospy would wait for the master.
             leave_now(status)
         return status
-    return _follow(options, events, catalogue)
+    return _follow(options, router, signals, catalogue)
 
 
 def _check(options: Options) -> None:
@@ -76,19 +75,29 @@ def _check(options: Options) -> None:
         raise ParametersRefusedError(Message("refused: {reason}", reason=error.message)) from error
 
 
-def _follow(options: Options, events: queue.SimpleQueue, catalogue: Catalogue) -> int:
-    client = ControlClient(events.put)
+def _follow(
+    options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue
+) -> int:
+    client = ControlClient(router.take)
     requests: Dict[Request, Callable[[], None]] = {
         Request.START: lambda: client.start_survey(options.parameters, options.annotation),
         Request.STOP: client.stop_survey,
         Request.RESUME: lambda: client.resume_survey(options.resume_id),
     }
     limits = Limits(wait_s=options.wait_s)
-    follower = SurveyFollower(options.mode, options.on_pause, limits, Clock())
+    robot = SurveyFollower(options.mode, options.on_pause, limits, Clock())
     display = _display(options.bar, catalogue)
-    session = SurveySession(follower, events, lambda request: requests[request](), display)
     client.listen()
-    keeper, link = ConnectionKeeper(), LinkWatch(events.put)
+    follower: Union[SurveyFollower, ReplayFollower] = robot
+    events = router.robot
+    if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
+        if options.mode is not Mode.ATTACH:
+            client.close()
+            print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
+            return ExitStatus.REFUSED
+        follower, events = ReplayFollower(), router.replay
+    session = SurveySession(follower, events, lambda request: requests[request](), display)
+    keeper, link = ConnectionKeeper(), LinkWatch(router.take)
     outcome = session.run()
     link.close()
     keeper.close()

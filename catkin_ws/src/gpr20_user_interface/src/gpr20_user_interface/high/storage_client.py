@@ -102,7 +102,7 @@ class StorageClient(RosEvents):
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:
-            self._emit(trace)
+            self._emit_received(message, trace)
 
     def _ask(
         self,

@@ -17,12 +17,14 @@ from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_user_interface.errors import MasterUnavailableError
-from gpr20_user_interface.high.control_client import ControlClient
+from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
+from gpr20_user_interface.mid.message_source import MessageSources
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimator
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -62,8 +64,9 @@ class UserInterface:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
+        shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
         self.window = MainWindow(
-            WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
+            WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
             TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
             profiles,
             languages,
@@ -89,6 +92,8 @@ class UserInterface:
         """Return the health of this node."""
         # The snapshot is immutable: safe to read from ROS's threads.
         snapshot = self.window.survey.snapshot
+        if snapshot.replay is not None:
+            return OK, Message("a replay is shown"), {}
         if snapshot.control_alive:
             return OK, Message("in contact with the main control"), {}
         values = {"silent_s": snapshot.control_silent_s}

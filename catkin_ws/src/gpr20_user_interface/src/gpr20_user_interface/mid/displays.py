@@ -114,7 +114,7 @@ class BarDisplay:
         """Move the bar, behind the state of the survey."""
         before = ""
         if state is not None:
-            title = self._catalogue.text(state.code.label)
+            title = self._catalogue.text(state.title)
             simulated = self._catalogue.tr("SIMULATED")
             before = f"{simulated} {title} " if state.simulated else f"{title} "
         done, total = progress.visited_points, progress.total_points

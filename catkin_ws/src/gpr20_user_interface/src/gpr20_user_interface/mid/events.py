@@ -37,6 +37,15 @@ class ControlState:
     message: Message
     survey_id: str
     simulated: bool
+    # Whether this is the recorded status of a replay.
+    replay: bool = False
+
+    @property
+    def title(self) -> Message:
+        """The state in a word; that of a replay says so."""
+        if self.replay:
+            return Message("REPLAY: {state}", state=self.code.label)
+        return self.code.label
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ def refusal_notice(refused: Refused, reason: Message) -> Notice:
 
 def state_notice(state: ControlState) -> Notice:
     """Return the whole status message of the main control."""
-    return Notice(state.code.label, state.message, details=state.message.all_details)
+    return Notice(state.title, state.message, details=state.message.all_details)
 
 
 def node_notice(node: NodeHealth) -> Notice:

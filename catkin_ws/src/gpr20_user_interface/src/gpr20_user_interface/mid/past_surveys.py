@@ -8,6 +8,8 @@ from typing import List, Optional, Tuple
 
 from gpr20_common.message import Message
 
+NO_LIST = Message("During a replay no list of surveys is available.")
+
 
 class Verdict(enum.Enum):
     """How a survey ended, in one word."""
@@ -55,6 +57,7 @@ class PastSurveys:
         outdated: Whether the list should be requested again when it is visible.
         problem: Why the list or a survey cannot be read; None if it can.
         more: Whether there are older ones.
+        replay: Whether a replay is shown, and no robot.
     """
 
     def __init__(self) -> None:
@@ -64,6 +67,7 @@ class PastSurveys:
         self._surveys: List[PastSurvey] = []
         self.more = False
         self._running_id = ""
+        self.replay = False
 
     @property
     def surveys(self) -> Tuple[PastSurvey, ...]:
@@ -91,10 +95,17 @@ class PastSurveys:
             self._running_id = survey_id
             self.set_outdated()
 
+    def set_replay(self, replay: bool) -> None:
+        """Note whether a replay is shown, beside which nothing can be resumed."""
+        self.replay = replay
+        self.outdated = not replay
+        self._change(problem=NO_LIST if replay else None)
+
     def set_outdated(self) -> None:
         """Note that the surveys have changed."""
-        self.outdated = True
-        self._change(problem=None)
+        if not self.replay:
+            self.outdated = True
+            self._change(problem=None)
 
     def set_problem(self, reason: Message) -> None:
         """Note why the list or a survey cannot be read."""
@@ -110,7 +121,9 @@ class PastSurveys:
 
     def can_resume(self, survey: PastSurvey) -> bool:
         """Whether a survey lacks traces that could be measured now."""
-        return not self._running_id and self.verdict(survey) is Verdict.INCOMPLETE
+        return (
+            not self.replay and not self._running_id and self.verdict(survey) is Verdict.INCOMPLETE
+        )
 
     def can_open(self, survey: PastSurvey) -> bool:
         """Whether there is something to show."""

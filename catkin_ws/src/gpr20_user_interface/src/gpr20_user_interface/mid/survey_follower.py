@@ -42,6 +42,8 @@ class ExitStatus(enum.IntEnum):
     REFUSED = 1
     FAILED = 3
     PAUSED = 4
+    # What was followed was a replay: nothing was measured.
+    REPLAY = 5
     STOPPED = 130
 
 

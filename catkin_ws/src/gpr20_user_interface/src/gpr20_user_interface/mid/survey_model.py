@@ -24,6 +24,7 @@ from gpr20_user_interface.mid.events import (
     RobotFigures,
     TargetPosition,
 )
+from gpr20_user_interface.mid.replay import ReplayView
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport, HealthTracker
 
@@ -61,6 +62,8 @@ class Snapshot:
     health: HealthReport = field(default_factory=HealthReport)
     alarm: Optional[Alarm] = None
     master_alive: bool = True
+    # What is shown is a replay, not a robot.
+    replay: Optional[ReplayView] = None
 
     @property
     def running(self) -> bool:
@@ -80,6 +83,8 @@ class Snapshot:
     @property
     def fields_locked(self) -> bool:
         """Whether the parameters are those of a survey in progress."""
+        if self.replay is not None:
+            return True
         return self.running or Request.START in self.pending
 
     @property
@@ -94,6 +99,8 @@ class Snapshot:
         The robot may move although there is no contact with the main control, or with the master
         and so with the rest of the robot.
         """
+        if self.replay is not None:
+            return False
         asked = self.fields_locked or Request.RESUME in self.pending
         return asked or not self.control_alive or not self.master_alive
 
@@ -106,12 +113,12 @@ class Snapshot:
     def can_pause(self) -> bool:
         """Whether a survey is measuring and no request is pending."""
         measuring = self.state is not None and self.state.code is SurveyState.SURVEYING
-        return measuring and self.control_alive and not self.pending
+        return measuring and self.control_alive and not self.pending and self.replay is None
 
     @property
     def can_resume(self) -> bool:
         """Whether a survey is paused and no request is pending."""
-        return self.paused and self.control_alive and not self.pending
+        return self.paused and self.control_alive and not self.pending and self.replay is None
 
 
 Value = TypeVar("Value")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import queue
-from typing import Callable, List, Optional
+from typing import Callable, List, Optional, Union
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.displays import Display, time_text
@@ -17,6 +17,7 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
+from gpr20_user_interface.mid.replay_follower import ReplayFollower
 from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
 
 TICK_S = 0.2
@@ -29,6 +30,7 @@ _HEADLINES = {
     ExitStatus.FINISHED: Message("Survey finished."),
     ExitStatus.REFUSED: Message("No survey was run."),
     ExitStatus.FAILED: Message("Survey NOT finished."),
+    ExitStatus.REPLAY: Message("The replay has ended."),
     ExitStatus.PAUSED: Message("Survey PAUSED; it stays paused."),
     ExitStatus.STOPPED: Message("Survey stopped."),
 }
@@ -58,7 +60,7 @@ class SurveySession:
 
     def __init__(
         self,
-        follower: SurveyFollower,
+        follower: Union[SurveyFollower, ReplayFollower],
         events: queue.SimpleQueue,
         send: Callable[[Request], None],
         display: Display,
@@ -112,9 +114,7 @@ class SurveySession:
         if state == self._state:
             return
         self._state = state
-        self._display.note(
-            Message("{state}: {message}", state=state.code.label, message=state.message)
-        )
+        self._display.note(Message("{state}: {message}", state=state.title, message=state.message))
         if self._progress is not None:
             self._display.show(self._progress, state)
 

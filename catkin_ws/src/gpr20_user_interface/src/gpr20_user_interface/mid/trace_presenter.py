@@ -68,6 +68,7 @@ class TracePresenter:
         self._opened: Optional[ShownSurvey] = None
         self.opened_folder = ""
         self._coverage: Optional[CoverageRuns] = None
+        self._replay = False
         self._waiting = 0
 
     @property
@@ -87,8 +88,18 @@ class TracePresenter:
         target, current = snapshot.target, snapshot.current
         self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
         self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
+        self._note_replay(snapshot.replay is not None)
         running = snapshot.state.survey_id if snapshot.state and snapshot.running else ""
         self.past.set_running(running)
+
+    def _note_replay(self, replay: bool) -> None:
+        if self._replay and not replay:
+            # A robot has appeared: nothing of the replay may pass for its survey.
+            self.live = ShownSurvey()
+            self._coverage = None
+        if replay != self._replay:
+            self._replay = replay
+            self.past.set_replay(replay)
 
     def show_live(self) -> None:
         """Show the survey that runs, and drop the past one."""
@@ -143,6 +154,9 @@ class TracePresenter:
         self._waiting = 0
 
     def _ask_for_traces(self) -> None:
+        if self._replay and self._opened is None:
+            # No storage has them: they come with the replay.
+            return
         if self._waiting:
             # The answer may have been lost with the storage.
             self._waiting = (self._waiting + 1) % RETRY_REFRESHES

@@ -8,7 +8,8 @@ from typing import Optional, Protocol
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import Request
-from gpr20_user_interface.mid.survey_model import Refusal, Snapshot, SurveyModel
+from gpr20_user_interface.mid.shown_model import ShownModel
+from gpr20_user_interface.mid.survey_model import Refusal, Snapshot
 from gpr20_user_interface.mid.survey_preview import (
     CostEstimated,
     CostEstimator,
@@ -35,6 +36,9 @@ class SurveyControl(Protocol):
     def check_master(self) -> None:
         """Read the limits of the axes."""
 
+    def set_replay_paused(self, paused: bool) -> None:
+        """Ask the replay to pause or to continue."""
+
 
 class WindowPresenter:
     """Carries events to the model and requests to the main control. Belongs to one thread.
@@ -44,9 +48,7 @@ class WindowPresenter:
         preview: What the survey of the fields will be; None while they are wrong.
     """
 
-    def __init__(
-        self, model: SurveyModel, control: SurveyControl, estimator: CostEstimator
-    ) -> None:
+    def __init__(self, model: ShownModel, control: SurveyControl, estimator: CostEstimator) -> None:
         self._model = model
         self._control = control
         self._estimator = estimator
@@ -61,6 +63,16 @@ class WindowPresenter:
                 self.preview = replace(self.preview, cost=event.cost)
             return None
         return self._model.handle(event)
+
+    def is_shown(self, event: object) -> bool:
+        """Return whether an event that was taken is about the robot or replay that is shown."""
+        return self._model.is_shown(event)
+
+    def pause_replay(self) -> None:
+        """Pause the replay, or continue it."""
+        replay = self.snapshot.replay
+        if replay is not None and replay.can_pause:
+            self._control.set_replay_paused(not replay.paused)
 
     def refresh(self) -> Snapshot:
         """Return what is known now."""

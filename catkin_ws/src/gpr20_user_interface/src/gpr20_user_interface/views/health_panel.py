@@ -12,8 +12,8 @@ from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
 from gpr20_user_interface.mid.notices import node_text
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.titles import level_title, node_title
+from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.style import set_look
-from gpr20_user_interface.views.top_bar import ElidedLabel
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 UNKNOWN = "—"
@@ -97,6 +97,8 @@ class HealthPanel(TranslatedWidget):
         self._report = report
         while len(self._rows) < len(report.nodes):
             self._rows.append(HealthRow(len(self._rows), self._grid))
+        for row in self._rows[len(report.nodes) :]:
+            row.clear()
         for row, node in zip(self._rows, report.nodes):
             row.show(node)
         in_full = [
@@ -157,6 +159,13 @@ class HealthRow:
     def bottom(self) -> int:
         """Lower edge in the panel [px]."""
         return self.level.geometry().bottom()
+
+    def clear(self) -> None:
+        """Show nothing: fewer nodes are known."""
+        self.node = None
+        for label in (self.name, self.level, self.message):
+            label.setText("")
+        set_look(self.level, "level", "")
 
     def show(self, node: NodeHealth) -> None:
         """Show the health of a node."""

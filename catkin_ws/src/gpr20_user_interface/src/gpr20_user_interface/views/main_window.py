@@ -12,6 +12,7 @@ from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
+from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.next_annotation import NextAnnotation
 from gpr20_user_interface.mid.notices import (
     Refused,
@@ -137,7 +138,8 @@ class MainWindow(TranslatedWidget):
         if isinstance(event, Answer):
             self.refresh()
         self._take_annotation(event)
-        self.traces.on_event(event)
+        if self.survey.is_shown(event):
+            self.traces.on_event(event.event if isinstance(event, Received) else event)
         self._show_opened()
         self.past.refresh()
 
@@ -145,6 +147,7 @@ class MainWindow(TranslatedWidget):
         """Show what is known of the robot and the survey now."""
         snapshot = self.survey.refresh()
         self.traces.note_state(snapshot)
+        self._show_opened()
         self.map.set_carriage(self.traces.carriage_mm)
         self.past.refresh()
         self.show_snapshot(snapshot)
@@ -204,6 +207,7 @@ class MainWindow(TranslatedWidget):
         survey, control = self.survey, self.control
         self.top_bar.stop.pressed.connect(lambda: self._ask(survey.stop))
         control.start_pressed.connect(self._on_start)
+        self.top_bar.replay.pause.clicked.connect(lambda: self._ask(survey.pause_replay))
         control.pause_pressed.connect(lambda: self._ask(survey.pause))
         control.resume_pressed.connect(lambda: self._ask(survey.resume))
         control.parameters_changed.connect(self._on_parameters)

@@ -66,7 +66,8 @@ class PastSurveysView(TranslatedWidget):
 
     def _ask_again(self) -> None:
         self._surveys.outdated = False
-        self.page_requested.emit("")
+        if not self._surveys.replay:
+            self.page_requested.emit("")
 
     def _show_list(self) -> None:
         # The choice stays, wherever its survey is in the new list.
@@ -110,7 +111,8 @@ class PastSurveysView(TranslatedWidget):
         self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
         self.notes.setEnabled(chosen is not None and chosen.problem is None)
-        self.older.setEnabled(self._surveys.more)
+        self.older.setEnabled(self._surveys.more and not self._surveys.replay)
+        self.again.setEnabled(not self._surveys.replay)
         if self._surveys.problem is not None:
             text = shown_text(self._surveys.problem)
         elif chosen is None:

@@ -90,7 +90,7 @@ class MessagePanel(TranslatedWidget):
         message = "" if self._shown is None else shown_text(self._shown.message)
         if message != self.text.toPlainText():
             self.text.setPlainText(message)
-        title = None if self._shown is None else self._shown.code.label
+        title = None if self._shown is None else self._shown.title
         self._title.setText(UNKNOWN if title is None else shown_text(title))
 
     def _on_touched(self) -> None:

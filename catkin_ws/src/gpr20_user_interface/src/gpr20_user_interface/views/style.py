@@ -56,6 +56,7 @@ class TextColours(enum.Enum):
     START = ColourPair("#ffffff", "#1b6b2f")
     STOP = ColourPair("#ffffff", "#a80000")
     PRESSED = ColourPair("#111111", "#ffd400")
+    REPLAY = ColourPair("#ffffff", "#0a5fb4")
     SIMULATED = ColourPair("#111111", "#ffd400")
     ALARM = ColourPair("#ffffff", "#8f0000")
     GOOD = ColourPair("#ffffff", "#1b6b2f")
@@ -77,7 +78,9 @@ QLabel#preview {{ font-weight: bold; }}
 QLabel#figure {{ font-size: 18px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} font-size: {SMALL_TEXT_PX}px; }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
-QLabel#simulated {{ {css(TextColours.SIMULATED)} font-weight: bold; padding: 4px; }}
+QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
+    font-weight: bold; padding: 4px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-size: {SMALL_TEXT_PX}px; font-weight: bold;
     padding: 0 6px; }}
 QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 3px; }}
@@ -94,6 +97,7 @@ QPushButton {{ {css(TextColours.BUTTON)} min-height: {TOUCH_PX}px; min-width: {T
     border: {BORDER_PX}px solid {BORDER}; border-radius: 6px; font-weight: bold; padding: 0 6px; }}
 QPushButton#start {{ {css(TextColours.START)} font-size: 18px; }}
 QPushButton#stop {{ {css(TextColours.STOP)} font-size: 24px; min-width: {STOP_WIDTH_PX}px; }}
+QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {STOP_WIDTH_PX - 20}px; }}
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: 18px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: 22px; }}
 QPushButton:checked {{ {css(TextColours.CHOSEN)} }}

@@ -5,11 +5,19 @@ from __future__ import annotations
 import math
 from typing import Optional
 
-from PyQt5.QtCore import QSize, Qt
-from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
 
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.views.elided_label import ElidedLabel
+from gpr20_user_interface.views.replay_bar import ReplayBar
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 HEIGHT_PX = 64
@@ -18,11 +26,14 @@ UNKNOWN = "—"
 
 
 class TopBar(TranslatedWidget):
-    """Shows the state of the robot, and stops it."""
+    """Shows the state of the robot, and stops it; during a replay, a bar that says so instead."""
 
     def __init__(self) -> None:
         super().__init__()
         self._snapshot: Optional[Snapshot] = None
+        self._robot = QWidget()
+        self.replay = ReplayBar()
+        self.replay.hide()
         self.title = QLabel(UNKNOWN)
         self.title.setObjectName("title")
         self.message = ElidedLabel()
@@ -62,6 +73,9 @@ class TopBar(TranslatedWidget):
         if snapshot.alarm is not None:
             self._show_alarm(shown_text(snapshot.alarm.message))
         self.stop.setEnabled(snapshot.can_stop)
+        self.replay.refresh(snapshot)
+        self._robot.setVisible(snapshot.replay is None)
+        self.replay.setVisible(snapshot.replay is not None)
 
     def _title(self, snapshot: Snapshot) -> str:
         if snapshot.state is None:
@@ -85,53 +99,13 @@ class TopBar(TranslatedWidget):
         words.setSpacing(0)
         for widget in (self.title, self.message, self.alarm):
             words.addWidget(widget)
-        layout = QHBoxLayout(self)
+        layout = QHBoxLayout(self._robot)
         layout.setContentsMargins(8, 2, 4, 2)
         layout.addLayout(words, 1)
         layout.addWidget(self.simulated)
         layout.addWidget(self.stop)
-
-
-class ElidedLabel(QLabel):
-    """One line that ends with … where there is no room; the tool tip shows the whole text."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._whole = ""
-        self.setTextFormat(Qt.TextFormat.PlainText)
-        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-
-    @property
-    def whole(self) -> str:
-        """The text without anything left out."""
-        return self._whole
-
-    @property
-    def is_cut(self) -> bool:
-        """Whether some of the text has no room."""
-        return self.text() != _one_line(self._whole)
-
-    def show_text(self, text: str) -> None:
-        """Show as much of a text as fits."""
-        self._whole = text
-        self.setToolTip(text)
-        self._elide()
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """Qt: it may be as narrow as it must."""
-        return QSize(0, super().minimumSizeHint().height())
-
-    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
-        """Qt: there is more or less room."""
-        super().resizeEvent(event)
-        self._elide()
-
-    def _elide(self) -> None:
-        metrics = self.fontMetrics()
-        room_px = self.width() - 2
-        text = metrics.elidedText(_one_line(self._whole), Qt.TextElideMode.ElideRight, room_px)
-        self.setText(text)
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())
+        both = QHBoxLayout(self)
+        both.setContentsMargins(0, 0, 0, 0)
+        both.setSpacing(0)
+        both.addWidget(self._robot)
+        both.addWidget(self.replay)

@@ -37,11 +37,13 @@ from gpr20_msgs.srv import (
 from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
 from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.high.annotation_service import AnnotationService
 from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.connections import connect_recorder, connect_subscribers
+from gpr20_vna_processing.high.end_messages import end_messages, end_status
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -71,12 +73,14 @@ class ProcessingNode:
                     Trace._full_text,
                     rospy.resolve_name(TRACE_TOPIC),
                     rospy.resolve_name(METADATA_TOPIC),
+                    rospy.resolve_name(REPLAY_TOPIC),
                 ),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
                 revision=software_revision(version, Path(__file__).resolve().parent),
                 readers=parameters.readable_by,
+                end_status=end_status,
             ),
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),
@@ -146,9 +150,11 @@ class ProcessingNode:
         return self._processing.interrupt_other(survey) if wanted else ""
 
     def _report_survey(self, request: Any) -> ReportSurveyResponse:
-        self._processing.report(request.survey_id, request.report_json)
+        stored = self._processing.report(request.survey_id, request.report_json)
         return ReportSurveyResponse(
-            success=True, **message_fields(Message("the report is in survey.json"))
+            success=True,
+            **message_fields(Message("the report is in survey.json")),
+            stored_traces=stored,
         )
 
     def _store_data(self, request: Any) -> StoreDataResponse:
@@ -162,7 +168,10 @@ class ProcessingNode:
         )
 
     def _close_survey(self, request: Any) -> CloseSurveyResponse:
-        closed = self._processing.close_survey(request.survey_id, request.outcome, request.reason)
+        end = end_messages(request, time.time_ns())
+        closed = self._processing.close_survey(
+            request.survey_id, request.outcome, request.reason, end
+        )
         message = Message(
             "survey {survey} is closed with {stored} traces",
             survey=closed.survey_id,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional, Sequence
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
@@ -13,6 +13,7 @@ from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
@@ -23,9 +24,20 @@ from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
     ReopenedSurvey,
     Storage,
+    SurveyEnd,
 )
 from gpr20_vna_processing.mid.reopening import Reopening
 from gpr20_vna_processing.mid.trace_publication import TracePublication
+
+# What a status says where nobody but the storage states the end.
+SENTENCES = {
+    "finished": Message("Finished"),
+    "stopped": Message("Stopped"),
+    "failed": Message("Failed"),
+    INTERRUPTED: Message("Interrupted before its end"),
+}
+# An interrupted survey ended without every trace, as a failed one did.
+STATES = {"finished": SurveyState.FINISHED, "stopped": SurveyState.STOPPED}
 
 
 class CurrentSurvey:
@@ -189,16 +201,31 @@ class CurrentSurvey:
     def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
         # From now on messages queue up behind this job; those before are in the snapshot.
         latched = self._latched.begin(now_ns)
-        survey.record([self._storage.topics.metadata(text, now_ns), *latched])
+        topics = self._storage.topics
+        replay = topics.replay(survey.description, survey.folder, now_ns)
+        survey.record([replay, topics.metadata(text, now_ns), *latched])
         survey.commit()
 
-    def close(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
+    def close(
+        self, survey_id: str, outcome: str, reason: str, end: Sequence[RecordedMessage] = ()
+    ) -> ClosedSurvey:
         """Finish the recordings and write how the survey ended; may be repeated.
+
+        Args:
+            survey_id: UUID of the survey.
+            outcome: One word.
+            reason: Why it ended, for people.
+            end: Its last messages; none: a status that states outcome and reason.
 
         Raises:
             SurveyRefusedError: The survey is not open.
             StorageFailedError: The disk refused; the survey is still open.
         """
+        return self._close(survey_id, outcome, verbatim(reason), end)
+
+    def _close(
+        self, survey_id: str, outcome: str, reason: Message, end: Sequence[RecordedMessage]
+    ) -> ClosedSurvey:
         if self._survey is None and self._closed and self._closed.survey_id == survey_id:
             return self._closed  # the answer to the first call may have been lost
         if self._survey is None:
@@ -206,14 +233,24 @@ class CurrentSurvey:
             if before is not None:
                 return before  # by a process that died before it could answer
         survey = self.opened_as(survey_id)
-        ended = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
-        survey.close(outcome, reason, ended)
+        now_ns = self._storage.now_ns()
+        survey.record(end or [self._end_status(survey, outcome, reason, now_ns)])
+        survey.close(outcome, str(reason), utc_time.iso_text(now_ns // utc_time.NS_PER_US))
         # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
         survey.write_manifest(self._storage.revision)
         self._latched.end()
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None
         return self._closed
+
+    def _end_status(
+        self, survey: OpenSurvey, outcome: str, reason: Message, now_ns: int
+    ) -> RecordedMessage:
+        simulated = survey.description.get("simulated") is True
+        state = STATES.get(outcome, SurveyState.FAILED)
+        message = Message("{outcome}: {reason}", outcome=SENTENCES[outcome], reason=reason)
+        end = SurveyEnd(survey.survey_id, state, message, simulated, now_ns)
+        return self._storage.end_status(end)
 
     def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:
         try:
@@ -253,7 +290,8 @@ class CurrentSurvey:
             StorageFailedError: The disk refused; the survey is still open.
         """
         if self._survey is not None:
-            self.close(self._survey.survey_id, INTERRUPTED, "the storage was shut down")
+            reason = Message("the storage was shut down")
+            self._close(self._survey.survey_id, INTERRUPTED, reason, ())
 
     def interrupt_other(self, survey: str) -> str:
         """Close the open survey as interrupted, unless it is this one.
@@ -270,9 +308,9 @@ class CurrentSurvey:
         opened = self._survey
         if opened is None or survey in (opened.survey_id, opened.folder.name):
             return ""
-        reason = f"left open by the control, which began {survey[:64]}"
+        reason = Message("left open by the control, which began {survey}", survey=survey[:64])
         try:
-            self.close(opened.survey_id, INTERRUPTED, reason)
+            self._close(opened.survey_id, INTERRUPTED, reason, ())
         except StorageFailedError:
             if opened.in_place():
                 raise

@@ -129,8 +129,11 @@ class DataProcessing:
         """
         return self._do(lambda: self._survey.reopen(survey), self._limits.long_timeout_s)
 
-    def report(self, survey_id: str, report_json: str) -> None:
+    def report(self, survey_id: str, report_json: str) -> int:
         """Write a report of the open survey into its survey.json, durably.
+
+        Returns:
+            How many traces are stored.
 
         Raises:
             SurveyRefusedError: The report is no JSON object, or the survey is not open.
@@ -140,7 +143,7 @@ class DataProcessing:
             report_json, "report_json", survey_metadata.MAX_REPORT_BYTES
         )
         survey_folder.check_survey_id(survey_id)
-        self._do(lambda: self._survey.opened_as(survey_id).report(report))
+        return self._do(lambda: self._survey.opened_as(survey_id).report(report))
 
     def annotate(self, survey: str, annotation: Annotation) -> AnnotatedSurvey:
         """Replace the annotation of the open survey or of a past one, durably.
@@ -172,8 +175,16 @@ class DataProcessing:
         if self._latched.note(message):
             self._thread.offer(message)
 
-    def close_survey(self, survey_id: str, outcome: str, reason: str) -> ClosedSurvey:
+    def close_survey(
+        self, survey_id: str, outcome: str, reason: str, end: Sequence[RecordedMessage] = ()
+    ) -> ClosedSurvey:
         """Finish the recordings and write how the survey ended; may be repeated.
+
+        Args:
+            survey_id: UUID of the survey.
+            outcome: One of OUTCOMES.
+            reason: Why it ended, for people.
+            end: The last messages of the recordings; none: a status that states the outcome.
 
         Raises:
             SurveyRefusedError: A value is not allowed or the survey is not open.
@@ -198,7 +209,8 @@ class DataProcessing:
             )
         survey_folder.check_survey_id(survey_id)
         return self._do(
-            lambda: self._survey.close(survey_id, outcome, reason), self._limits.long_timeout_s
+            lambda: self._survey.close(survey_id, outcome, reason, end),
+            self._limits.long_timeout_s,
         )
 
     def shut_down(self) -> None:

@@ -207,8 +207,11 @@ class OpenSurvey:
             self.last = stored.trace
             self._publication.stored(stored.trace)
 
-    def report(self, report: Dict[str, Any]) -> None:
+    def report(self, report: Dict[str, Any]) -> int:
         """Write a report into survey.json; it replaces the former one.
+
+        Returns:
+            How many traces are stored.
 
         Raises:
             SurveyRefusedError: The survey is being closed.
@@ -216,6 +219,7 @@ class OpenSurvey:
         """
         self._refuse_ending()
         self._describe({**self.description, "report": report})
+        return self.stored_traces
 
     def annotate(self, annotation: Annotation) -> None:
         """Write an annotation into survey.json; it replaces the former one.

@@ -1,0 +1,105 @@
+"""A replay as clients see it: which survey is shown, and how far it is."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Optional
+
+from gpr20_common.message import Message
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
+
+
+class ReplayPhase(enum.IntEnum):
+    """What a replay does; the values are those of gpr20_msgs/Replay."""
+
+    PLAYING = 0
+    PAUSED = 1
+    ENDED = 2
+
+
+@dataclass(frozen=True)
+class ReplayMark:
+    """One message of `replay`.
+
+    Attributes:
+        survey_id: UUID of the survey; empty if it is not known.
+        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
+        folder: Name of its folder; empty if it is not known.
+        phase: What the replay does.
+        rate: How many times faster than it was recorded; 0: its player does not report it.
+        position_s: From the start of the recording [s].
+        length_s: Of the recording [s]; 0 if it is not known.
+    """
+
+    survey_id: str = ""
+    started: str = ""
+    folder: str = ""
+    phase: ReplayPhase = ReplayPhase.PLAYING
+    rate: float = 0.0
+    position_s: float = 0.0
+    length_s: float = 0.0
+
+    @property
+    def survey(self) -> Message:
+        """The survey, for a sentence."""
+        if len(self.started) >= 16:
+            time = self.started[:16].replace("T", " ")
+            return Message("Survey of {time} UTC, {folder}", time=time, folder=self._place)
+        if self.folder or self.survey_id:
+            return Message("Survey {folder}", folder=self._place)
+        return Message("Recorded survey")
+
+    @property
+    def _place(self) -> str:
+        return self.folder or self.survey_id[:8]
+
+
+@dataclass(frozen=True)
+class ReplayView:
+    """What a client shows of a replay.
+
+    Attributes:
+        mark: What is known of the survey.
+        gone: Whether its publisher has left the graph.
+        state: The last state of the recorded survey; None before the first.
+    """
+
+    mark: ReplayMark
+    gone: bool = False
+    state: Optional[SurveyState] = None
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more will come."""
+        return self.gone or self.mark.phase is ReplayPhase.ENDED
+
+    @property
+    def paused(self) -> bool:
+        """Whether it is paused and can continue."""
+        return not self.ended and self.mark.phase is ReplayPhase.PAUSED
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether its player takes requests: `rosbag play` takes none."""
+        return not self.ended and self.mark.rate > 0.0
+
+    @property
+    def title(self) -> Message:
+        """What is shown where the state of a robot would be."""
+        if self.ended:
+            return Message("REPLAY ENDED")
+        return Message("REPLAY PAUSED") if self.paused else Message("REPLAY")
+
+    @property
+    def message(self) -> Message:
+        """The survey, and its state or how it ended."""
+        if self.state is None:
+            return self.mark.survey
+        if self.ended and self.state not in ENDED:
+            return Message(
+                "{state}, and the recording does not contain the survey's end. {survey}",
+                state=self.state.label,
+                survey=self.mark.survey,
+            )
+        return Message("{state}. {survey}", state=self.state.label, survey=self.mark.survey)

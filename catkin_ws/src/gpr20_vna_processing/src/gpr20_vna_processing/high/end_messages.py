@@ -1,0 +1,84 @@
+"""The last messages of a survey, as they are recorded."""
+
+from __future__ import annotations
+
+from typing import Any, List
+
+import rospy
+
+from gpr20_common.high.graph_message import message_fields
+from gpr20_common.high.raw_message import serialized
+from gpr20_common.message import Message
+from gpr20_msgs.msg import ControlStatus
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.plan.survey_state import ENDED
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_vna_processing.mid.processing_records import SurveyEnd
+
+STATUS_TOPIC = "control_status"
+PROGRESS_TOPIC = "control_survey_data"
+COVERAGE_TOPIC = "survey_coverage"
+# A coverage with a reason for each of the most samples that a survey may have is smaller.
+LARGEST_BYTES = 16 << 20
+
+
+def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
+    """Return the last messages that a request to close a survey holds, the status last.
+
+    Args:
+        request: Of the service `close_survey`.
+        time_ns: When it came [ns since 1970, UTC].
+
+    Raises:
+        SurveyRefusedError: The status is of another survey or states another outcome.
+    """
+    status = request.status
+    if status.survey_id:
+        _check_status(request)
+    given = (
+        (PROGRESS_TOPIC, request.progress, False),
+        (COVERAGE_TOPIC, request.coverage, True),
+        (STATUS_TOPIC, status, True),
+    )
+    messages = [
+        _recorded(topic, message, time_ns, latching)
+        for topic, message, latching in given
+        if status.survey_id and message.survey_id == request.survey_id
+    ]
+    return [one for one in messages if len(one.data) <= LARGEST_BYTES]
+
+
+def end_status(end: SurveyEnd) -> RecordedMessage:
+    """Return the last status of a survey whose end only the storage knows."""
+    status = ControlStatus(**message_fields(end.message))
+    status.header.stamp = rospy.Time(*divmod(end.time_ns, 1_000_000_000))
+    status.code = int(end.state)
+    status.survey_id = end.survey_id
+    status.simulated = end.simulated
+    return _recorded(STATUS_TOPIC, status, end.time_ns, latching=True)
+
+
+def _check_status(request: Any) -> None:
+    status = request.status
+    states = {state.name.lower(): state for state in ENDED}
+    if status.survey_id != request.survey_id or status.code != states.get(request.outcome):
+        raise SurveyRefusedError(
+            Message(
+                "the last status does not state that survey {survey} is {outcome}",
+                survey=request.survey_id[:64],
+                outcome=request.outcome[:64],
+                details=f"{status.survey_id[:64]}, code {status.code}",
+            )
+        )
+
+
+def _recorded(topic: str, message: Any, time_ns: int, latching: bool) -> RecordedMessage:
+    return RecordedMessage(
+        rospy.resolve_name(topic),
+        message._type,
+        message._md5sum,
+        message._full_text,
+        serialized(message),
+        time_ns,
+        latching,
+    )
