@@ -148,7 +148,7 @@ def sizes(folder: Path) -> str:
 
 
 def start_node(data: Path) -> Any:
-    return running(sys.executable, str(NODE), f"_data:={data}", "_disk_reserve_mb:=100")
+    return running(sys.executable, str(NODE), env={**os.environ, "GPR20_DATA": str(data)})
 
 
 def service(name: str, kind: Any) -> Any:

@@ -71,6 +71,10 @@ def pytest_configure(config: pytest.Config) -> None:
         prepared = with_ros(os.environ) if has_ros() else without_ros(os.environ)
         os.environ.clear()
         os.environ.update(prepared)
+        # The robot as it is built, whatever the configuration of this computer's user is.
+        no_configuration = config.rootpath / ".pytest_cache" / "no_configuration"
+        no_configuration.mkdir(parents=True, exist_ok=True)
+        os.environ["GPR20_CONFIG"] = str(no_configuration)
     # The generated modules, behind the sources.
     for path in os.environ["PYTHONPATH"].split(os.pathsep):
         if path not in sys.path:

@@ -29,7 +29,7 @@ class ClockSetTest(unittest.TestCase):
         rospy.init_node("clock_set_rostest")
         cls.client = SurveyClient()
         cls.clock = Path(os.environ["GPR20_CLOCK_OFFSET"])
-        cls.client.data.mkdir(parents=True)
+        cls.client.data.mkdir(parents=True, exist_ok=True)
 
     @classmethod
     def tearDownClass(cls):

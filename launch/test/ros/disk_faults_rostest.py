@@ -27,7 +27,7 @@ class DiskFaultsTest(unittest.TestCase):
         rospy.init_node("disk_faults_rostest")
         cls.client = SurveyClient()
         cls.fault = cls.client.data.with_name(cls.client.data.name + ".fault")
-        cls.client.data.mkdir(parents=True)
+        cls.client.data.mkdir(parents=True, exist_ok=True)
 
     @classmethod
     def tearDownClass(cls):

@@ -23,7 +23,7 @@ class NoHardwareTest(unittest.TestCase):
 
     def check_refusal(self, package, node, *arguments):
         ended = subprocess.run(
-            ["rosrun", package, node, *arguments],
+            ["rosrun", package, node, "configuration:=/no_hardware", *arguments],
             capture_output=True,
             text=True,
             timeout=LIMIT_S,

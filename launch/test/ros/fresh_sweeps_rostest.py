@@ -10,7 +10,7 @@ import numpy as np
 import rospy
 import rostest
 import vxi11
-from survey_client import SurveyClient, bits, json_traces
+from survey_client import SurveyClient, bits, described, json_traces
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.high.simulated_robot import shared_state_path
@@ -55,7 +55,7 @@ class FreshSweepsTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("fresh_sweeps_rostest")
         cls.client = SurveyClient()
-        cls.capture = Path(rospy.get_param("simulator/capture_dir"))
+        cls.capture = Path(described("simulator")["capture_dir"])
 
     @classmethod
     def tearDownClass(cls):

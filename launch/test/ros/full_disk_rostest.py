@@ -25,7 +25,7 @@ class FullDiskTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("full_disk_rostest")
         cls.client = SurveyClient()
-        cls.client.data.mkdir()
+        cls.client.data.mkdir(exist_ok=True)
         subprocess.run(
             ["mount", "-t", "tmpfs", "-o", DISK, "tmpfs", str(cls.client.data)], check=True
         )

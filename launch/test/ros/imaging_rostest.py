@@ -10,7 +10,7 @@ import unittest
 
 import rospy
 import rostest
-from survey_client import SurveyClient
+from survey_client import SurveyClient, described
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.mid.scene import read_scene
@@ -51,7 +51,7 @@ class Imaging(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("imaging_rostest")
-        scene = read_scene(rospy.get_param("simulator/scene"))
+        scene = read_scene(described("simulator")["scene"])
         cls.permittivity = scene.soil.relative_permittivity
         cls.sphere, cls.disc, cls.wire = scene.targets
         cls.report = {}

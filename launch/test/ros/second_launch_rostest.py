@@ -1,19 +1,29 @@
 #!/usr/bin/env python3
 """What may be started beside a robot: it once more, one of no known name, a recording."""
 
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 
+import rosnode
 import rospy
 import rostest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from survey_client import SurveyClient, json_traces, node_pid, wait_until_connected
 
-from gpr20_msgs.msg import ControlStatus, CurrentCoordinate
+from gpr20_msgs.msg import (
+    ControlStatus,
+    CurrentCoordinate,
+    NodeDescription,
+    RobotConfiguration,
+)
 
 LIMIT_S = 60.0
 NODES = (
@@ -28,6 +38,26 @@ NODES = (
     ("gpr20_main_control", "main_control", "main_control", "/"),
 )
 
+SECOND_ARGUMENTS = (
+    "robot:=simulated",
+    "robot:=gpr20",
+    "data:=/tmp/gpr20_second_data",
+    "time_scale:=3",
+    "seconds_per_point:=1e-3",
+    "vna_portmapper:=true",
+    "vna_medium:=position_probe",
+    "language:=es",
+)
+POISON = {
+    "/simulated": False,
+    "/time_scale": 1.0,
+    "/vna_processing/data": "/tmp/gpr20_second_data",
+    "/main_control/settle_s": 60.0,
+    "/x_axis/axis_driver/max_coord": 20.0,
+    "/x_axis/axis_driver/scene": "/nowhere.yaml",
+    "/height_sensor/time_scale": 3.0,
+}
+
 
 def run(command):
     """Run a command; return its exit status and all that it said."""
@@ -40,6 +70,28 @@ def run(command):
         check=False,
     )
     return ended.returncode, ended.stdout
+
+
+def description(node):
+    if node == "/main_control":  # it describes the whole robot
+        robot = rospy.wait_for_message("robot_configuration", RobotConfiguration, LIMIT_S)
+        own = [one.configuration_json for one in robot.nodes if one.node == "main_control"]
+        return own, robot.site_json
+    message = rospy.wait_for_message(f"{node}/description", NodeDescription, LIMIT_S)
+    return message.simulated, message.time_scale, message.hardware, message.configuration_json
+
+
+def restarted(node, before):
+    """Wait for the successor of a process that was killed; return its description."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while time.monotonic() < deadline_s:
+        try:
+            if node_pid(node) != before:
+                return description(node)
+        except (OSError, rosnode.ROSNodeException):
+            pass  # not back yet
+        time.sleep(0.1)
+    raise AssertionError(f"{node} did not come back")
 
 
 class SecondLaunchTest(unittest.TestCase):
@@ -78,7 +130,7 @@ class SecondLaunchTest(unittest.TestCase):
             with self.subTest(name):
                 status, said = run(["roslaunch", "--nodes", "gpr20", name, "robot:=foo"])
                 self.assertNotEqual(status, 0)
-                self.assertIn("unknown robot:=foo (write robot:=simulated or robot:=gpr20)", said)
+                self.assertIn("unknown robot:=foo; write robot:=simulated or robot:=gpr20", said)
 
     def test_3_coordinates_that_are_played_beside_the_robot_are_not_taken_for_its_own(self):
         played = rospy.Publisher("/x_axis/current_coord", CurrentCoordinate, queue_size=10)
@@ -92,6 +144,53 @@ class SecondLaunchTest(unittest.TestCase):
             played.unregister()
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         self.assertEqual(len(json_traces(self.client.folder(survey_id))), 18)
+
+    def test_4_a_second_launch_changes_nothing_whatever_its_arguments_are(self):
+        before = rospy.get_param("/")
+        launch = ["roslaunch", "gpr20", "survey.launch", "ui:=false"]
+        with ThreadPoolExecutor() as launches:
+            ended = launches.map(lambda argument: run([*launch, argument]), SECOND_ARGUMENTS)
+        for argument, (status, said) in zip(SECOND_ARGUMENTS, ended):
+            with self.subTest(argument):
+                self.assertNotEqual(status, 0)
+                self.assertIn("This robot cannot be launched: a robot is running on", said)
+                self.assertIn("kill -INT", said)
+        self.assertEqual(rospy.get_param("/"), before)
+
+    def test_5_every_node_that_restarts_is_what_its_robot_was_launched_as(self):
+        # What the former launch files set under names that all launches share.
+        for name, value in POISON.items():
+            rospy.set_param(name, value)
+        data = self.client.data
+        for _package, _program, name, namespace in NODES:
+            node = f"{namespace.rstrip('/')}/{name}"
+            with self.subTest(node):
+                described = description(node)
+                before = node_pid(node)
+                os.kill(before, signal.SIGKILL)
+                self.assertEqual(restarted(node, before), described)
+        self.client = type(self).client = SurveyClient()
+        self.assertEqual(self.client.data, data)
+        survey_id, status = self.client.run_to_end()
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.assertTrue(status.simulated)
+        folder = self.client.folder(survey_id)
+        recorded = json.loads((folder / "survey.json").read_text())
+        self.assertIs(recorded["simulated"], True)
+        self.assertEqual({one["simulated"] for one in recorded["nodes"]}, {True})
+        self.assertEqual({one["time_scale"] for one in recorded["nodes"]}, {20.0})
+        self.assertEqual(recorded["storage"]["data"], str(data))
+        self.assertEqual(recorded["axes"]["x"]["max_coord"], 650.0)
+
+    def test_6_only_a_node_itself_says_what_it_is(self):
+        publisher = rospy.Publisher(
+            "/height_sensor/description", NodeDescription, queue_size=1, latch=True
+        )
+        wait_until_connected([publisher])
+        publisher.publish(NodeDescription(node="height_sensor", hardware="another", time_scale=1.0))
+        _survey_id, status = self.client.run_to_end()
+        publisher.unregister()
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
 
 
 if __name__ == "__main__":

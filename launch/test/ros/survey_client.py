@@ -11,7 +11,7 @@ import rosgraph
 import rosnode
 import rospy
 
-from gpr20_msgs.msg import ControlStatus, SurveyData, SurveyParameters
+from gpr20_msgs.msg import ControlStatus, NodeDescription, SurveyData, SurveyParameters
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 
 LIMIT_S = 120.0
@@ -48,6 +48,12 @@ def wait_until_connected(subscribers):
             time.sleep(0.01)
 
 
+def described(node):
+    """Return the configuration with which a node says that it started."""
+    message = rospy.wait_for_message(f"{node}/description", NodeDescription, LIMIT_S)
+    return json.loads(message.configuration_json)
+
+
 class SurveyClient:
     """Requests to main_control, and everything it has published."""
 
@@ -68,7 +74,7 @@ class SurveyClient:
             rospy.Subscriber("control_survey_data", SurveyData, self._note, self.progress),
         ]
         wait_until_connected(self._subscribers)
-        self.data = Path(rospy.get_param("vna_processing/data"))
+        self.data = Path(described("vna_processing")["data"])
 
     def _note(self, message, kept):
         with self._changed:

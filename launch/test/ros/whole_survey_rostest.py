@@ -20,7 +20,10 @@ from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 
-AXIS_TOPICS = ["current_coord", "axis/goal", "axis/cancel", "axis/status", "axis/result"]
+AXIS_TOPICS = [
+    *("current_coord", "axis/goal", "axis/cancel", "axis/status", "axis/result"),
+    "axis_driver/description",
+]
 GRAPH_NODES = {
     "/x_axis/axis_driver",
     "/y_axis/axis_driver",
@@ -43,6 +46,9 @@ GRAPH_TOPICS = {
     "/survey_coverage",
     "/survey_parameters",
     "/diagnostics",
+    *(f"/{node}/description" for node in ("height_sensor", "simulator", "vna_acquisition")),
+    "/vna_processing/description",
+    "/robot_configuration",
 }
 GRAPH_SERVICES = {
     *(f"/{axis}_axis/{service}" for axis in "xyz" for service in ("homing", "stop")),

@@ -9,6 +9,7 @@ from typing import Callable, Optional, Protocol, Sequence
 
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_common.low.clock import Clock
+from gpr20_common.mid.hardware import Hardware
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
 
@@ -141,8 +142,8 @@ class AxisHardware(Protocol):
     """What an axis is wired to. It is pickled, so the hardware is opened only by `open`."""
 
     @property
-    def name(self) -> str:
-        """What diagnostics call it."""
+    def description(self) -> Hardware:
+        """What it is."""
 
     @property
     def parameters(self) -> AxisParameters:

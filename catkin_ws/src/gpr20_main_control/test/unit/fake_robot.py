@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import threading
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 from fake_clocks import FastClock
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.robot import (
@@ -23,7 +25,8 @@ from gpr20_main_control.mid.robot import (
 )
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -206,6 +209,20 @@ class FakeStorage:
         return before + stored - self.lose
 
 
+def described_robot(time_scale=1.0, simulated=True):
+    """Return what the nodes of a robot say about themselves."""
+    robot = DescribedRobot(Site(), lambda _robot: None)
+    configurations = {
+        f"{axis_id.value}_axis/axis_driver": asdict(AXES[axis_id]) for axis_id in AxisId
+    }
+    configurations.update(height_sensor={"samples": 5}, vna_acquisition={"address": "127.0.0.2"})
+    for node, configuration in configurations.items():
+        hardware = Hardware(f"fake {node}", simulated, time_scale)
+        robot.note(NodeDescription(node, hardware, configuration))
+    robot.note(NodeDescription("vna_processing", NO_HARDWARE, {"data": "/surveys"}))
+    return robot
+
+
 class HandNotedNodes(NodeLiveness):
     """Nodes that a test marks as alive or silent; they are not polled."""
 
@@ -234,6 +251,7 @@ class Bench:
         self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
         clock = clock or FastClock()
         self.nodes = HandNotedNodes(clock, self.board.set_missing)
+        self.description = described_robot(time_scale)
         self.control = MainControl(
             Robot(
                 dict(zip(AxisId, self.axes)),
@@ -241,8 +259,8 @@ class Bench:
                 self.height,
                 self.storage,
                 self.nodes,
+                self.description,
             ),
-            RobotConfig(AXES, simulated=True, time_scale=time_scale),
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.board,
             clock,

@@ -27,7 +27,9 @@ class FakePublisher:
 def topics(monkeypatch):
     monkeypatch.setattr(rospy, "Publisher", FakePublisher)
     monkeypatch.setattr(rospy.Time, "now", rospy.Time)
-    return SurveyTopics(simulated=True)
+    topics = SurveyTopics()
+    topics.simulated = True
+    return topics
 
 
 def test_a_status_has_its_message_and_the_warning_about_missing_nodes(topics):

@@ -16,8 +16,8 @@ def test_identity_is_quoted_and_says_simulated(bench):
 
 
 def test_identity_comes_from_the_scene(request):
-    bench = new_bench(request, model="MS2036C/2/10", serial="S-1")
-    assert bench.ask("*idn?\r\n") == '"Anritsu,MS2036C/2/10,S-1,1.23"'
+    bench = new_bench(request, model="MS2036C/2/10", serial="SIMULATED-1")
+    assert bench.ask("*idn?\r\n") == '"Anritsu,MS2036C/2/10,SIMULATED-1,1.23"'
     assert bench.ask(":SYST:OPT?") == "2/10"
 
 

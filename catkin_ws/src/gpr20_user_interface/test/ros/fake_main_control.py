@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import threading
 import uuid
-from typing import Any, List, Optional, Union
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Union
 
+import rospkg
 import rospy
 from sensor_msgs.msg import Range
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
+from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message, verbatim
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import (
+    ControlStatus,
+    Coordinates,
+    NodeDescription,
+    RobotConfiguration,
+    SurveyData,
+)
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import (
     Command,
@@ -40,6 +50,24 @@ ACTIVE = (
 )
 PERIOD_S = 0.5
 ANSWER_LIMIT_S = 60.0
+
+
+def robot_configuration() -> RobotConfiguration:
+    """Return the description of the robot as it is built."""
+    path = Path(rospkg.RosPack().get_path("gpr20_launch")) / "config" / "axes.yaml"
+    configurations: Dict[str, Any] = {
+        f"{axis}_axis/axis_driver": values for axis, values in read_yaml(path).items()
+    }
+    configurations["height_sensor"] = {}
+    configurations["vna_acquisition"] = {"address": "127.0.0.1"}
+    configurations["main_control"] = {}
+    nodes = [
+        NodeDescription(
+            node=node, hardware="a test", time_scale=1.0, configuration_json=json.dumps(values)
+        )
+        for node, values in configurations.items()
+    ]
+    return RobotConfiguration(known=True, nodes=nodes, site_json="{}")
 
 
 class FakeMainControl:
@@ -72,17 +100,8 @@ class FakeMainControl:
         self._say(ControlStatus.IDLE, "waiting for parameters")
         threading.Thread(target=self._run, daemon=True).start()
 
-    def set_axis_parameters(self) -> None:
-        for axis in "xyz":
-            travel = getattr(TRAVEL, axis)
-            rospy.set_param(
-                f"{self._namespace}/{axis}_axis/axis_driver",
-                {
-                    "min_coord": travel.lower,
-                    "max_coord": travel.upper,
-                    "step_size": travel.step,
-                },
-            )
+    def describe_robot(self) -> None:
+        self._configuration.publish(robot_configuration())
 
     @property
     def visited(self) -> int:
@@ -114,7 +133,8 @@ class FakeMainControl:
 
     def _publishers(self) -> List[rospy.Publisher]:
         positions = [self._current, self._target, self._height]
-        return [self._status, self._data, self._parameters_topic, *positions]
+        latched = [self._parameters_topic, self._configuration]
+        return [self._status, self._data, *latched, *positions]
 
     def _advertise(self) -> None:
         def name(relative: str) -> str:
@@ -131,6 +151,9 @@ class FakeMainControl:
         self._height = rospy.Publisher(name("measured_height"), Range, queue_size=1)
         self._parameters_topic = rospy.Publisher(
             name("survey_parameters"), SurveyParametersMessage, latch=True, queue_size=10
+        )
+        self._configuration = rospy.Publisher(
+            name("robot_configuration"), RobotConfiguration, latch=True, queue_size=1
         )
         self._services = [
             advertise(name("set_survey_parameters"), SetSurveyParameters, self._set),

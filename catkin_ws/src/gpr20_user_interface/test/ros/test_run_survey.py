@@ -98,14 +98,6 @@ class RunSurvey(unittest.TestCase):
         self.assertIn("x stop is 700 mm; it must lie between 0 and 650 mm", output)
         self.assertEqual(self.fake.starts, 0)
 
-    def test_limits_of_the_axes_are_checked_before_asking(self) -> None:
-        self.fake.set_axis_parameters()
-        process = self.client("--x-stop-mm", "700")
-        output = self.end_of(process)
-        self.assertEqual(process.returncode, 1, output)
-        self.assertIn("x stop is 700 mm; it must lie between 0 and 650 mm", output)
-        self.assertNotIn("No survey was run", output)
-
     def test_ctrl_c_stops_the_survey_and_waits_for_it(self) -> None:
         self.fake.may_stop.clear()
         process = self.surveying_client()

@@ -83,7 +83,7 @@ class Traces(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls) -> None:
-        shutil.rmtree(rospy.get_param("vna_processing/data"))
+        shutil.rmtree(rospy.get_param("~data"))
 
     def setUp(self) -> None:
         self.code = -1

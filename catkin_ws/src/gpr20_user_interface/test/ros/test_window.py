@@ -68,8 +68,7 @@ class Window(WindowCase):
         self.assertEqual(self.window.status.progress.thousandths, 1000)
 
     def test_axis_limits_of_the_robot_lock_start(self) -> None:
-        self.fake.set_axis_parameters()
-        self.interface.control.read_axis_limits()
+        self.fake.describe_robot()
         self.enter("x_stop_mm", "700")
         wait_until(lambda: self.enabled() == "", "START is locked")
         self.assertIn("from 0 to 650", self.window.control.problems.toPlainText())

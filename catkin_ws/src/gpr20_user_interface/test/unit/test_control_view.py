@@ -1,8 +1,9 @@
 import pytest
 from window_helpers import application, click, enter, show, snapshot, window, wishes
 
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Request
+from gpr20_user_interface.mid.events import Request, RobotDefaults
 from gpr20_user_interface.mid.parameter_form import FIELDS, default_parameters
 from gpr20_user_interface.mid.survey_preview import preview
 
@@ -193,3 +194,14 @@ def test_number_pad_that_is_cancelled_changes_nothing(window):
     click(window.number_pad.cancel)
     assert window.control.form.octet(2).text() == "0"
     assert not window.number_pad.isVisible()
+
+
+def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses_another(window):
+    configured = RobotDefaults("192.168.1.10", Site())
+    show(window, snapshot(SurveyState.IDLE, defaults=None))
+    assert window.control.form.texts()["vna_address"] == ""
+    show(window, snapshot(SurveyState.IDLE, defaults=configured))
+    assert window.control.form.texts()["vna_address"] == "192.168.1.10"
+    window.control.form.show_text("vna_address", "10.0.0.7")
+    show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults("192.168.1.11", Site())))
+    assert window.control.form.texts()["vna_address"] == "10.0.0.7"

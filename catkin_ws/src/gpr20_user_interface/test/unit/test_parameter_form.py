@@ -85,7 +85,7 @@ def test_coordinates_are_finite(text):
 
 
 def test_several_wrong_fields_are_all_marked_in_their_order():
-    result = check(y_points="x", vna_address="", x_stop_mm="900")
+    result = check(y_points="x", vna_address="1.2", x_stop_mm="900")
     assert result.wrong_fields == ("vna_address", "x_stop_mm", "y_points")
 
 

@@ -16,7 +16,7 @@ def parse_arguments(arguments):
 def test_defaults_are_a_survey_that_can_be_run():
     options = parse_arguments([])
     assert problems(options.parameters, DOCUMENTED_TRAVEL) == []
-    assert options.parameters.vna_address == "127.0.0.1"
+    assert options.parameters.vna_address == ""
     assert options.parameters.start_frequency_hz == 600e6
     assert options.parameters.stop_frequency_hz == 6e9
     assert options.parameters.frequency_points == 501

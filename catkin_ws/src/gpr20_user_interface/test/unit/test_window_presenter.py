@@ -42,7 +42,7 @@ class ControlThatRecords:
     def resume_survey(self, survey_id=""):
         self.asked.append(f"resume {survey_id}".strip())
 
-    def read_axis_limits(self):
+    def check_master(self):
         self.asked.append("limits")
 
 

@@ -14,9 +14,10 @@ from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -43,7 +44,7 @@ class Survey:
     def set_parameters(self, parameters):
         pass
 
-    def read_axis_limits(self):
+    def check_master(self):
         pass
 
     def start(self, parameters):
@@ -120,6 +121,7 @@ def snapshot(code=None, alive=True, **other):
         "height_m": None,
         "pending": frozenset(),
         "travel": ROBOT,
+        "defaults": RobotDefaults("127.0.0.1", Site()),
         **other,
     }
     return Snapshot(**values)

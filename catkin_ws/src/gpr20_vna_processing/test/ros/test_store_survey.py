@@ -60,10 +60,10 @@ string frame_id
 class StoreSurveyTest(unittest.TestCase):
     @classmethod
     def tearDownClass(cls) -> None:
-        shutil.rmtree(rospy.get_param("vna_processing/data"))
+        shutil.rmtree(rospy.get_param("~data"))
 
     def setUp(self) -> None:
-        self.data = rospy.get_param("vna_processing/data")
+        self.data = rospy.get_param("~data")
         self.services = {
             name: self.service(name, kind)
             for name, kind in (
@@ -407,7 +407,8 @@ class StoreSurveyTest(unittest.TestCase):
 
     def start_node(self, namespace: str, data: str) -> subprocess.Popen:
         node = subprocess.Popen(
-            [sys.executable, str(NODE), f"__ns:={namespace}", f"_data:={data}"],
+            [sys.executable, str(NODE), f"__ns:={namespace}"],
+            env={**os.environ, "GPR20_DATA": data},
         )
         self.addCleanup(node.kill)
         # The master still knows the services of a node that was killed: ask until one answers.
@@ -433,7 +434,8 @@ class StoreSurveyTest(unittest.TestCase):
         data = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, data)
         node = subprocess.Popen(
-            [sys.executable, str(NODE), "__ns:=/robot2", f"_data:={data}"],
+            [sys.executable, str(NODE), "__ns:=/robot2"],
+            env={**os.environ, "GPR20_DATA": data},
         )
         self.addCleanup(node.kill)
         self.services["open_survey"] = self.service("/robot2/open_survey", OpenSurvey)

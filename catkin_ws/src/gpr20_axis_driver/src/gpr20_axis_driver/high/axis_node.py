@@ -12,15 +12,19 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import AxisHardware
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.high import diagnostics
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.description import publish_description
 from gpr20_common.high.graph_message import message_fields
-from gpr20_common.high.node import run_device
+from gpr20_common.high.node import run_node
+from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 MOVING_RATE_HZ = 50
@@ -35,7 +39,9 @@ class AxisNode:
     An axis without endstop has the service `set_zero` as well.
     """
 
-    def __init__(self, driver: AxisDriver, pulses: PulseClient, hardware: AxisHardware) -> None:
+    def __init__(
+        self, axis_id: AxisId, driver: AxisDriver, pulses: PulseClient, hardware: AxisHardware
+    ) -> None:
         self._driver = driver
         self._pulses = pulses
         self._unit = hardware.parameters.unit
@@ -44,7 +50,7 @@ class AxisNode:
         self._ticks = 0
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
         self._server = GoalServer("axis", AxisAction, self._execute)
-        self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
+        self._diagnostics = diagnostics.Diagnostics(hardware.description.name, self._health)
         self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
@@ -54,6 +60,11 @@ class AxisNode:
         ]
         if hardware.parameters.sensor_pin is None:
             self._services.append(advertise("set_zero", Command, self._set_zero))
+        self._description = publish_description(
+            f"{axis_id.value}_axis/{rospy.get_name().rsplit('/', 1)[-1]}",
+            hardware.description,
+            hardware.parameters,
+        )
 
     def _execute(self, goal: AxisGoal) -> None:
         stopped = self._stop_since_now()
@@ -179,7 +190,39 @@ class AxisNode:
         self._driver.close(SHUTDOWN_LIMIT_S)
 
 
-def build_axis_node(hardware: AxisHardware) -> AxisNode:
+def own_axis() -> AxisId:
+    """Return the axis of this node: its namespace, such as x_axis, says which.
+
+    Raises:
+        InvalidValueError: The namespace is not that of an axis.
+    """
+    group = rospy.get_namespace().rstrip("/").rsplit("/", 1)[-1]
+    for axis_id in AxisId:
+        if group == f"{axis_id.value}_axis":
+            return axis_id
+    raise InvalidValueError(
+        Message(
+            "the namespace of {node} does not name an axis; start it in x_axis, y_axis or z_axis",
+            node=rospy.get_name(),
+        )
+    )
+
+
+def run_axis(hardware: Callable[[AxisParameters], AxisHardware]) -> None:
+    """Run one axis until ROS shuts down.
+
+    Args:
+        hardware: Makes what the axis is wired to.
+    """
+
+    def build() -> AxisNode:
+        parameters = read_parameters(AxisParameters, f"{own_axis().value}_axis")
+        return build_axis_node(own_axis(), hardware(parameters))
+
+    run_node("axis_driver", build)
+
+
+def build_axis_node(axis_id: AxisId, hardware: AxisHardware) -> AxisNode:
     """Build the node of an axis and everything below it.
 
     Raises:
@@ -188,9 +231,9 @@ def build_axis_node(hardware: AxisHardware) -> AxisNode:
     pulses = PulseClient(hardware)
     if pulses.unpunctual:
         rospy.logwarn(str(pulses.scheduling))
-    return AxisNode(AxisDriver(hardware.parameters, pulses), pulses, hardware)
+    return AxisNode(axis_id, AxisDriver(hardware.parameters, pulses), pulses, hardware)
 
 
 def main() -> None:
     """Run one axis of the real robot."""
-    run_device("axis_driver", AxisParameters, lambda own: build_axis_node(RobotHardware(own)))
+    run_axis(RobotHardware)

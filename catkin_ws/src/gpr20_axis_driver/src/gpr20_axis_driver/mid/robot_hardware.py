@@ -14,6 +14,7 @@ from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
 from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
+from gpr20_common.mid.hardware import Hardware
 from gpr20_survey.axes.axis_parameters import AxisParameters, Backend
 
 SHARED_MEMORY = Path("/dev/shm")
@@ -30,9 +31,9 @@ class RobotHardware:
     clock: Clock = field(default_factory=Clock)
 
     @property
-    def name(self) -> str:
-        """What diagnostics call it."""
-        return f"DRV8825 on {self.parameters.backend}"
+    def description(self) -> Hardware:
+        """What it is."""
+        return Hardware(f"DRV8825 on {self.parameters.backend}")
 
     @property
     def step_file(self) -> Path:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from typing import Any, Callable, Collection, Type, TypeVar
+from typing import Any, Callable, Type, TypeVar
 
 import rosgraph
 import rospy
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.parameters import (
+    configuration_name,
+    read_parameters,
+    refuse_private_parameters,
+)
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
+from gpr20_common.low.roslaunch_process import end_roslaunch
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
@@ -32,12 +38,22 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     """
     enable_line_buffering()
     _refuse_second(_full_name(name))
-    rospy.init_node(name)
     try:
+        rospy.init_node(name)
+    except rospy.ROSInitException as error:
+        print(f"{name} was ended before it had started: {error}", file=sys.stderr)
+        # At once: rospy's own threads may wait for a master that is gone.
+        os._exit(1)
+    try:
+        if not configuration_name():
+            refuse_private_parameters()
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
+        _end_first_launch()
         sys.exit(1)
+    if configuration_name():
+        rospy.set_param(_started_name(), True)
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.spin()
     del kept
@@ -47,17 +63,31 @@ def run_device(
     name: str,
     parameter_class: Type[Parameters],
     build: Callable[[Parameters], Any],
-    other_parameters: Collection[str] = (),
+    section: str = "",
 ) -> None:
     """Run the node of one device until ROS shuts down.
 
     Args:
         name: Default name of the node.
-        parameter_class: Dataclass of the device's parameters, read from the node's own namespace.
+        parameter_class: Dataclass of the device's parameters.
         build: Builds the node from its parameters. What it returns is kept for its life.
-        other_parameters: Parameters of the node that are not the device's.
+        section: Part of the configuration that holds the parameters; empty: named like the node.
     """
-    run_node(name, lambda: build(read_parameters(parameter_class, others=other_parameters)))
+    run_node(name, lambda: build(read_parameters(parameter_class, section or name)))
+
+
+def _end_first_launch() -> None:
+    """End the launch if this node has never started in it: starting again would fail again.
+
+    A node that ran before, whose hardware is gone, is started again by roslaunch until the
+    hardware is back; the survey waits meanwhile.
+    """
+    if configuration_name() and not rospy.has_param(_started_name()) and end_roslaunch():
+        rospy.logfatal("%s ends the launch, because it cannot start", rospy.get_name())
+
+
+def _started_name() -> str:
+    return f"/gpr20_started{configuration_name()}{rospy.get_name()}"
 
 
 def _full_name(name: str) -> str:

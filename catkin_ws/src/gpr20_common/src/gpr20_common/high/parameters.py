@@ -1,9 +1,17 @@
-"""Parameters from the ROS parameter server, checked against a dataclass."""
+"""The parameters of a node: what its robot was launched with.
+
+A launch keeps its whole configuration under a name of its own (package `gpr20_launch`) and hands
+that name to each node as the argument `configuration:=NAME`. A node that restarts gets the same
+argument and so the same configuration, whatever was launched beside it meanwhile. Without the
+argument a node has the defaults.
+"""
 
 from __future__ import annotations
 
-from typing import Collection, Type, TypeVar
+import sys
+from typing import Any, Dict, Mapping, Type, TypeVar
 
+import rosgraph
 import rospy
 
 from gpr20_common.errors import InvalidValueError
@@ -12,32 +20,59 @@ from gpr20_common.mid.records import record_from
 
 Record = TypeVar("Record")
 
+ARGUMENT = "configuration"
 
-def read_parameters(
-    record_class: Type[Record], namespace: str = "~", others: Collection[str] = ()
-) -> Record:
-    """Read every field of a dataclass from the parameters below a namespace.
 
-    A field without a default must be there. A dataclass that checks its own values does
-    so in `__post_init__`; its error names the parameter.
+def configuration_name() -> str:
+    """Return the name of the parameters with which this node was launched; empty if none."""
+    return str(rosgraph.names.load_mappings(sys.argv).get(ARGUMENT, ""))
+
+
+def read_parameters(record_class: Type[Record], section: str) -> Record:
+    """Read every field of a dataclass.
+
+    A field without a default must be there. A dataclass that checks its own values does so in
+    `__post_init__`; its error names the parameter.
 
     Args:
         record_class: Dataclass whose fields are named like the parameters.
-        namespace: Where the parameters are; "~" is the node's own namespace.
-        others: Further parameters that may stand there, read by someone else.
+        section: Part of the configuration that holds them.
 
     Raises:
         InvalidValueError: A parameter is missing, unknown or of the wrong type.
     """
-    place = rospy.resolve_name(namespace).rstrip("/")
-    values = rospy.get_param(place, {})
+    name = configuration_name()
+    sections = _launched(name) if name else {}
+    return record_from(record_class, sections.get(section, {}), section)
+
+
+def refuse_private_parameters() -> None:
+    """Check that nobody gave a node that was started alone a private parameter: it reads none.
+
+    Raises:
+        InvalidValueError: There is one; it is named.
+    """
+    values = rospy.get_param(rospy.get_name(), {})
+    names = sorted(values) if isinstance(values, Mapping) else [repr(values)]
+    if names:
+        raise InvalidValueError(
+            Message(
+                "the private parameters {names} of {node} are not read; write them into the "
+                "robot's configuration, or start the node with configuration:=NAME",
+                names=", ".join(names),
+                node=rospy.get_name(),
+            )
+        )
+
+
+def _launched(name: str) -> Dict[str, Any]:
+    values = rospy.get_param(name, None)
     if not isinstance(values, dict):
         raise InvalidValueError(
             Message(
-                "{place} is {value}; it must be a group of parameters",
-                place=place,
-                value=repr(values),
+                "the configuration of this launch is gone, because the ROS master was restarted; "
+                "end the launch and start it again",
+                details=f"{name}: {values!r}",
             )
         )
-    own = {name: value for name, value in values.items() if name not in others}
-    return record_from(record_class, own, place)
+    return values

@@ -19,6 +19,10 @@ MAX_DEPTH = 32
 _REFUSED = (yaml.YAMLError, ValueError, ArithmeticError, AttributeError, LookupError, TypeError)
 
 
+# `<<: *other`, which may be there several times.
+MERGE_TAG = "tag:yaml.org,2002:merge"
+
+
 class YamlFileError(Gpr20Error, ValueError):
     """A file is no YAML, or not of a size and depth that one of ours has."""
 
@@ -40,11 +44,30 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
         raise YamlFileError(Message("it is larger than {limit} bytes", limit=max_bytes))
     try:
         _check_depth(text)
-        return yaml.safe_load(text)
+        return yaml.load(text, Loader=_UniqueKeyLoader)  # noqa: S506 - a SafeLoader
     except YamlFileError:
         raise
     except _REFUSED as error:
         raise YamlFileError(Message("it is not YAML", details=error)) from error
+
+
+class _UniqueKeyLoader(yaml.SafeLoader):
+    """Refuses a key that is written twice, of which the stock loader keeps the last value."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
+        seen = set()
+        for key_node, _value_node in node.value:
+            if isinstance(key_node, yaml.ScalarNode) and key_node.tag != MERGE_TAG:
+                if key_node.value in seen:
+                    raise YamlFileError(
+                        Message(
+                            "the key {key} is there twice, again in line {line}; remove one",
+                            key=key_node.value[:64],
+                            line=key_node.start_mark.line + 1,
+                        )
+                    )
+                seen.add(key_node.value)
+        return super().construct_mapping(node, deep)
 
 
 def _check_depth(text: bytes) -> None:

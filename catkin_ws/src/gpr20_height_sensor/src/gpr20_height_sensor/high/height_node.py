@@ -9,6 +9,7 @@ import rospy
 from sensor_msgs.msg import Range
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.description import publish_description
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
@@ -16,23 +17,27 @@ from gpr20_common.high.ros_time import ros_time
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_common.mid.hardware import Hardware
 from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_msgs.srv import GetHeight, GetHeightRequest, GetHeightResponse
 
+NODE = "height_sensor"
+
 
 class HeightNode:
     """Service `get_height`, topic `measured_height`."""
 
-    def __init__(self, driver: HeightDriver, hardware_id: str) -> None:
+    def __init__(self, driver: HeightDriver, hardware: Hardware) -> None:
         self._driver = driver
         self._height: Optional[HeightMeasurement] = None
         self._last_error: Optional[Message] = None
         self._publisher = rospy.Publisher("measured_height", Range, queue_size=10)
         self._service = advertise("get_height", GetHeight, self._get_height)
-        self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
+        self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
+        self._description = publish_description(NODE, hardware, driver.parameters)
         # Ends the measurement under way; `Periodic` then waits for its end.
         rospy.on_shutdown(driver.shut_down)
         # Measures in parallel with the service: they share only the bus, one reading at a time.
@@ -95,7 +100,7 @@ class HeightNode:
 
 
 def build_height_node(
-    parameters: HeightParameters, spi: SpiBus, clock: Clock, hardware_id: str
+    parameters: HeightParameters, spi: SpiBus, clock: Clock, hardware: Hardware
 ) -> HeightNode:
     """Build the node and everything below it.
 
@@ -103,21 +108,21 @@ def build_height_node(
         parameters: Parameters of the sensor.
         spi: The bus of the converter.
         clock: Spaces the readings.
-        hardware_id: What the diagnostics call the hardware.
+        hardware: What the hardware is.
 
     Raises:
         Gpr20Error: A parameter is not allowed.
     """
     adc = AdcInterface(spi, parameters.channel)
-    return HeightNode(HeightDriver(adc, parameters, clock), hardware_id)
+    return HeightNode(HeightDriver(adc, parameters, clock), hardware)
 
 
 def build_robot_node(parameters: HeightParameters) -> HeightNode:
     """Build the node over the SPI bus of the robot's computer."""
     spi = open_spi_bus(parameters.spi_bus, parameters.spi_device, parameters.spi_speed_hz)
-    return build_height_node(parameters, spi, Clock(), "GP2Y0A21YK0F on MCP3008")
+    return build_height_node(parameters, spi, Clock(), Hardware("GP2Y0A21YK0F on MCP3008"))
 
 
 def main() -> None:
     """Run the height sensor of the real robot."""
-    run_device("height_sensor", HeightParameters, build_robot_node)
+    run_device(NODE, HeightParameters, build_robot_node)

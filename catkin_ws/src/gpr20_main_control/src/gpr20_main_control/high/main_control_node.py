@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict
+from typing import Any, Dict
 
 import rosgraph
 import rospy
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.high import diagnostics
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
@@ -18,15 +17,17 @@ from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_main_control.high.node_names import plain_names
+from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.survey_topics import SurveyTopics
+from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import ANSWER_LIMIT_S, NodeLiveness, WatchedNode
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_msgs.srv import (
     Command,
     CommandResponse,
@@ -38,30 +39,22 @@ from gpr20_msgs.srv import (
     StartSurveyResponse,
 )
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import (
+    PLAIN_NAMES,
+    SIMULATOR,
+    STORAGE,
+    STORAGE_NAME,
+    NodeDescription,
+)
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
 COORDINATE_RATE_HZ = 10.0
 PROGRESS_RATE_HZ = 2.0
-# The axis drivers read the same group of parameters; these are for the drivers alone.
-OTHER_AXIS_PARAMETERS = ("scene", "time_scale")
+NODE = "main_control"
 SHUTDOWN_LIMIT_S = 10.0
-
-
-@dataclass(frozen=True)
-class TimeLimits:
-    """How long the main control waits for the answers of other nodes [s]."""
-
-    analyzer_limit_s: float = 90.0
-    height_limit_s: float = 10.0
-    storage_limit_s: float = 90.0
-
-    def __post_init__(self) -> None:
-        for name in ("analyzer_limit_s", "height_limit_s", "storage_limit_s"):
-            number_between(name, getattr(self, name), 0.1, 3600.0, "s")
 
 
 class MainControlNode:
@@ -86,9 +79,7 @@ class MainControlNode:
             Periodic(1.0 / COORDINATE_RATE_HZ, lambda: topics.publish_current(robot)),
             Periodic(1.0 / PROGRESS_RATE_HZ, lambda: topics.publish_progress(status.status)),
         ]
-        self._diagnostics = diagnostics.Diagnostics(
-            "simulated robot" if topics.simulated else "GPR-20", self._health
-        )
+        self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
         rospy.on_shutdown(robot.nodes.stop)
         robot.nodes.start()
@@ -141,61 +132,50 @@ def build_main_control_node() -> MainControlNode:
     Raises:
         Gpr20Error: A parameter is not allowed.
     """
-    settings = read_parameters(SurveySettings, others=_names(TimeLimits))
-    limits = read_parameters(TimeLimits, others=_names(SurveySettings))
-    config = RobotConfig(
-        axes={axis_id: _axis_parameters(axis_id) for axis_id in AxisId},
-        simulated=_simulated(),
-        time_scale=positive_number("time_scale", float(rospy.get_param("time_scale", 1.0))),
-    )
+    settings = read_parameters(SurveySettings, "survey")
+    limits = read_parameters(TimeLimits, "time_limits")
     clock = Clock()
-    topics = SurveyTopics(config.simulated)
+    topics = SurveyTopics()
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
+    nodes = NodeLiveness(_watched_nodes(), clock, status.set_missing)
+    descriptions = DescriptionTopics()
+
+    def describe(description: DescribedRobot) -> None:
+        simulated = description.problem() is None and description.config().simulated
+        if simulated:
+            nodes.watch(SIMULATOR, _watched(SIMULATOR, Message("the simulated robot")))
+        descriptions.publish(description)
+        if simulated != topics.simulated:
+            topics.simulated = simulated
+            topics.publish_status(status.status)
+
+    description = DescribedRobot(read_parameters(Site, "site"), describe)
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
         analyzer=RosAnalyzer(limits.analyzer_limit_s),
         height_sensor=RosHeightSensor(limits.height_limit_s),
         storage=RosStorage(limits.storage_limit_s),
-        nodes=_nodes(config.simulated, clock, status),
+        nodes=nodes,
+        description=description,
     )
-    control = MainControl(robot, config, settings, status, clock)
-    return MainControlNode(control, robot, status, topics)
+    control = MainControl(robot, settings, status, clock)
+    node = MainControlNode(control, robot, status, topics)
+    description.note(NodeDescription(NODE, NO_HARDWARE, asdict(settings)))
+    descriptions.listen(description.note)
+    return node
 
 
-def _nodes(simulated: bool, clock: Clock, status: SurveyStatus) -> NodeLiveness:
-    master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
-    nodes = {}
-    for name, plain_name in plain_names(simulated).items():
-        full_name = rospy.resolve_name(name)
-        probe = NodeProbe(master_uri, own_name, full_name, ANSWER_LIMIT_S)
-        nodes[name] = WatchedNode(plain_name, probe.process)
-    return NodeLiveness(nodes, clock, status.set_missing)
+def _watched_nodes() -> Dict[str, WatchedNode]:
+    names = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
+    return {name: _watched(name, plain_name) for name, plain_name in names.items()}
 
 
-def _simulated() -> bool:
-    simulated = rospy.get_param("simulated", None)
-    if not isinstance(simulated, bool):
-        place = rospy.resolve_name("simulated")
-        raise InvalidValueError(
-            Message(
-                "parameter {place} is {value}; it must be true or false, as the launch files set "
-                "it, because recordings state whether they show real ground",
-                place=place,
-                value=repr(simulated),
-            )
-        )
-    return simulated
-
-
-def _axis_parameters(axis_id: AxisId) -> AxisParameters:
-    group = f"{axis_id.value}_axis/axis_driver"
-    return read_parameters(AxisParameters, group, others=OTHER_AXIS_PARAMETERS)
-
-
-def _names(record_class: Any) -> Any:
-    return record_class.__dataclass_fields__.keys()
+def _watched(name: str, plain_name: Message) -> WatchedNode:
+    own_name, full_name = rospy.get_name(), rospy.resolve_name(name)
+    probe = NodeProbe(rosgraph.get_master_uri(), own_name, full_name, ANSWER_LIMIT_S)
+    return WatchedNode(plain_name, probe.process)
 
 
 def main() -> None:
     """Run the main control."""
-    run_node("main_control", build_main_control_node)
+    run_node(NODE, build_main_control_node)

@@ -15,11 +15,11 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.high.node_names import axis_driver
 from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
 SERVER_LIMIT_S = 2.0
 STOP_LIMIT_S = 1.0
@@ -39,7 +39,7 @@ class RosAxis:
         """
         group = f"{axis_id.value}_axis"
         self._group = group
-        self._plain_name = axis_driver(axis_id)
+        self._plain_name = PLAIN_NAMES[f"{group}/{DRIVER}"]
         self._clock = clock
         self._driver = rospy.resolve_name(f"{group}/{DRIVER}")
         self._ignored: Set[str] = set()

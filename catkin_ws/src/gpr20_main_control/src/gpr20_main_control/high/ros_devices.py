@@ -12,7 +12,6 @@ from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.high.node_names import HEIGHT_SENSOR, STORAGE, VNA_DRIVER
 from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyRecord
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -28,6 +27,7 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataRequest,
 )
+from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -87,7 +87,7 @@ class RosAnalyzer:
 
     def __init__(self, limit_s: float) -> None:
         def service(name: str, service_class: Any) -> DeviceService:
-            return DeviceService(VNA_DRIVER, name, service_class, limit_s)
+            return DeviceService(PLAIN_NAMES[ANALYZER], name, service_class, limit_s)
 
         self._connection = service("connection", Connection)
         self._setup = service("freq_sweep_setup", FreqSweepSetup)
@@ -138,7 +138,8 @@ class RosHeightSensor:
     """Implements `gpr20_main_control.mid.robot.HeightSensor`."""
 
     def __init__(self, time_limit_s: float) -> None:
-        self._measure = DeviceService(HEIGHT_SENSOR, "get_height", GetHeight, time_limit_s)
+        device = PLAIN_NAMES[HEIGHT_SENSOR]
+        self._measure = DeviceService(device, "get_height", GetHeight, time_limit_s)
 
     def height_m(self) -> float:
         """Measure the height of the antennas above the ground [m] now."""
@@ -150,7 +151,7 @@ class RosStorage:
 
     def __init__(self, time_limit_s: float) -> None:
         def service(name: str, service_class: Any, limit_s: float) -> DeviceService:
-            return DeviceService(STORAGE, name, service_class, limit_s)
+            return DeviceService(STORAGE_NAME, name, service_class, limit_s)
 
         self._open = service("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._reopen = service("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)

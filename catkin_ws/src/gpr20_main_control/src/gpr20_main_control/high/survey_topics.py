@@ -21,16 +21,12 @@ class SurveyTopics:
     """The publishers of the survey.
 
     Attributes:
-        simulated: Whether the robot is simulated.
+        simulated: Whether the robot is known to be simulated; a field of every status.
     """
 
-    def __init__(self, simulated: bool) -> None:
-        """Advertise the topics.
-
-        Args:
-            simulated: Whether the robot is simulated; a field of every status.
-        """
-        self.simulated = simulated
+    def __init__(self) -> None:
+        """Advertise the topics."""
+        self.simulated = False
         self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
         self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
         self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)

@@ -57,6 +57,7 @@ class Instruments:
             DeviceError: A check failed.
         """
         self._positioner.check_alive()
+        self._robot.description.check(self._plan.config)
         analyzer = self._check_analyzer()
         if self._plan.settings.on_height_failure == HeightPolicy.PAUSE.value:
             height_call = in_background(self._robot.height_sensor.height_m)
@@ -79,6 +80,7 @@ class Instruments:
 
     def _measure(self, point: SurveyPoint) -> Trace:
         self._interruption.wait_s(self._settle_s)
+        self._robot.description.check(self._plan.config)
         before = self._positioner.position()
         _check_position(point, before)
         sweep, height_m, remarks = self._sweep_and_height()
@@ -110,6 +112,7 @@ class Instruments:
         check = self._interruption.check
         wanted = self._plan.parameters.sweep_settings
         identity = calls.call(lambda: analyzer.connect(self._plan.parameters.vna_address), check)
+        self._robot.description.check_identity(identity, self._plan.config)
         calibration = calls.call(analyzer.calibration, check)
         accepted = calls.call(lambda: analyzer.configure(wanted), check)
         if accepted != wanted:

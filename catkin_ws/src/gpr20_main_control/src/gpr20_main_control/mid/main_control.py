@@ -19,13 +19,14 @@ from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
 # A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0
+# Nodes that are launched together have described themselves within this time [s].
+STARTING_LIMIT_S = 4.0
 # The thread of a survey ends right after it has entered its final state [s].
 ENDING_LIMIT_S = 10.0
 
@@ -36,19 +37,17 @@ class MainControl:
     def __init__(
         self,
         robot: Robot,
-        config: RobotConfig,
         settings: SurveySettings,
         status: SurveyStatus,
         clock: Clock,
     ) -> None:
         self._robot = robot
-        self._config = config
         self._settings = settings
         self._status = status
         self._interruption = Interruption(robot.nodes, clock)
-        self._positioner = Positioner(robot.axes, config.axes, self._interruption)
         self._requests = threading.Lock()
         self._plan: Optional[SurveyPlan] = None
+        self._positioner: Optional[Positioner] = None
         self._engine: Optional[SurveyEngine] = None
         self._thread: Optional[threading.Thread] = None
 
@@ -58,6 +57,7 @@ class MainControl:
         Raises:
             RequestRefusedError: A survey is running.
             SurveyParametersError: Parameters are not allowed; each is named.
+            InvalidValueError: The parts of the robot have not described themselves, or disagree.
         """
         with self._one_at_a_time():
             self._refuse_while_running(
@@ -66,7 +66,11 @@ class MainControl:
                     "for its end"
                 )
             )
-            self._plan = plan_survey(parameters, self._config, self._settings)
+            description = self._robot.description
+            config = description.config(STARTING_LIMIT_S)
+            address = parameters.vna_address or description.analyzer_address()
+            parameters = replace(parameters, vna_address=address)
+            self._plan = plan_survey(parameters, config, self._settings)
             self._status.show_parameters(parameters)
             ready = Message("Ready for {count} traces", count=self._plan.total_points)
             self._status.enter(SurveyState.CONFIGURED, ready)
@@ -89,7 +93,11 @@ class MainControl:
                 raise RequestRefusedError(
                     Message("no parameters have been set; set them, then start")
                 )
-            plan = replace(self._plan, survey_id=str(uuid.uuid4()), reopened=None)
+            # Planned again: a part may have been restarted with another configuration.
+            plan = plan_survey(
+                self._plan.parameters, self._robot.description.config(), self._settings
+            )
+            plan = replace(plan, survey_id=str(uuid.uuid4()))
             self._begin(plan)
             return plan.survey_id
 
@@ -123,7 +131,8 @@ class MainControl:
         if not self._status.status.state.running:
             raise RequestRefusedError(Message("no survey is running; there is nothing to stop"))
         self._interruption.stop.set()
-        self._positioner.stop()
+        if self._positioner is not None:
+            self._positioner.stop()
         return Message("Stopping the axes, then storing the measured traces")
 
     def resume(self, survey: str) -> Message:
@@ -209,7 +218,8 @@ class MainControl:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
-            plan = plan_resumption(reopened, self._config, self._settings)
+            config = self._robot.description.config(STARTING_LIMIT_S)
+            plan = plan_resumption(reopened, config, self._settings)
             self._begin(plan)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
@@ -225,8 +235,9 @@ class MainControl:
 
     def _begin(self, plan: SurveyPlan) -> None:
         # First, so that nothing changes if the survey is refused here.
-        engine = SurveyEngine(plan, self._robot, self._status, self._positioner, self._interruption)
-        self._plan, self._engine = plan, engine
+        positioner = Positioner(self._robot.axes, plan.config.axes, self._interruption)
+        engine = SurveyEngine(plan, self._robot, self._status, positioner, self._interruption)
+        self._plan, self._engine, self._positioner = plan, engine, positioner
         self._status.show_parameters(plan.parameters)
         self._interruption.stop.clear()
         self._status.begin_survey(

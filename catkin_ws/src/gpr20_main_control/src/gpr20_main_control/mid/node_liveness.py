@@ -56,7 +56,7 @@ class NodeLiveness:
                 when all of them answer.
             period_s: Time between two polls of a node [s].
         """
-        self._nodes = nodes
+        self._nodes = dict(nodes)
         self._clock = clock
         self._on_change = on_change
         self._period_s = period_s
@@ -74,9 +74,26 @@ class NodeLiveness:
     def start(self) -> None:
         """Begin to poll."""
         for name in self._nodes:
-            threading.Thread(
-                target=self._watch, args=(name,), name=f"watch {name}", daemon=True
-            ).start()
+            self._start_watch(name)
+
+    def watch(self, name: str, node: WatchedNode) -> None:
+        """Poll one more node, which is noted as silent at first; a node that is polled stays.
+
+        The processes that a survey accepted before do not include it: nothing is lost.
+        """
+        with self._changed:
+            if name in self._nodes:
+                return
+            self._nodes[name] = node
+            self._processes[name] = self._accepted[name] = None
+            self._seen[name] = False
+            self._asked[name] = self._answered[name] = 0
+        self._start_watch(name)
+
+    def _start_watch(self, name: str) -> None:
+        threading.Thread(
+            target=self._watch, args=(name,), name=f"watch {name}", daemon=True
+        ).start()
 
     def stop(self) -> None:
         """Stop polling."""

@@ -11,6 +11,7 @@ from typing import Mapping, Optional, Protocol, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_survey.axes.axis_id import AxisId
@@ -191,6 +192,7 @@ class Robot:
         height_sensor: The antenna height sensor.
         storage: The storage of surveys.
         nodes: The processes of all parts.
+        description: What the parts are, as they say themselves.
         analyzer_calls: The calls that set up the analyzer.
         storage_calls: The calls that open, report and close surveys.
     """
@@ -200,6 +202,7 @@ class Robot:
     height_sensor: HeightSensor
     storage: Storage
     nodes: NodeLiveness
+    description: DescribedRobot
     # Shared by all surveys: a call that one survey gave up must not disturb the next.
     analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
     storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

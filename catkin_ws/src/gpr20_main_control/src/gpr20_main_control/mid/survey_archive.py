@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import PurePosixPath
-from typing import Callable, Optional, Tuple
+from typing import Any, Callable, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
@@ -42,6 +42,7 @@ class SurveyArchive:
         """
         self._plan = plan
         self._storage, self._calls = robot.storage, robot.storage_calls
+        self._recorded = robot.description.recorded
         self._status = status
         self._clock = clock
         reopened = plan.reopened
@@ -112,7 +113,7 @@ class SurveyArchive:
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
         if self._record is None or self._record[0] != analyzer:
-            self._record = analyzer, survey_record(self._plan, analyzer)
+            self._record = analyzer, survey_record(self._plan, analyzer, self._recorded())
         return self._record[1]
 
     def _send_report(self, report_json: str, check: Check) -> None:
@@ -141,8 +142,16 @@ def interruption_remark(interrupted: str) -> Optional[Message]:
     )
 
 
-def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
-    """Return what is recorded about a survey when it begins."""
+def survey_record(
+    plan: SurveyPlan, analyzer: AnalyzerState, robot: Mapping[str, Any]
+) -> SurveyRecord:
+    """Return what is recorded about a survey when it begins.
+
+    Args:
+        plan: The plan of the survey.
+        analyzer: What the analyzer accepted.
+        robot: What the parts of the robot say about themselves.
+    """
     metadata = {
         "simulated": plan.config.simulated,
         "parameters": asdict(plan.parameters),
@@ -157,6 +166,7 @@ def survey_record(plan: SurveyPlan, analyzer: AnalyzerState) -> SurveyRecord:
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
         "settings": asdict(plan.settings),
+        **robot,
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)
     return SurveyRecord(plan.survey_id, time_of_day_us(), json.dumps(metadata), size)

@@ -4,31 +4,24 @@ from __future__ import annotations
 
 import rospy
 
-from gpr20_axis_driver.high.axis_node import AxisNode, build_axis_node
-from gpr20_common.high.node import run_device
-from gpr20_simulator.high.simulated_robot import (
-    SimulatedPart,
-    open_simulated_part,
-    shared_state_path,
-)
+from gpr20_axis_driver.high.axis_node import own_axis, run_axis
+from gpr20_simulator.high.simulated_robot import open_simulated_part, shared_state_path
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.carriage import mechanics_of
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 
 def main() -> None:
     """Run one axis of the simulated robot; the name of its group, such as x_axis, says which."""
-    run_device("axis_driver", AxisParameters, build_simulated_axis, SimulatedPart.PARAMETERS)
+    run_axis(simulated_hardware)
 
 
-def build_simulated_axis(parameters: AxisParameters) -> AxisNode:
-    """Build the real node over pins that move the simulated carriage."""
-    group = rospy.get_namespace().rstrip("/")
-    axis = AxisId(group.rsplit("/", 1)[-1][:1])
-    robot_namespace = group.rsplit("/", 1)[0] + "/"
+def simulated_hardware(parameters: AxisParameters) -> SimulatedHardware:
+    """Return pins that move the simulated carriage."""
+    robot_namespace = rospy.get_namespace().rstrip("/").rsplit("/", 1)[0] + "/"
     part = open_simulated_part(robot_namespace)
-    hardware = SimulatedHardware(
+    axis = own_axis()
+    return SimulatedHardware(
         parameters,
         shared_state_path(robot_namespace),
         axis,
@@ -36,4 +29,3 @@ def build_simulated_axis(parameters: AxisParameters) -> AxisNode:
         part.clock.factor,
         part.state.steps(axis),
     )
-    return build_axis_node(hardware)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import rospy
 
 from gpr20_common.high.node import run_device
-from gpr20_height_sensor.high.height_node import HeightNode, build_height_node
+from gpr20_height_sensor.high.height_node import NODE, HeightNode, build_height_node
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
-from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
+from gpr20_simulator.high.simulated_robot import open_simulated_part
 from gpr20_simulator.low.spi import SimulatedSpi
 from gpr20_simulator.mid.carriage import carriage_position
 from gpr20_simulator.mid.ground import Ground
@@ -25,10 +25,13 @@ def build_simulated_height(parameters: HeightParameters) -> HeightNode:
 
     sensor = RangeSensor(part.scene.adc, true_height_m, lambda: part.state.adc_fault)
     return build_height_node(
-        parameters, SimulatedSpi(sensor.code), part.clock, "simulated GP2Y0A21YK0F on MCP3008"
+        parameters,
+        SimulatedSpi(sensor.code),
+        part.clock,
+        part.hardware("simulated GP2Y0A21YK0F on MCP3008"),
     )
 
 
 def main() -> None:
     """Run the height sensor of the simulated robot."""
-    run_device("height_sensor", HeightParameters, build_simulated_height, SimulatedPart.PARAMETERS)
+    run_device(NODE, HeightParameters, build_simulated_height)

@@ -6,15 +6,17 @@ import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Tuple
 
 import rospy
 
+from gpr20_common.high.parameters import read_parameters
+from gpr20_common.mid.hardware import Hardware
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import SharedState, open_shared_state
 from gpr20_simulator.low.stale_states import remove_stale_states
 from gpr20_simulator.mid.carriage import start_steps
 from gpr20_simulator.mid.scene import Scene, read_scene
+from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 SHARED_MEMORY = Path("/dev/shm")
 
@@ -24,37 +26,41 @@ class SimulatedPart:
     """The common ground of the processes that simulate one robot.
 
     Attributes:
-        PARAMETERS: Private parameters that such a process has beside its driver's.
+        parameters: Parameters of the simulated robot.
         state: What is true of the robot, shared by all of them.
         scene: The machine and the ground.
         clock: Runs as much faster as the robot does.
     """
 
-    PARAMETERS: ClassVar[Tuple[str, ...]] = ("scene", "time_scale")
-
+    parameters: SimulatorParameters
     state: SharedState
     scene: Scene
     clock: ScaledClock
 
+    def hardware(self, name: str) -> Hardware:
+        """Return the description of simulated hardware."""
+        return Hardware(name, simulated=True, time_scale=self.clock.factor)
+
 
 def open_simulated_part(robot_namespace: str) -> SimulatedPart:
-    """Read the parameters `~scene` (a file) and `~time_scale` and open the shared state.
+    """Read the parameters of the simulated robot and open the shared state.
 
     Args:
         robot_namespace: Namespace in which the robot was launched.
 
     Raises:
-        Gpr20Error: The scene or the time scale is not allowed, or the state cannot be opened.
+        Gpr20Error: A parameter is not allowed, or the state cannot be opened.
     """
-    scene = read_scene(str(rospy.get_param("~scene", "")))
-    clock = ScaledClock(float(rospy.get_param("~time_scale", 1.0)))
+    parameters = read_parameters(SimulatorParameters, "simulator")
+    scene = read_scene(parameters.scene)
+    clock = ScaledClock(parameters.time_scale)
     path = shared_state_path(robot_namespace)
     state = open_shared_state(path, start_steps(scene.robot))
     try:
         remove_stale_states(path.parent)
     except OSError as error:
         rospy.logwarn("what former launches left in memory could not be removed: %s", error)
-    return SimulatedPart(state, scene, clock)
+    return SimulatedPart(parameters, state, scene, clock)
 
 
 def shared_state_path(robot_namespace: str) -> Path:

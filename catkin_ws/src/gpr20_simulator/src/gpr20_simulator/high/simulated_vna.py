@@ -10,10 +10,10 @@ import rospy
 
 from gpr20_common.high.node import run_device
 from gpr20_common.message import Message
-from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
+from gpr20_simulator.high.simulated_robot import open_simulated_part
 from gpr20_simulator.low.shared_state import SharedState
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.high.vna_node import VNANode, build_vna_node
+from gpr20_vna_acquisition.high.vna_node import NODE, VNANode, build_vna_node
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 LOOPBACK = "127."
@@ -54,9 +54,9 @@ def build_simulated_vna(parameters: VnaParameters) -> VNANode:
             return simulated_port(part.state)
         return parameters.vxi11_port or None
 
-    return build_vna_node(parameters, port_of, f"simulated {parameters.model}")
+    return build_vna_node(parameters, port_of, part.hardware(f"simulated {parameters.model}"))
 
 
 def main() -> None:
     """Run the VNA driver of the simulated robot."""
-    run_device("vna_acquisition", VnaParameters, build_simulated_vna, SimulatedPart.PARAMETERS)
+    run_device(NODE, VnaParameters, build_simulated_vna)

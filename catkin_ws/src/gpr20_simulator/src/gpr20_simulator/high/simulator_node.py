@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import rospy
 
+from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -29,34 +28,15 @@ from gpr20_simulator.mid.simulated_analyzer import (
 )
 from gpr20_simulator.srv import SetFault, SetFaultResponse
 
-
-@dataclass(frozen=True)
-class SimulatorParameters:
-    """Private parameters beside `scene` and `time_scale`.
-
-    Attributes:
-        seconds_per_point: Time that one frequency of a sweep takes [s].
-        port: TCP port of the VXI-11 core channel; 0: any free one.
-        portmapper: Whether to answer on port 111 too, where VXI-11 clients look first.
-        medium: `scene`, or `position_probe` for tests.
-        capture_dir: Folder for the exact bytes of each data reply; empty: none.
-    """
-
-    seconds_per_point: float = 350e-6
-    port: int = 0
-    portmapper: bool = False
-    medium: str = "scene"
-    capture_dir: str = ""
+NODE = "simulator"
+HARDWARE = "SIMULATED robot"
 
 
 class SimulatorNode:
     """Serves the simulated analyzer, and switches faults on request."""
 
-    def __init__(
-        self, part: SimulatedPart, parameters: SimulatorParameters, vna: SimulatedAnalyzer
-    ) -> None:
+    def __init__(self, part: SimulatedPart, vna: SimulatedAnalyzer) -> None:
         self._part = part
-        self._parameters = parameters
         self._vna = vna
         self._switch = FaultSwitch(part.state, vna.faults)
         vna.start()
@@ -64,7 +44,8 @@ class SimulatorNode:
         part.state.vna_port = vna.server.port
         rospy.on_shutdown(self._stop)
         advertise("simulator/set_fault", SetFault, self._set_fault)
-        self._diagnostics = Diagnostics("SIMULATED robot", self._health)
+        self._diagnostics = Diagnostics(HARDWARE, self._health)
+        self._description = publish_description(NODE, part.hardware(HARDWARE), part.parameters)
 
     def _set_fault(self, request: Any) -> SetFaultResponse:
         message = self._switch.set(request.device, request.fault, request.count)
@@ -76,7 +57,7 @@ class SimulatorNode:
         values = {
             "simulated": True,
             "scene": self._part.scene.name,
-            "medium": self._parameters.medium,
+            "medium": self._part.parameters.medium,
             "vna_port": self._vna.server.port,
             "vna_links": self._vna.server.link_count,
             "sweep_number": sweeper.sweep_number,
@@ -97,13 +78,13 @@ class SimulatorNode:
 
 def main() -> None:
     """Run the simulated analyzer until ROS shuts down."""
-    run_node("simulator", build_simulator)
+    run_node(NODE, build_simulator)
 
 
 def build_simulator() -> SimulatorNode:
     """Read the parameters and put the node together."""
-    parameters = read_parameters(SimulatorParameters, others=SimulatedPart.PARAMETERS)
     part = open_simulated_part(rospy.get_namespace())
+    parameters = part.parameters
     options = AnalyzerOptions(
         parameters.seconds_per_point,
         part.clock.factor,
@@ -118,7 +99,7 @@ def build_simulator() -> SimulatorNode:
         options,
         _capture(parameters.capture_dir),
     )
-    return SimulatorNode(part, parameters, vna)
+    return SimulatorNode(part, vna)
 
 
 def _capture(folder: str) -> Capture:

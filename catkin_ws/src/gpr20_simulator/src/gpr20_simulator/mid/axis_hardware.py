@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Optional
+from typing import Optional
 
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
+from gpr20_common.mid.hardware import Hardware
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import open_shared_state
@@ -37,14 +38,17 @@ class SimulatedHardware:
         first_steps: Where the motor is when the robot is switched on [motor steps].
     """
 
-    name: ClassVar[str] = "simulated DRV8825"
-
     parameters: AxisParameters
     state_path: Path
     axis: AxisId
     mechanics: AxisMechanics
     time_scale: float
     first_steps: Optional[int]
+
+    @property
+    def description(self) -> Hardware:
+        """What it is."""
+        return Hardware("simulated DRV8825", simulated=True, time_scale=self.time_scale)
 
     @property
     def clock(self) -> Clock:

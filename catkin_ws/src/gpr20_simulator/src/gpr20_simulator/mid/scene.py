@@ -17,6 +17,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.records import bounded, record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SceneError
+from gpr20_survey.plan.robot_description import SIMULATED_IDENTITY as SIMULATED
 
 
 class Shape(enum.Enum):
@@ -180,7 +181,7 @@ class InstrumentScene:
     Attributes:
         manufacturer: First field of its identity.
         model: Second field, options joined to it with "/".
-        serial: Third field.
+        serial: Third field; contains SIMULATED.
         firmware: Fourth field.
         calibration_accuracy: 0 none, 1 high, 2 power changed, 3 temperature moved, 4 low.
         setting_delay_s: How long a setting takes to have an effect [s].
@@ -192,7 +193,7 @@ class InstrumentScene:
 
     manufacturer: str = "Anritsu"
     model: str = "MS2026C/2"
-    serial: str = "SIMULATED"
+    serial: str = SIMULATED
     firmware: str = "1.23"
     calibration_accuracy: int = bounded(0, 4, 1)
     setting_delay_s: float = bounded(0.0, 10.0, 0.0)
@@ -200,6 +201,17 @@ class InstrumentScene:
     trailing_newline: bool = True
     header_digits: int = bounded(0, 9, 0)
     ascii_digits: int = bounded(2, 16, 8)
+
+    def __post_init__(self) -> None:
+        if SIMULATED not in self.serial:
+            raise SceneError(
+                Message(
+                    "the serial number of the simulated VNA is {serial}; it must contain "
+                    "{marker}, so that its data are never taken for those of a real one",
+                    serial=repr(self.serial),
+                    marker=SIMULATED,
+                )
+            )
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,10 @@ class RobotTravel:
 
 @dataclass(frozen=True)
 class SurveyParameters:
-    """What a survey measures; frequencies in Hz, coordinates in mm, rotations in degrees."""
+    """What a survey measures; frequencies in Hz, coordinates in mm, rotations in degrees.
+
+    An empty `vna_address` means that of the robot's configuration.
+    """
 
     vna_address: str
     start_frequency_hz: float
@@ -125,7 +128,7 @@ def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Pro
     """Return every rule that the parameters break; empty if they break none."""
     p = parameters
     checks: List[Tuple[Rule, Callable[[], object]]] = [
-        (Rule.ADDRESS, lambda: ipv4_address(Message("VNA address"), p.vna_address)),
+        (Rule.ADDRESS, lambda: _address(p.vna_address)),
         (
             Rule.START_FREQUENCY,
             lambda: _frequency(Message("start frequency"), p.start_frequency_hz),
@@ -158,6 +161,12 @@ def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Pro
             one()
         except InvalidValueError as error:
             yield Problem(rule, error.message)
+
+
+def _address(address: str) -> None:
+    # Empty: that of the robot's configuration.
+    if address:
+        ipv4_address(Message("VNA address"), address)
 
 
 def _frequency_points(points: int) -> None:

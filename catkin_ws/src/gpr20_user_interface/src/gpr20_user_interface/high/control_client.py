@@ -14,13 +14,13 @@ from sensor_msgs.msg import Range
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, in_a_row
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyData
+from gpr20_msgs.msg import ControlStatus, Coordinates, RobotConfiguration, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
-from gpr20_user_interface.high.robot_travel import read_axis_limits
+from gpr20_user_interface.high.robot_travel import axis_limits
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.events import Accepted, Answer, AxisLimits, Event, Request
 
@@ -93,12 +93,14 @@ class ControlClient(RosEvents):
             axis: DirectServiceClient(f"{axis}_axis/stop", Command) for axis in AXES
         }
         self._master = MasterWatch()
-        self._reading_limits = threading.Lock()
+        self._checking_master = threading.Lock()
+        self._limits = AxisLimits(None)
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
         self._subscribe("control_status", ControlStatus, conversions.control_state, None)
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
+        self._subscribe("robot_configuration", RobotConfiguration, self._note_robot, None)
 
     def listen_to_robot(self) -> None:
         """Subscribe to position, height and health of the robot."""
@@ -125,25 +127,27 @@ class ControlClient(RosEvents):
         """Ask to resume the paused survey or the one named; the answer is an event."""
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
 
-    def read_axis_limits(self) -> None:
-        """Read the limits of the axes; the answer is an event."""
+    def check_master(self) -> None:
+        """Check that the master answers; the answer is an event with the limits of the axes."""
         # A master that hangs must not collect one thread per call.
-        if self._reading_limits.acquire(blocking=False):
-            in_background(self._read_axis_limits)
+        if self._checking_master.acquire(blocking=False):
+            in_background(self._check_master)
 
-    def _read_axis_limits(self) -> None:
+    def _check_master(self) -> None:
         try:
-            limits = read_axis_limits()
-            if limits.master_alive:
-                self._master.check()
-                for service in (self._stop, *self._axis_stops.values()):
-                    service.remember()
-            self._emit(limits)
+            self._master.check()
+            for service in (self._stop, *self._axis_stops.values()):
+                service.remember()
+            self._emit(self._limits)
         except (rosgraph.MasterException, OSError) as error:
             reason = Message("the ROS master does not answer", details=error)
             self._emit(AxisLimits(None, reason, master_alive=False))
         finally:
-            self._reading_limits.release()
+            self._checking_master.release()
+
+    def _note_robot(self, message: RobotConfiguration) -> AxisLimits:
+        self._limits = axis_limits(message)
+        return self._limits
 
     def _ask_start(self, parameters: SurveyParameters) -> Any:
         message = conversions.parameters_message(parameters)

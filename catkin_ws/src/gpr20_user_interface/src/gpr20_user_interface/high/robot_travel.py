@@ -1,73 +1,60 @@
-"""Limits and figures of the robot, from the parameters of its nodes."""
+"""Limits and figures of the robot, from what its nodes say about themselves."""
 
 from __future__ import annotations
 
 import dataclasses
-import math
-from typing import Any, Dict, List
-from xmlrpc.client import Error as XmlRpcError
+import json
+from typing import Any, Dict, Mapping
 
-import rospy
-
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.high.graph_message import message_from
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import positive_number
+from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.records import record_from
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
+from gpr20_msgs.msg import RobotConfiguration
+from gpr20_survey.plan.robot_description import ANALYZER, NodeDescription, robot_config
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_user_interface.mid.events import AxisLimits, RobotFigures
+from gpr20_user_interface.mid.events import AxisLimits, RobotDefaults, RobotFigures
 
-FIELDS = ("min_coord", "max_coord", "step_size")
+CONTROL = "main_control"
+UNKNOWN = Message("the limits of the axes are not known")
 
 
-def read_axis_limits() -> AxisLimits:
-    """Read the limits of the three axes and the figures of the robot, or why they are unknown."""
+def axis_limits(message: RobotConfiguration) -> AxisLimits:
+    """Return the limits of the three axes and the figures of the robot, or why they are unknown."""
+    if not message.known:
+        return AxisLimits(None, message_from(message))
     try:
-        groups = {axis_id: _group(f"{axis_id.value}_axis/axis_driver") for axis_id in AxisId}
-        control = _group("main_control")
-        time_scale = rospy.get_param("time_scale", 1.0)
-        simulated = rospy.get_param("simulated", False)
-    except (rospy.ROSException, XmlRpcError, OSError) as error:
-        reason = Message("the ROS master does not answer", details=error)
-        return AxisLimits(None, reason, master_alive=False)
-    travels: List[Travel] = []
-    for axis_id, group in groups.items():
-        values = [_number(group, field) for field in FIELDS]
-        if not all(math.isfinite(value) for value in values):
-            name = rospy.resolve_name(f"{axis_id.value}_axis/axis_driver")
-            details = f"{name} has no parameters {', '.join(FIELDS)}"
-            reason = Message("the limits of the axes are not known", details=details)
-            return AxisLimits(None, reason)
-        travels.append(Travel(*values))
-    try:
-        axes = {axis_id: _record(AxisParameters, group) for axis_id, group in groups.items()}
-        config = RobotConfig(axes, bool(simulated), positive_number("time_scale", time_scale))
-        figures = RobotFigures(config, _record(SurveySettings, control))
-    except Gpr20Error as error:
-        return AxisLimits(RobotTravel(*travels), error.message)
-    except TypeError as error:
-        reason = Message("the parameters of the robot are incomplete", details=error)
-        return AxisLimits(RobotTravel(*travels), reason)
-    return AxisLimits(RobotTravel(*travels), figures=figures)
+        nodes = _nodes(message)
+        config = robot_config(nodes)
+        settings = _record(SurveySettings, nodes[CONTROL].configuration)
+        defaults = _defaults(nodes[ANALYZER].configuration, message.site_json)
+    except (Gpr20Error, ValueError, KeyError, TypeError) as error:
+        return AxisLimits(None, dataclasses.replace(UNKNOWN, details=str(error)))
+    return AxisLimits(config.travel, figures=RobotFigures(config, settings), defaults=defaults)
 
 
-def _group(name: str) -> Dict[str, Any]:
-    group = rospy.get_param(rospy.resolve_name(name), {})
-    return group if isinstance(group, dict) else {}
+def _nodes(message: RobotConfiguration) -> Dict[str, NodeDescription]:
+    return {
+        one.node: NodeDescription(
+            one.node,
+            Hardware(one.hardware, one.simulated, one.time_scale),
+            json.loads(one.configuration_json),
+        )
+        for one in message.nodes
+    }
 
 
-def _record(record_class: Any, group: Dict[str, Any]) -> Any:
-    # The groups belong to other nodes, which refuse what they do not know.
+def _defaults(analyzer: Mapping[str, Any], site_json: str) -> RobotDefaults:
+    site = _record(Site, json.loads(site_json))
+    return RobotDefaults(str(analyzer.get("address", "")), site)
+
+
+def _record(record_class: Any, values: Any) -> Any:
+    # Another version of the node may have fields that this one does not know.
+    if not isinstance(values, Mapping):
+        raise InvalidValueError(UNKNOWN)
     names = {field.name for field in dataclasses.fields(record_class)}
-    known = {name: value for name, value in group.items() if name in names}
+    known = {name: value for name, value in values.items() if name in names}
     return record_from(record_class, known, record_class.__name__)
-
-
-def _number(group: Dict[str, Any], field: str) -> float:
-    value = group.get(field)
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return float(value)
-    return math.nan

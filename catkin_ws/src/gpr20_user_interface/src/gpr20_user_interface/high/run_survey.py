@@ -14,11 +14,10 @@ from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_survey.plan.survey_parameters import RobotTravel, check
+from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.master import join_graph
-from gpr20_user_interface.high.robot_travel import read_axis_limits
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay, terminal_line
@@ -54,9 +53,8 @@ def _run(
 ) -> int:
     try:
         # What can be refused at once needs no robot.
-        _check(options, DOCUMENTED_TRAVEL)
+        _check(options)
         join_graph("run_survey", options.wait_s, lambda: signals.received, Clock())
-        _check(options, read_axis_limits().travel or DOCUMENTED_TRAVEL)
     except Gpr20Error as error:
         print(f"run_survey: {terminal_line(error.message, catalogue)}", file=sys.stderr)
         status = ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED
@@ -67,11 +65,11 @@ def _run(
     return _follow(options, events, catalogue)
 
 
-def _check(options: Options, travel: RobotTravel) -> None:
+def _check(options: Options) -> None:
     if options.mode is not Mode.START:
         return
     try:
-        check(options.parameters, travel)
+        check(options.parameters, DOCUMENTED_TRAVEL)
     except InvalidValueError as error:
         raise ParametersRefusedError(Message("refused: {reason}", reason=error.message)) from error
 

@@ -8,6 +8,7 @@ from typing import Mapping, Optional, Union
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
@@ -91,6 +92,19 @@ class RobotFigures:
 
 
 @dataclass(frozen=True)
+class RobotDefaults:
+    """What the robot's configuration proposes for a survey.
+
+    Attributes:
+        vna_address: Address of the analyzer.
+        site: The robot, its place and its operator.
+    """
+
+    vna_address: str
+    site: Site
+
+
+@dataclass(frozen=True)
 class AxisLimits:
     """The limits of the axes, as far as they are known.
 
@@ -98,12 +112,14 @@ class AxisLimits:
         travel: Ranges and steps; None if they are not known.
         reason: Why something is not known; None if all is.
         figures: Everything else about the robot; None if it is not known.
+        defaults: What the robot's configuration proposes; None if it is not known.
         master_alive: Whether the ROS master answered.
     """
 
     travel: Optional[RobotTravel]
     reason: Optional[Message] = None
     figures: Optional[RobotFigures] = None
+    defaults: Optional[RobotDefaults] = None
     master_alive: bool = True
 
 

@@ -122,7 +122,8 @@ def _field(
 
 
 FIELDS: Tuple[Field, ...] = (
-    _field(ADDRESS, "127.0.0.1", str.strip, str, Rule.ADDRESS),
+    # Empty: that of the robot's configuration.
+    _field(ADDRESS, "", str.strip, str, Rule.ADDRESS),
     _field(
         "start_frequency_hz",
         "600",

@@ -150,7 +150,9 @@ def _add_parameters(group: argparse._ArgumentGroup, catalogue: Catalogue) -> Lis
             default=field.default,
             metavar=_METAVARS.get(field.name.rsplit("_", 1)[-1], "N"),
             help=catalogue.tr(
-                "{meaning} (default {default})", meaning=_HELP[field.name], default=field.default
+                "{meaning} (default {default})",
+                meaning=_HELP[field.name],
+                default=field.default or Message("that of the robot's configuration"),
             ),
         )
         for field in FIELDS

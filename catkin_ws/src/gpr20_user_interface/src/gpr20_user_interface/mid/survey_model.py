@@ -20,6 +20,7 @@ from gpr20_user_interface.mid.events import (
     NodeHealth,
     Progress,
     Request,
+    RobotDefaults,
     RobotFigures,
     TargetPosition,
 )
@@ -56,6 +57,7 @@ class Snapshot:
     # The parameters of the survey that runs, also of one that another client started.
     survey_parameters: Optional[SurveyParameters] = None
     figures: Optional[RobotFigures] = None
+    defaults: Optional[RobotDefaults] = None
     health: HealthReport = field(default_factory=HealthReport)
     alarm: Optional[Alarm] = None
     master_alive: bool = True
@@ -197,6 +199,7 @@ class SurveyModel:
             travel=self._limits.travel,
             survey_parameters=self._running_parameters(),
             figures=self._limits.figures,
+            defaults=self._limits.defaults,
             health=health,
             master_alive=self._limits.master_alive,
             alarm=self._worst_alarm(silent_s, health),

@@ -31,7 +31,7 @@ class SurveyControl(Protocol):
     def resume_survey(self, survey_id: str = "") -> None:
         """Ask to resume the paused survey, or one by its id or the name of its folder."""
 
-    def read_axis_limits(self) -> None:
+    def check_master(self) -> None:
         """Read the limits of the axes."""
 
 
@@ -75,9 +75,9 @@ class WindowPresenter:
         if parameters is not None and self.snapshot.figures is not None:
             self._estimator.ask(parameters, self.snapshot.figures)
 
-    def read_axis_limits(self) -> None:
+    def check_master(self) -> None:
         """Read the limits of the axes; this shows, too, whether the master answers."""
-        self._control.read_axis_limits()
+        self._control.check_master()
 
     def start(self, parameters: SurveyParameters) -> None:
         """Ask for a survey."""

@@ -26,6 +26,7 @@ from gpr20_user_interface.mid.field_messages import (
     field_title,
 )
 from gpr20_user_interface.mid.parameter_form import (
+    ADDRESS,
     FormCheck,
     check_form,
     limits,
@@ -77,6 +78,7 @@ class ControlView(TranslatedWidget):
         self._steps = QButtonGroup(self)
         self._below = QStackedWidget()
         self._travel = DOCUMENTED_TRAVEL
+        self._proposed_address = ""
         self._snapshot: Optional[Snapshot] = None
         self._check: FormCheck = check_form(self.form.texts(), self._travel)
         self._lay_out()
@@ -97,6 +99,7 @@ class ControlView(TranslatedWidget):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         before, self._snapshot = self._snapshot, snapshot
+        self._propose_address(snapshot)
         if (snapshot.travel or DOCUMENTED_TRAVEL) != self._travel:
             self._travel = snapshot.travel or DOCUMENTED_TRAVEL
             self._check_form()
@@ -195,6 +198,15 @@ class ControlView(TranslatedWidget):
             self.resume_pressed.emit()
         else:
             self.pause_pressed.emit()
+
+    def _propose_address(self, snapshot: Snapshot) -> None:
+        """Show the address of the robot's configuration, unless the operator chose another."""
+        proposed = snapshot.defaults.vna_address if snapshot.defaults else ""
+        if proposed in ("", self._proposed_address):
+            return
+        if self.form.texts()[ADDRESS] == self._proposed_address:
+            self.form.show_text(ADDRESS, proposed)
+        self._proposed_address = proposed
 
     def _check_form(self) -> None:
         self._check = check_form(self.form.texts(), self._travel)

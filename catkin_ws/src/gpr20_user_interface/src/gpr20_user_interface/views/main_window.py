@@ -98,7 +98,7 @@ class MainWindow(TranslatedWidget):
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
-            self._timer(LIMITS_MS, survey.read_axis_limits),
+            self._timer(LIMITS_MS, survey.check_master),
         ]
         self._lay_out()
         self._connect()
@@ -107,7 +107,7 @@ class MainWindow(TranslatedWidget):
 
     def begin(self) -> None:
         """Refresh the window from now on."""
-        self.survey.read_axis_limits()
+        self.survey.check_master()
         self.refresh()
         self._on_parameters(self.control.parameters)
         for timer in self._timers:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping
+from typing import Dict, List, Mapping, Sequence
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent
@@ -124,7 +124,7 @@ class ParameterFormView(TranslatedWidget):
     def texts(self) -> Dict[str, str]:
         """Return the text of every field by the name of its parameter."""
         found = {name: edit.text() for name, edit in self._edits.items()}
-        found[ADDRESS] = ".".join(octet.text() for octet in self._octets)
+        found[ADDRESS] = _address([octet.text() for octet in self._octets])
         return found
 
     def texts_with(self, edit: TouchEdit, text: str) -> Dict[str, str]:
@@ -132,7 +132,7 @@ class ParameterFormView(TranslatedWidget):
         found = self.texts()
         if edit in self._octets:
             octets = [text if one is edit else one.text() for one in self._octets]
-            found[ADDRESS] = ".".join(octets)
+            found[ADDRESS] = _address(octets)
         else:
             found[edit.objectName()] = text
         return found
@@ -213,3 +213,8 @@ class ParameterFormView(TranslatedWidget):
         edit = TouchEdit(name)
         edit.tapped.connect(lambda: self.tapped.emit(edit))
         return edit
+
+
+def _address(octets: Sequence[str]) -> str:
+    # Without any digit it is that of the robot's configuration.
+    return ".".join(octets) if any(octets) else ""

@@ -7,6 +7,7 @@ from typing import Callable, Optional
 import rospy
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.description import publish_description
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
@@ -14,12 +15,14 @@ from gpr20_common.high.ros_time import ros_time
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.hardware import Hardware
 from gpr20_msgs import srv
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
+NODE = "vna_acquisition"
 # Returns the TCP port of the core channel at an address, or None to ask the portmapper there.
 PortLookup = Callable[[str], Optional[int]]
 
@@ -27,7 +30,7 @@ PortLookup = Callable[[str], Optional[int]]
 class VNANode:
     """The five services of the network analyzer."""
 
-    def __init__(self, driver: VNADriver, hardware_id: str) -> None:
+    def __init__(self, driver: VNADriver, hardware: Hardware) -> None:
         self._driver = driver
         self._services = [
             advertise("connection", srv.Connection, self._connect),
@@ -37,7 +40,8 @@ class VNANode:
             advertise("get_calibration_status", srv.GetCalibrationStatus, self._get_calibration),
         ]
         self._link_check = Periodic(diagnostics.PERIOD_S, driver.check_idle_link)
-        self._diagnostics = diagnostics.Diagnostics(hardware_id, self._health)
+        self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
+        self._description = publish_description(NODE, hardware, driver.parameters)
         rospy.on_shutdown(driver.shut_down)
 
     def _connect(self, request: srv.ConnectionRequest) -> srv.ConnectionResponse:
@@ -113,29 +117,29 @@ class VNANode:
         return diagnostics.OK, connected, values
 
 
-def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware_id: str) -> VNANode:
+def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware: Hardware) -> VNANode:
     """Build the node and everything below it.
 
     Args:
         parameters: Parameters of the driver.
         port_of: Returns the port of the VXI-11 core channel at an address.
-        hardware_id: What the diagnostics call the hardware.
+        hardware: What the hardware is.
     """
     limits = LinkLimits(parameters.connect_timeout_s, parameters.answer_timeout_s)
 
     def open_link(address: str) -> Vxi11Transport:
         return connect(address, limits, port_of(address))
 
-    return VNANode(VNADriver(open_link, parameters, Clock(), rospy.logwarn), hardware_id)
+    return VNANode(VNADriver(open_link, parameters, Clock(), rospy.logwarn), hardware)
 
 
 def build_robot_node(parameters: VnaParameters) -> VNANode:
     """Build the node over the robot's network."""
     return build_vna_node(
-        parameters, lambda _address: parameters.vxi11_port or None, parameters.model
+        parameters, lambda _address: parameters.vxi11_port or None, Hardware(parameters.model)
     )
 
 
 def main() -> None:
     """Run the driver of the real network analyzer."""
-    run_device("vna_acquisition", VnaParameters, build_robot_node)
+    run_device(NODE, VnaParameters, build_robot_node)

@@ -62,6 +62,11 @@ class VNADriver:
         self._quality = TraceQuality(parameters)
 
     @property
+    def parameters(self) -> VnaParameters:
+        """The parameters with which the driver started."""
+        return self._parameters
+
+    @property
     def state(self) -> VnaState:
         """What the driver knows now; never waits for a running exchange."""
         return self._link.state

@@ -7,7 +7,7 @@ from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.checks import ipv4_address, number_between
 from gpr20_common.mid.records import bounded
 from gpr20_survey.plan.survey_parameters import (
     MAX_FREQUENCY_HZ,
@@ -32,6 +32,7 @@ class VnaParameters:
     """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
+        address: Address of the instrument, which clients offer as the default.
         maker: First field of the identification.
         model: Second field of the identification, without the options after its slash.
         vxi11_port: TCP port of the VXI-11 core channel; 0 asks the portmapper.
@@ -65,6 +66,7 @@ class VnaParameters:
             take without a remark; allows for a busy computer and network.
     """
 
+    address: str = "127.0.0.1"
     maker: str = "Anritsu"
     model: str = "MS2026C"
     vxi11_port: int = bounded(0, 65535, 0)
@@ -93,6 +95,7 @@ class VnaParameters:
     duration_tolerance_s: float = bounded(0.0, 60.0, 0.25)
 
     def __post_init__(self) -> None:
+        ipv4_address("address", self.address)
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(

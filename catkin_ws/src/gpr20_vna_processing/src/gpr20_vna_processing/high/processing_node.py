@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import os
 import time
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Tuple
+from typing import Any
 
 import rosgraph
 import rospy
 from std_msgs.msg import String
 
 import gpr20_vna_processing
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_message import message_fields
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import run_device
 from gpr20_common.high.raw_message import deserialized, preserialized, serialized
 from gpr20_common.high.ros_time import microseconds
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
@@ -39,7 +36,6 @@ from gpr20_msgs.srv import (
     StoreDataResponse,
 )
 from gpr20_survey.errors import ProcessingError, printable
-from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
@@ -48,80 +44,14 @@ from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits, Storage
-from gpr20_vna_processing.mid.storage_thread import QueueLimits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
-AXIS_TOPICS = tuple(
-    f"{axis}_axis/{name}"
-    for axis in ("x", "y", "z")
-    for name in ("current_coord", "axis/goal", "axis/result", "axis/status", "axis/cancel")
-)
-DEFAULT_TOPICS = (
-    *AXIS_TOPICS,
-    "measured_height",
-    "control_status",
-    "control_target_coordinate",
-    "control_current_coordinate",
-    "control_survey_data",
-    "survey_coverage",
-    "survey_parameters",
-    "/diagnostics",
-)
+NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
 # Connections to nodes that were just started are made within this time [s].
 CONNECTION_LIMIT_S = 2.0
-
-
-@dataclass(frozen=True)
-class ProcessingParameters:
-    """Parameters of the node; README.md explains them."""
-
-    data: str = ""
-    disk_reserve_mb: float = 500.0
-    store_queue: int = 4
-    message_queue: int = 5000
-    message_queue_mb: float = 16.0
-    timeout_s: float = 60.0
-    long_timeout_s: float = 600.0
-    commit_period_s: float = 2.0
-    recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
-    readable_by: str = Readers.GROUP.value
-
-    def __post_init__(self) -> None:
-        readers = [one.value for one in Readers]
-        if self.readable_by not in readers:
-            raise InvalidValueError(
-                Message(
-                    "{place} is {value}; it must be one of {allowed}",
-                    place="readable_by",
-                    value=repr(self.readable_by),
-                    allowed=", ".join(readers),
-                )
-            )
-        number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
-        for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
-            positive_number(name, getattr(self, name))
-
-    def data_folder(self) -> Path:
-        """Return where surveys are stored."""
-        # The output of a command, which roslaunch accepts for a parameter, ends with a line feed.
-        data = self.data.strip() or os.environ.get("GPR20_DATA", "") or "~/gpr20_data"
-        return Path(data).expanduser().absolute()
-
-    def limits(self) -> Limits:
-        """Return the bounds of the storage."""
-        return Limits(
-            queues=QueueLimits(
-                jobs=self.store_queue,
-                messages=self.message_queue,
-                message_bytes=round(self.message_queue_mb * BYTES_PER_MB),
-            ),
-            disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
-            timeout_s=self.timeout_s,
-            long_timeout_s=self.long_timeout_s,
-            period_s=self.commit_period_s,
-        )
 
 
 class ProcessingNode:
@@ -147,7 +77,7 @@ class ProcessingNode:
                 now_ns=time.time_ns,
                 clock=Clock(),
                 revision=software_revision(version, Path(__file__).resolve().parent),
-                readers=Readers(parameters.readable_by),
+                readers=parameters.readers,
             ),
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),
@@ -155,9 +85,7 @@ class ProcessingNode:
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
-        self._recorder = TopicRecorder(
-            parameters.recorded_topics, self._processing.record, time.time_ns
-        )
+        self._recorder = TopicRecorder(parameters.all_topics, self._processing.record, time.time_ns)
         self._services = [
             advertise("open_survey", OpenSurvey, self._open_survey),
             advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
@@ -167,6 +95,7 @@ class ProcessingNode:
         ]
         self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
+        self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
     def _open_survey(self, request: Any) -> OpenSurveyResponse:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
@@ -311,4 +240,4 @@ def _publish(publisher: rospy.Publisher, message: Any) -> None:
 
 def main() -> None:
     """Run the node."""
-    run_node("vna_processing", lambda: ProcessingNode(read_parameters(ProcessingParameters)))
+    run_device(NODE, ProcessingParameters, ProcessingNode, section="storage")

@@ -1,0 +1,1 @@
+"""The robot's configuration files, and the checks before a launch."""

@@ -1,0 +1,123 @@
+"""check_launch: what the launch files run before anything starts.
+
+It prints the configuration of the nodes as JSON, which roslaunch stores under a name of this
+launch alone. If it fails, roslaunch starts nothing and changes nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Optional, Sequence
+
+import rosgraph
+import rospkg
+
+from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.low.node_probe import NodeProbe
+from gpr20_common.message import Message
+from gpr20_launch.errors import LaunchRefusedError
+from gpr20_launch.low.process_info import ProcessInfo, process_info
+from gpr20_launch.mid.launch_request import ROBOT, SERVER, SURVEY, LaunchRequest
+from gpr20_launch.mid.running_robot import RunningNode, refusal
+from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+
+NAME = "/check_launch"
+# A node that lives answers within this time [s].
+ANSWER_LIMIT_S = 1.0
+
+
+def main() -> int:
+    """Check a launch and print the configuration of its nodes; return the exit status."""
+    given = _parser().parse_args(rosgraph.myargv()[1:])
+    try:
+        request = LaunchRequest(
+            given.part, given.robot, given.config, given.data, _simulator(given)
+        )
+        sections = request.sections(built_axes())
+        _refuse_running(request.nodes, given.ns)
+    except Gpr20Error as error:
+        print(f"\nThis robot cannot be launched: {error}\n", file=sys.stderr)
+        return 1
+    print(json.dumps(sections))
+    return 0
+
+
+def built_axes() -> Path:
+    """Return the file with the axes of the robot as it is built."""
+    return Path(rospkg.RosPack().get_path("gpr20_launch")) / "config" / "axes.yaml"
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description="Check a launch; used by the launch files.")
+    parser.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), required=True)
+    for name in ("robot", "ns", "config", "data", "scene", "medium", "capture_dir"):
+        parser.add_argument(f"--{name}", default="")
+    for name in ("time_scale", "seconds_per_point"):
+        parser.add_argument(f"--{name}", default="1")
+    parser.add_argument("--portmapper", default="false")
+    return parser
+
+
+def _simulator(given: argparse.Namespace) -> SimulatorParameters:
+    return SimulatorParameters(
+        scene=given.scene,
+        time_scale=_number("time_scale", given.time_scale),
+        seconds_per_point=_number("seconds_per_point", given.seconds_per_point),
+        portmapper=given.portmapper == "true",
+        medium=given.medium,
+        capture_dir=given.capture_dir,
+    )
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise LaunchRefusedError(
+            Message(
+                "{name}:={value} is not a number; give one, such as {name}:=1",
+                name=name,
+                value=text,
+            )
+        ) from error
+
+
+def _refuse_running(names: Sequence[str], namespace: str) -> None:
+    master = rosgraph.get_master_uri()
+    if not rosgraph.is_master_online(master):
+        return
+    prefix = "/" + namespace.strip("/")
+    found = [_running(rosgraph.names.ns_join(prefix, name), master) for name in names]
+    nodes = [one for one in found if one is not None]
+    if any(one.is_left_over for one in nodes):
+        # They outlive a roslaunch that was killed, too.
+        shared = [_running("/rosout", master), _master(master)]
+        nodes += [one for one in shared if one is not None and one.is_left_over]
+    if nodes:
+        raise LaunchRefusedError(refusal(nodes, master))
+
+
+def _running(name: str, master: str) -> Optional[RunningNode]:
+    try:
+        number = NodeProbe(master, NAME, name, ANSWER_LIMIT_S).process()
+    except NodeSilentError:
+        return None
+    process = process_info(number)
+    if process is not None and f"__name:={name.rsplit('/', 1)[-1]}" not in process.command:
+        process = None  # the number is that of a process on another computer
+    return RunningNode(name, number, process, _parent(process))
+
+
+def _master(master: str) -> Optional[RunningNode]:
+    number = rosgraph.Master(NAME, master).getPid()
+    process = process_info(number)
+    if process is not None and not any("rosmaster" in word for word in process.command[:3]):
+        process = None
+    return RunningNode("rosmaster", number, process, _parent(process))
+
+
+def _parent(process: Optional[ProcessInfo]) -> Optional[ProcessInfo]:
+    return process_info(process.parent) if process else None

@@ -1,0 +1,51 @@
+"""robot_config: create and check the files of a robot's configuration."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import rosgraph
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.os_reason import os_reason
+from gpr20_launch.high.check_launch import built_axes
+from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, read_configuration
+from gpr20_launch.mid.templates import templates
+
+
+def main() -> int:
+    """Do what the command line asks; return the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="robot_config", description="Create or check the robot's configuration."
+    )
+    parser.add_argument("action", choices=("create", "check"))
+    parser.add_argument("folder", nargs="?", default=DEFAULT_FOLDER, type=Path)
+    given = parser.parse_args(rosgraph.myargv()[1:])
+    folder = given.folder.expanduser().absolute()
+    try:
+        if given.action == "create":
+            _create(folder)
+        read_configuration(folder, built_axes())
+    except Gpr20Error as error:
+        print(f"robot_config: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"robot_config: {folder}: {os_reason(error)}", file=sys.stderr)
+        return 1
+    print(f"{folder}: the configuration is correct")
+    return 0
+
+
+def _create(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in templates(built_axes()).items():
+        path = folder / name
+        try:
+            with path.open("x", encoding="utf-8") as file:
+                file.write(text)
+        except FileExistsError:
+            print(f"{path} exists and stays as it is")
+        else:
+            print(f"{path} created")

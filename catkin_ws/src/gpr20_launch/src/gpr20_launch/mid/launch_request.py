@@ -1,0 +1,132 @@
+"""What a launch asks for, and the configuration that its nodes get."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Dict, Tuple
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
+from gpr20_launch.low.data_folder import try_to_write
+from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configuration
+from gpr20_simulator.mid.scene import read_scene
+from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+
+SIMULATED, REAL = "simulated", "gpr20"
+ROBOT, SERVER, SURVEY = "robot", "server", "survey"
+LOOPBACK = "127.0.0.1"
+# The simulated robot stores no rotation; that of the real one outlives the power.
+ROTATION_FILE = "~/.gpr20/z_axis_steps"
+_AXES = tuple(f"{axis_id.value}_axis/axis_driver" for axis_id in AxisId)
+_SERVER_NODES = ("vna_acquisition", "vna_processing", "main_control")
+
+
+@dataclass(frozen=True)
+class LaunchRequest:
+    """The arguments of a launch.
+
+    Attributes:
+        part: robot, server, or survey for both.
+        robot: simulated or gpr20.
+        config: Folder of the configuration; empty: the default one, if it exists.
+        data: Folder of the surveys; empty: as configured.
+        simulator: Parameters of the simulated robot.
+    """
+
+    part: str
+    robot: str
+    config: str
+    data: str
+    simulator: SimulatorParameters
+
+    def __post_init__(self) -> None:
+        if self.robot not in (SIMULATED, REAL):
+            raise LaunchRefusedError(
+                Message(
+                    "unknown robot:={robot}; write robot:={simulated} or robot:={real}",
+                    robot=self.robot,
+                    simulated=SIMULATED,
+                    real=REAL,
+                )
+            )
+        if self.robot == REAL and self.simulator.time_scale != 1.0:
+            raise LaunchRefusedError(
+                Message(
+                    "time_scale:={time_scale:g} is for the simulated robot; leave it out with "
+                    "robot:={real}",
+                    time_scale=self.simulator.time_scale,
+                    real=REAL,
+                )
+            )
+
+    @property
+    def nodes(self) -> Tuple[str, ...]:
+        """Names of the nodes that it starts, relative to the robot's namespace."""
+        simulator = ("simulator",) if self.robot == SIMULATED else ()
+        on_robot = (*_AXES, "height_sensor", *simulator)
+        return {
+            ROBOT: on_robot,
+            SERVER: _SERVER_NODES,
+            SURVEY: (*on_robot, *_SERVER_NODES),
+        }[self.part]
+
+    def sections(self, built_axes: Path) -> Sections:
+        """Return the configuration of the nodes, checked.
+
+        Raises:
+            ConfigurationError: A file of the configuration is wrong.
+            LaunchRefusedError: The scene cannot be read, or the data folder not be written.
+        """
+        sections = read_configuration(self._folder(), built_axes)
+        if self.robot == SIMULATED:
+            self._simulate(sections)
+        elif not sections["z_axis"].get("sensor_pin"):
+            rotation_file = str(Path(ROTATION_FILE).expanduser())
+            sections["z_axis"].setdefault("memory_file", rotation_file)
+        if self.part in (SERVER, SURVEY):
+            sections["storage"]["data"] = str(self._data_folder(sections))
+        return sections
+
+    def _folder(self) -> Path:
+        folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
+        if self.config and not folder.is_dir():
+            raise ConfigurationError(
+                Message(
+                    "the folder {folder} (config:=) does not exist; create it with its files: "
+                    "rosrun gpr20_launch robot_config create {folder}",
+                    folder=folder,
+                )
+            )
+        return folder
+
+    def _simulate(self, sections: Sections) -> None:
+        simulator: Dict[str, object] = asdict(self.simulator)
+        scene = Path(self.simulator.scene).expanduser().absolute()
+        try:
+            read_scene(str(scene))
+        except Gpr20Error as error:
+            raise LaunchRefusedError(error.message) from error
+        sections["simulator"] = {**simulator, "scene": str(scene)}
+        # The instrument of the configuration is a real one.
+        sections["vna_acquisition"]["address"] = LOOPBACK
+
+    def _data_folder(self, sections: Sections) -> Path:
+        given = {**sections["storage"], **({"data": self.data} if self.data.strip() else {})}
+        folder = ProcessingParameters(data=str(given.get("data", ""))).data_folder()
+        try:
+            try_to_write(folder)
+        except OSError as error:
+            raise LaunchRefusedError(
+                Message(
+                    "surveys cannot be stored in {folder} (data:=): {reason}; give another folder "
+                    "or permission to write",
+                    folder=folder,
+                    reason=os_reason(error),
+                )
+            ) from error
+        return folder

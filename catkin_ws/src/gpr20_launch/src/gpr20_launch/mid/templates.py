@@ -1,0 +1,86 @@
+"""Commented templates of the configuration's files, made from the classes of the parameters."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import inspect
+import math
+import re
+import textwrap
+from pathlib import Path
+from typing import Any, Dict, List, Type
+
+import yaml
+
+from gpr20_common.low.yaml_file import read_yaml
+from gpr20_launch.mid.robot_files import AXES_FILE, FILES, RobotFile
+from gpr20_survey.axes.axis_parameters import AxisParameters
+
+WIDTH = 98
+HEAD = 'A key that is commented out has the default shown; remove its "#" to change it.'
+# One attribute of a Google-style docstring: its name, and its text over several lines.
+_ATTRIBUTE = re.compile(r"^    (\w+): (.*(?:\n        .*)*)", re.MULTILINE)
+
+
+def templates(built_axes: Path) -> Dict[str, str]:
+    """Return the text of each file, by its name.
+
+    Args:
+        built_axes: File with the axes of the robot as it is built.
+    """
+    texts = {name: _template(name, file) for name, file in FILES.items()}
+    texts[AXES_FILE] = _axes_template(built_axes)
+    return texts
+
+
+def _template(name: str, file: RobotFile) -> str:
+    lines = [f"# {name}: {file.title}.", f"# {HEAD}"]
+    for _section, kind in file.sections:
+        for field in dataclasses.fields(kind):
+            lines += ["", *_comment(kind, field.name), _commented(field.name, _default(field))]
+    return "\n".join(lines) + "\n"
+
+
+def _axes_template(built_axes: Path) -> str:
+    lines = [f"# {AXES_FILE}: the three axes of this robot.", f"# {HEAD}", "#"]
+    lines.append("# Each axis has these keys; lengths are in mm (x, y) or degrees (z).")
+    for field in dataclasses.fields(AxisParameters):
+        lines += _comment(AxisParameters, field.name, f"{field.name}: ")
+    built = read_yaml(built_axes)
+    optional = {
+        field.name: _default(field)
+        for field in dataclasses.fields(AxisParameters)
+        if field.default is not dataclasses.MISSING
+    }
+    for axis, values in built.items():
+        lines += ["", f"{axis}:"]
+        keys = {**values, **{key: optional[key] for key in optional if key not in values}}
+        lines += [f"  {_commented(key, value)}" for key, value in keys.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _comment(kind: Type, name: str, before: str = "") -> List[str]:
+    text = before + _attributes(kind).get(name, name)
+    return [f"# {line}" for line in textwrap.wrap(text, WIDTH - 2)]
+
+
+def _attributes(kind: Type) -> Dict[str, str]:
+    document = inspect.getdoc(kind) or ""
+    _before, _found, attributes = document.partition("Attributes:\n")
+    return {name: " ".join(text.split()) for name, text in _ATTRIBUTE.findall(attributes)}
+
+
+def _commented(name: str, value: Any) -> str:
+    text = yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=True)
+    return f"#{name}: {text.splitlines()[0]}"  # a plain value is followed by a line of dots
+
+
+def _default(field: dataclasses.Field) -> Any:
+    return _plain(field.default)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, enum.Enum):
+        return value.value
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value

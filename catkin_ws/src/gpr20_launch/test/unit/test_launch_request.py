@@ -1,0 +1,110 @@
+"""What a launch may ask for, and the configuration that it gives to its nodes."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_launch.mid.launch_request import LaunchRequest
+from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+
+PACKAGES = Path(__file__).resolve().parents[3]
+AXES = PACKAGES / "gpr20_launch" / "config" / "axes.yaml"
+SCENE = PACKAGES / "gpr20_simulator" / "scenes" / "two_targets.yaml"
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("GPR20_DATA", raising=False)
+    return tmp_path
+
+
+def request(part="survey", robot="simulated", config="", data="", **simulator):
+    parameters = SimulatorParameters(**{"scene": str(SCENE), **simulator})
+    return LaunchRequest(part, robot, config, data, parameters)
+
+
+def test_each_part_starts_its_own_nodes():
+    robot, server = set(request("robot").nodes), set(request("server").nodes)
+    assert not robot & server
+    assert robot | server == set(request().nodes)
+    assert "simulator" in robot
+    assert "simulator" not in request(robot="gpr20").nodes
+
+
+def test_the_default_configuration_is_read_from_the_home_folder(home):
+    (home / ".gpr20" / "robot").mkdir(parents=True)
+    (home / ".gpr20" / "robot" / "survey.yaml").write_text("settle_s: 2.5")
+    assert request().sections(AXES)["survey"] == {"settle_s": 2.5}
+
+
+def test_the_simulated_robot_never_gets_the_address_of_the_real_instrument(home):
+    config = home / "robot"
+    config.mkdir()
+    (config / "analyzer.yaml").write_text("address: 192.168.1.10\nsettle_s: 1.5")
+    simulated = request(config=str(config)).sections(AXES)["vna_acquisition"]
+    assert simulated == {"address": "127.0.0.1", "settle_s": 1.5}
+    real = request(robot="gpr20", config=str(config)).sections(AXES)["vna_acquisition"]
+    assert real["address"] == "192.168.1.10"
+
+
+def test_the_rotation_of_the_real_robot_outlives_the_power(home):
+    remembered = request(robot="gpr20").sections(AXES)["z_axis"]["memory_file"]
+    assert remembered == str(home / ".gpr20" / "z_axis_steps")
+    assert "memory_file" not in request().sections(AXES)["z_axis"]
+
+
+def test_relative_paths_are_those_of_the_terminal(home, monkeypatch):
+    monkeypatch.chdir(home)
+    (home / "a scene.yaml").write_text("name: mine")
+    sections = request(data="my surveys", scene="a scene.yaml").sections(AXES)
+    assert sections["storage"]["data"] == str(home / "my surveys")
+    assert sections["simulator"]["scene"] == str(home / "a scene.yaml")
+
+
+def test_the_argument_comes_before_the_file_and_the_file_before_the_environment(home, monkeypatch):
+    monkeypatch.setenv("GPR20_DATA", str(home / "environment"))
+    assert request().sections(AXES)["storage"]["data"] == str(home / "environment")
+    (home / "storage.yaml").write_text(f"data: {home}/file")
+    config = str(home)
+    assert request(config=config).sections(AXES)["storage"]["data"] == str(home / "file")
+    given = request(config=config, data=f"{home}/argument").sections(AXES)
+    assert given["storage"]["data"] == str(home / "argument")
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        ({"robot": "gpr21"}, "unknown robot:=gpr21; write robot:=simulated or robot:=gpr20"),
+        ({"robot": "gpr20", "time_scale": 2.0}, "time_scale:=2 is for the simulated robot"),
+        ({"config": "/nowhere"}, "the folder /nowhere (config:=) does not exist"),
+        ({"scene": "/nowhere.yaml"}, "the scene file /nowhere.yaml cannot be read"),
+        ({"time_scale": 0.0}, "time_scale is 0; it must be more than zero"),
+        ({"seconds_per_point": -1.0}, "seconds_per_point is -1 s"),
+    ],
+)
+def test_what_cannot_be_launched_is_refused(arguments, said):
+    with pytest.raises(Gpr20Error) as refused:
+        request(**arguments).sections(AXES)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("kind", ["a file", "read only"])
+def test_a_data_folder_that_cannot_be_written_is_refused(home, kind):
+    folder = home / "surveys"
+    if kind == "a file":
+        folder.write_text("")
+    elif os.geteuid() == 0:
+        folder = Path("/proc/surveys")
+    else:
+        folder.mkdir(mode=0o500)
+    with pytest.raises(Gpr20Error) as refused:
+        request(data=str(folder)).sections(AXES)
+    assert f"surveys cannot be stored in {folder} (data:=)" in str(refused.value)
+
+
+def test_the_robot_part_does_not_need_the_data_folder(home):
+    (home / "surveys").write_text("")
+    assert "data" not in request("robot", data=str(home / "surveys")).sections(AXES)["storage"]

@@ -1,0 +1,117 @@
+"""The files of the robot's configuration: every wrong key and value is named with its file."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.mid.records import record_from
+from gpr20_launch.errors import ConfigurationError
+from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
+from gpr20_launch.mid.templates import templates
+
+AXES = Path(__file__).resolve().parents[2] / "config" / "axes.yaml"
+
+
+def read(folder, **texts):
+    for name, text in texts.items():
+        (folder / f"{name}.yaml").write_text(text)
+    return read_configuration(folder, AXES)
+
+
+def test_without_files_everything_has_its_default(tmp_path):
+    sections = read(tmp_path)
+    assert sections["x_axis"]["max_coord"] == 650.0
+    for file in FILES.values():
+        for section, kind in file.sections:
+            assert record_from(kind, sections[section], section) == kind()
+
+
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_a_template_shows_every_key_with_its_default(name):
+    text = templates(AXES)[name]
+    shown = {}
+    for line in text.splitlines():
+        if line.startswith("#") and not line.startswith("# "):
+            shown.update(yaml.safe_load(line[1:]))
+    for _section, kind in FILES[name].sections:
+        own = {field.name: shown[field.name] for field in dataclasses.fields(kind)}
+        assert record_from(kind, own, name) == kind()
+
+
+def test_the_template_of_the_axes_shows_the_robot_as_it_is_built(tmp_path):
+    text = templates(AXES)[AXES_FILE]
+    used = [line.replace("  #", "  ", 1) for line in text.splitlines()]
+    sections = read(tmp_path, axes="\n".join(used))
+    built = yaml.safe_load(AXES.read_text())
+    for axis, values in built.items():
+        assert {key: sections[f"{axis}_axis"][key] for key in values} == values
+
+
+def test_templates_are_a_correct_configuration(tmp_path):
+    for name, text in templates(AXES).items():
+        (tmp_path / name).write_text(text)
+    assert read_configuration(tmp_path, AXES) == read_configuration(tmp_path / "none", AXES)
+
+
+@pytest.mark.parametrize(
+    "file, text, said",
+    [
+        ("height", "height_ofset_m: 0.1", "'height_ofset_m' is unknown; allowed: channel"),
+        ("height", "height_offset_m: 3", "height_offset_m is 3 m; it must lie between -2 and 2 m"),
+        ("height", "reference_voltage_v: '3.3'", "it must be a number of type float"),
+        ("analyzer", "address: vna.local", "address is 'vna.local'; it must be four numbers"),
+        ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations[1] is 9"),
+        ("survey", "settle_s: -1", "settle_s is -1 s; it must lie between 0 and 60 s"),
+        ("survey", "settle_s: 1\nsettle_s: 2", "the key settle_s is there twice, again in line 2"),
+        ("survey", "on_height_failure: guess", "it must be one of pause, store_without"),
+        ("survey", "- a list", "it must be lines of the form key: value"),
+        ("survey", "settle_s: [", "it is not YAML"),
+        ("storage", "disk_reserve_mb: -5", "disk_reserve_mb is -5 MB"),
+        ("site", "latitude_deg: 91", "latitude_deg is 91 deg; it must lie between -90 and 90 deg"),
+        ("site", "latitude_deg: 10", "set both or none"),
+        ("site", "site: 5", "it must be of type str"),
+        ("axes", "x: {max_cord: 5}", "x/max_cord is unknown"),
+        ("axes", "x: {dir_pin: 1}", "dir_pin is 1; it must be the BOARD number of a GPIO pin"),
+        ("axes", "q: {}", "'q' is unknown; allowed: x, y, z"),
+        ("axes", "x: 5", "x is 5; it must be a group of values"),
+        ("hight", "samples: 5", "is not a file of a robot's configuration"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, said):
+    with pytest.raises(ConfigurationError) as refused:
+        read(tmp_path, **{file: text})
+    assert str(tmp_path / f"{file}.yaml") in str(refused.value)
+    assert said in str(refused.value)
+
+
+def test_keys_of_one_file_override_only_themselves(tmp_path):
+    sections = read(tmp_path, axes="x: {max_coord: 600}\ny:\n", survey="settle_s: 1\n")
+    assert sections["x_axis"]["max_coord"] == 600
+    assert sections["x_axis"]["step_pin"] == 15
+    assert sections["survey"] == {"settle_s": 1}
+    assert sections["time_limits"] == {}
+
+
+@given(
+    st.sampled_from([*FILES, AXES_FILE]),
+    st.dictionaries(
+        st.text(max_size=8),
+        st.recursive(
+            st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+            lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
+            max_leaves=5,
+        ),
+        max_size=4,
+    ),
+)
+def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, values):
+    folder = tmp_path_factory.mktemp("robot")
+    (folder / name).write_text(yaml.safe_dump(values))
+    try:
+        read_configuration(folder, AXES)
+    except ConfigurationError as error:
+        assert name in str(error)

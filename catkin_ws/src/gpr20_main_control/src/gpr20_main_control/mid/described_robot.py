@@ -1,0 +1,136 @@
+"""What the robot is, as its nodes describe themselves, and when that becomes known."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import asdict
+from typing import Any, Callable, Dict, Mapping, Optional
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import (
+    ANALYZER,
+    HEIGHT_SENSOR,
+    STORAGE,
+    NodeDescription,
+    is_simulated_identity,
+    recorded_nodes,
+    robot_config,
+)
+from gpr20_survey.plan.site import Site
+
+# Entries of survey.json that hold the configuration of a node.
+RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
+
+
+class DescribedRobot:
+    """Holds the description of each node; every method may be called from any thread."""
+
+    def __init__(self, site: Site, on_change: Callable[[DescribedRobot], None]) -> None:
+        """Begin with no description.
+
+        Args:
+            site: The robot's name and place.
+            on_change: Called after each new description.
+        """
+        self.site = site
+        self._on_change = on_change
+        self._described = threading.Condition()
+        self._nodes: Dict[str, NodeDescription] = {}
+
+    @property
+    def nodes(self) -> Mapping[str, NodeDescription]:
+        """The descriptions received so far, by their nodes."""
+        with self._described:
+            return dict(self._nodes)
+
+    def note(self, description: NodeDescription) -> None:
+        """Note what a node is now."""
+        with self._described:
+            self._nodes[description.node] = description
+            self._described.notify_all()
+        self._on_change(self)
+
+    def config(self, wait_s: float = 0.0) -> RobotConfig:
+        """Return what is fixed for the robot.
+
+        Args:
+            wait_s: How long to wait for the descriptions of nodes that are starting [s].
+
+        Raises:
+            InvalidValueError: A node has not described itself, or they disagree.
+        """
+        with self._described:
+            self._described.wait_for(lambda: self.problem() is None, wait_s)
+            return robot_config(self._nodes)
+
+    def analyzer_address(self) -> str:
+        """Return the address of the analyzer in the robot's configuration.
+
+        Raises:
+            InvalidValueError: A node has not described itself, or they disagree.
+        """
+        self.config()
+        return str(self.nodes[ANALYZER].configuration.get("address", ""))
+
+    def problem(self) -> Optional[Message]:
+        """Return why no survey can be measured; None if nothing is wrong."""
+        try:
+            robot_config(self.nodes)
+        except InvalidValueError as error:
+            return error.message
+        return None
+
+    def check(self, config: RobotConfig) -> None:
+        """Return if the robot is still the one with which a survey began.
+
+        Raises:
+            DeviceError: It is not, or nobody can say.
+        """
+        try:
+            present = self.config()
+        except InvalidValueError as error:
+            raise DeviceError(error.message) from error
+        if present != config:
+            raise DeviceError(
+                Message(
+                    "a part of the robot was restarted with another configuration than the survey "
+                    "began with; end the launch, start it with the former configuration and "
+                    "resume the survey"
+                )
+            )
+
+    def check_identity(self, identity: str, config: RobotConfig) -> None:
+        """Return if an analyzer is simulated where the robot is, and real where it is real.
+
+        Raises:
+            DeviceError: It is not.
+        """
+        if is_simulated_identity(identity) and not config.simulated:
+            raise DeviceError(
+                Message(
+                    "the VNA is a simulated one ({identity}), but the robot is real; check the "
+                    "address of the VNA",
+                    identity=identity,
+                )
+            )
+        if config.simulated and not is_simulated_identity(identity):
+            raise DeviceError(
+                Message(
+                    "the VNA is a real one ({identity}), but the robot is simulated; use the "
+                    "address 127.0.0.1, or launch with robot:=gpr20",
+                    identity=identity,
+                )
+            )
+
+    def recorded(self) -> Dict[str, Any]:
+        """Return what survey.json records about the nodes and the site."""
+        nodes = self.nodes
+        present = {key: nodes[name] for key, name in RECORDED.items() if name in nodes}
+        return {
+            "nodes": recorded_nodes(nodes),
+            **{key: dict(one.configuration) for key, one in present.items()},
+            "site": asdict(self.site),
+        }

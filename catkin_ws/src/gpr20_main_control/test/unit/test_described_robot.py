@@ -1,0 +1,112 @@
+"""What the nodes say about themselves decides whether a robot is simulated."""
+
+import json
+
+import pytest
+from fake_robot import Bench, described_robot
+from hypothesis import given
+from hypothesis import strategies as st
+from survey_examples import AXES, PARAMETERS
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.hardware import Hardware
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.described_robot import DescribedRobot
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.robot_description import PLAIN_NAMES, NodeDescription
+from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.survey_state import SurveyState
+
+
+def redescribe(robot, node, simulated=True, time_scale=1.0, **changes):
+    before = robot.nodes[node]
+    hardware = Hardware("another", simulated, time_scale)
+    robot.note(NodeDescription(node, hardware, {**before.configuration, **changes}))
+
+
+@given(st.sets(st.sampled_from(sorted(PLAIN_NAMES))))
+def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
+    robot = described_robot(simulated=False)
+    for node in simulated:
+        redescribe(robot, node)
+    if 0 < len(simulated) < len(PLAIN_NAMES):
+        with pytest.raises(InvalidValueError, match="needs parts of one kind"):
+            robot.config()
+    else:
+        assert robot.config().simulated is bool(simulated)
+
+
+@given(st.sets(st.sampled_from(sorted(PLAIN_NAMES)), min_size=1))
+def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
+    known = described_robot().nodes
+    robot = DescribedRobot(Site(), lambda _robot: None)
+    for node in sorted(known.keys() - silent):
+        robot.note(known[node])
+    with pytest.raises(InvalidValueError, match="no description of its hardware has arrived"):
+        robot.config()
+    for node in silent:
+        robot.note(known[node])
+    assert robot.config().simulated is True
+
+
+def test_parts_of_different_speed_are_refused():
+    robot = described_robot()
+    redescribe(robot, "height_sensor", time_scale=20.0)
+    with pytest.raises(InvalidValueError, match="different speeds, 1, 20 times"):
+        robot.config()
+
+
+@pytest.mark.parametrize(
+    "identity, simulated, refusal",
+    [
+        ("Anritsu,MS2026C/2,SIMULATED,1.0", False, "is a simulated one"),
+        ("Anritsu,MS2026C/2,1234567,1.0", True, "is a real one"),
+    ],
+)
+def test_an_instrument_of_the_other_kind_is_refused(identity, simulated, refusal):
+    robot = described_robot(simulated=simulated)
+    with pytest.raises(DeviceError, match=refusal):
+        robot.check_identity(identity, robot.config())
+
+
+def test_no_survey_starts_on_a_mixed_robot():
+    bench = Bench()
+    bench.control.set_parameters(PARAMETERS)
+    redescribe(bench.description, "vna_acquisition", simulated=False)
+    with pytest.raises(InvalidValueError, match="needs parts of one kind"):
+        bench.control.start()
+    assert bench.storage.samples == []
+
+
+def test_a_survey_pauses_when_a_node_comes_back_as_another_one():
+    bench = Bench()
+    measure, heights = bench.height.height_m, []
+
+    def restart_an_axis_at_the_third():
+        heights.append(measure())
+        if len(heights) == 3:
+            redescribe(bench.description, "y_axis/axis_driver", max_coord=700.0)
+        return heights[-1]
+
+    bench.height.height_m = restart_an_axis_at_the_third
+    bench.start()
+    status = bench.wait_for(SurveyState.PAUSED)
+    assert "another configuration than the survey began with" in str(status.message)
+    redescribe(bench.description, "y_axis/axis_driver", max_coord=AXES[AxisId.Y].max_coord)
+    bench.resume_to_the_end()
+
+
+def test_an_empty_address_is_that_of_the_configuration():
+    plan = Bench().control.set_parameters(
+        PARAMETERS.__class__(**{**vars(PARAMETERS), "vna_address": ""})
+    )
+    assert plan.parameters.vna_address == "127.0.0.2"
+
+
+def test_the_configuration_and_the_nodes_are_recorded():
+    recorded = json.loads(json.dumps(described_robot(time_scale=20.0).recorded()))
+    assert recorded["analyzer"] == {"address": "127.0.0.2"}
+    assert recorded["storage"] == {"data": "/surveys"}
+    assert recorded["site"]["robot"] == "GPR-20"
+    assert [one["name"] for one in recorded["nodes"]] == sorted(PLAIN_NAMES)
+    assert all(one["simulated"] and one["time_scale"] == 20.0 for one in recorded["nodes"])

@@ -1,0 +1,127 @@
+"""What a robot is, as its nodes describe themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Sequence
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.records import record_from
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.robot_config import RobotConfig
+
+HEIGHT_SENSOR = "height_sensor"
+ANALYZER = "vna_acquisition"
+STORAGE = "vna_processing"
+SIMULATOR = "simulator"
+# What operators call the nodes that measure; all of them must be simulated, or none.
+PLAIN_NAMES: Dict[str, Message] = {
+    **{
+        f"{axis_id.value}_axis/axis_driver": Message("the {axis} axis driver", axis=axis_id.value)
+        for axis_id in AxisId
+    },
+    HEIGHT_SENSOR: Message("the height sensor"),
+    ANALYZER: Message("the VNA driver"),
+}
+STORAGE_NAME = Message("the storage")
+# The identity of every simulated analyzer contains it.
+SIMULATED_IDENTITY = "SIMULATED"
+
+
+@dataclass(frozen=True)
+class NodeDescription:
+    """What one node is.
+
+    Attributes:
+        node: Name of the node below the robot's namespace.
+        hardware: What it drives; its name is empty for a node without hardware.
+        configuration: The parameters with which it started.
+    """
+
+    node: str
+    hardware: Hardware
+    configuration: Mapping[str, Any]
+
+
+def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
+    """Return what is fixed for a robot.
+
+    Args:
+        nodes: The descriptions received so far, by their nodes.
+
+    Raises:
+        InvalidValueError: A node has not described itself, some are simulated and others are
+            not, or an axis has other parameters than this version knows.
+    """
+    _refuse_missing(nodes)
+    _refuse_mixed(nodes)
+    hardware = nodes[ANALYZER].hardware
+    axes = {axis_id: _axis_parameters(axis_id, nodes) for axis_id in AxisId}
+    return RobotConfig(axes, hardware.simulated, hardware.time_scale)
+
+
+def is_simulated_identity(identity: str) -> bool:
+    """Return whether an analyzer's identity is that of a simulated one."""
+    return SIMULATED_IDENTITY in identity.upper()
+
+
+def recorded_nodes(nodes: Mapping[str, NodeDescription]) -> List[Dict[str, Any]]:
+    """Return the entry `nodes` of survey.json."""
+    return [
+        {
+            "name": one.node,
+            "hardware": one.hardware.name,
+            "simulated": one.hardware.simulated,
+            "time_scale": one.hardware.time_scale,
+        }
+        for _name, one in sorted(nodes.items())
+        if one.hardware.name
+    ]
+
+
+def _refuse_missing(nodes: Mapping[str, NodeDescription]) -> None:
+    missing = [name for name in PLAIN_NAMES if name not in nodes]
+    if missing:
+        raise InvalidValueError(
+            Message(
+                "{parts}: no description of its hardware has arrived; check that it runs",
+                parts=_joined(missing),
+                details=", ".join(missing),
+            )
+        )
+
+
+def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
+    simulated = [name for name in PLAIN_NAMES if nodes[name].hardware.simulated]
+    real = [name for name in PLAIN_NAMES if not nodes[name].hardware.simulated]
+    if simulated and real:
+        raise InvalidValueError(
+            Message(
+                "simulated: {simulated}; real: {real}; a survey needs parts of one kind: end "
+                "every launch and start one",
+                simulated=_joined(simulated),
+                real=_joined(real),
+            )
+        )
+    scales = sorted({nodes[name].hardware.time_scale for name in PLAIN_NAMES})
+    if len(scales) > 1:
+        raise InvalidValueError(
+            Message(
+                "the parts of the simulated robot run at different speeds, {scales} times the real "
+                "one; end every launch and start one",
+                scales=", ".join(f"{scale:g}" for scale in scales),
+            )
+        )
+
+
+def _axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> AxisParameters:
+    name = f"{axis_id.value}_axis/axis_driver"
+    return record_from(AxisParameters, nodes[name].configuration, name)
+
+
+def _joined(names: Sequence[str]) -> Message:
+    messages = [PLAIN_NAMES[name] for name in names]
+    return in_a_row(messages) if len(messages) > 1 else messages[0]

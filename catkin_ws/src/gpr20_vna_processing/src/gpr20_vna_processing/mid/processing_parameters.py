@@ -1,0 +1,121 @@
+"""The parameters of the storage."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_survey.files.access import Readers
+from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
+from gpr20_vna_processing.mid.storage_thread import QueueLimits
+
+AXIS_TOPICS = tuple(
+    f"{axis}_axis/{name}"
+    for axis in ("x", "y", "z")
+    for name in (
+        "current_coord",
+        "axis/goal",
+        "axis/result",
+        "axis/status",
+        "axis/cancel",
+        "axis_driver/description",
+    )
+)
+DEFAULT_TOPICS = (
+    *AXIS_TOPICS,
+    "height_sensor/description",
+    "measured_height",
+    "vna_acquisition/description",
+    "vna_processing/description",
+    "simulator/description",
+    "robot_configuration",
+    "control_status",
+    "control_target_coordinate",
+    "control_current_coordinate",
+    "control_survey_data",
+    "survey_coverage",
+    "survey_parameters",
+    "/diagnostics",
+    "/rosout_agg",
+)
+
+
+@dataclass(frozen=True)
+class ProcessingParameters:
+    """Where and how surveys are stored.
+
+    Attributes:
+        data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
+        disk_reserve_mb: A survey starts only if this much stays free on the disk [MB].
+        store_queue: Traces that may wait for the disk.
+        message_queue: Messages of other topics that may wait.
+        message_queue_mb: Size of the messages that may wait [MB].
+        timeout_s: Time limit of a request [s].
+        long_timeout_s: Time limit of requests that read a whole survey [s].
+        commit_period_s: Messages of other topics are on the disk after this time [s].
+        recorded_topics: Topics to record, relative to the robot's namespace.
+        extra_recorded_topics: Further topics, such as those of your own nodes.
+        readable_by: Who may read new surveys: owner, group or all.
+    """
+
+    data: str = ""
+    disk_reserve_mb: float = 500.0
+    store_queue: int = 4
+    message_queue: int = 5000
+    message_queue_mb: float = 16.0
+    timeout_s: float = 60.0
+    long_timeout_s: float = 600.0
+    commit_period_s: float = 2.0
+    recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
+    extra_recorded_topics: Tuple[str, ...] = ()
+    readable_by: str = Readers.GROUP.value
+
+    def __post_init__(self) -> None:
+        number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
+        for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
+            positive_number(name, getattr(self, name))
+        readers = [one.value for one in Readers]
+        if self.readable_by not in readers:
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place="readable_by",
+                    value=repr(self.readable_by),
+                    allowed=", ".join(readers),
+                )
+            )
+
+    @property
+    def readers(self) -> Readers:
+        """Who may read new surveys."""
+        return Readers(self.readable_by)
+
+    @property
+    def all_topics(self) -> Tuple[str, ...]:
+        """Every topic to record, once."""
+        return tuple(dict.fromkeys((*self.recorded_topics, *self.extra_recorded_topics)))
+
+    def data_folder(self) -> Path:
+        """Return where surveys are stored."""
+        # The output of a command, which roslaunch accepts for a parameter, ends with a line feed.
+        data = self.data.strip() or os.environ.get("GPR20_DATA", "") or "~/gpr20_data"
+        return Path(data).expanduser().absolute()
+
+    def limits(self) -> Limits:
+        """Return the bounds of the storage."""
+        return Limits(
+            queues=QueueLimits(
+                jobs=self.store_queue,
+                messages=self.message_queue,
+                message_bytes=round(self.message_queue_mb * BYTES_PER_MB),
+            ),
+            disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
+            timeout_s=self.timeout_s,
+            long_timeout_s=self.long_timeout_s,
+            period_s=self.commit_period_s,
+        )

@@ -1,0 +1,117 @@
+"""Launches that cannot start, that end in the middle of a survey, and that leave nodes behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from robot_kit import LaunchedRobot, free_port
+
+pytestmark = pytest.mark.real_time
+
+LIMIT_S = 120.0
+# A log line of this level, or of a worse one, as rospy writes it.
+ERROR = re.compile(r"\[(ERROR|FATAL)\]|Traceback")
+
+
+@pytest.fixture
+def robot(tmp_path, monkeypatch):
+    # The kit sets the address of its master in the environment.
+    monkeypatch.setenv("ROS_MASTER_URI", "")
+    robot = LaunchedRobot(tmp_path, "time_scale:=20")
+    yield robot
+    robot.stop()
+    for process in robot.processes().values():
+        process.kill()
+
+
+def wait_for(condition, what):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, f"no {what} within {LIMIT_S} s"
+        time.sleep(0.05)
+
+
+def launch(*arguments):
+    """Run a launch that ends by itself; return all that it said."""
+    ended = subprocess.run(
+        ["roslaunch", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    return ended.stdout
+
+
+def survey_of(data: Path):
+    (path,) = data.glob("*/survey.json")
+    return path.parent, json.loads(path.read_text())
+
+
+def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
+    said = launch(
+        "-p", str(free_port()), "gpr20", "survey.launch", "robot:=gpr20", "ui:=false",
+        f"data:={tmp_path}",
+    )  # fmt: skip
+    refusals = re.findall(r"(\S+) cannot start: this computer has no", said)
+    assert refusals
+    assert len(refusals) == len(set(refusals)), "each node says it once"
+    assert "ends the launch, because it cannot start" in said
+    assert "restarting process" not in said
+    assert "Traceback" not in said
+
+
+def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends_them(robot):
+    robot.start()
+    nodes = robot.processes()
+    roslaunch = psutil.Process(next(iter(nodes.values())).ppid())
+    roslaunch.kill()
+    roslaunch.wait(LIMIT_S)
+    master = os.environ["ROS_MASTER_URI"]
+    said = launch("gpr20", "survey.launch", "ui:=false")
+    assert f"a robot is running on {master} since 20" in said
+    (command,) = re.findall(r"can be resumed: (kill [\d ]+)", said)
+    assert {int(word) for word in command.split()[1:]} == {one.pid for one in nodes.values()}
+    subprocess.run(command.split(), check=True)
+    _ended, alive = psutil.wait_procs(nodes.values(), LIMIT_S)
+    assert alive == []
+
+
+def test_ctrl_c_in_a_survey_ends_it_sealed_resumable_and_without_errors(robot):
+    robot.start()
+    client = robot.client("--x-points", "10", "--y-points", "10", stdout=subprocess.DEVNULL)
+    wait_for(lambda: len(list(robot.data.glob("*/traces/*.json"))) >= 3, "third trace")
+    robot.stop()
+    assert client.wait(LIMIT_S) != 0
+    folder, described = survey_of(robot.data)
+    assert described["outcome"] == "interrupted"
+    assert described["stored_traces"] == len(list((folder / "traces").glob("*.json")))
+    assert (folder / "manifest.json").is_file()
+    log = (robot.data.parent / "launch.log").read_text()
+    assert not ERROR.search(log), log
+    assert "does not answer" not in log
+    robot.start()
+    ended = robot.client("--resume", folder.name, stdout=subprocess.DEVNULL).wait(LIMIT_S)
+    assert ended == 0
+    assert survey_of(robot.data)[1]["outcome"] == "finished"
+    verified = subprocess.run(["gpr20", "verify", str(folder)], stdout=subprocess.PIPE, text=True)
+    assert "complete and intact" in verified.stdout
+    assert verified.returncode == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_terminal_that_is_closed_ends_the_launch_as_ctrl_c_does(robot, number):
+    robot.start()
+    nodes = robot.processes()
+    psutil.Process(next(iter(nodes.values())).ppid()).send_signal(number)
+    _ended, alive = psutil.wait_procs(nodes.values(), LIMIT_S)
+    assert alive == []
