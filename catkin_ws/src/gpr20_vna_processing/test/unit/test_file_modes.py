@@ -10,9 +10,12 @@ import pytest
 from storage_kit import Kit
 from trace_examples import SURVEY, make_trace
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import sealing, survey_metadata
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 EXPECTED = {
     Readers.OWNER: (0o700, 0o600),
@@ -108,3 +111,11 @@ def test_the_group_of_a_shared_folder_is_inherited(tmp_path):
     kit.processing.shut_down()
     assert {one.stat().st_gid for one in folder.rglob("*")} == {data.stat().st_gid}
     assert stat.S_IMODE(folder.stat().st_mode) == 0o2750
+
+
+def test_the_parameter_is_one_of_the_three():
+    assert ProcessingParameters().readable_by is Readers.GROUP
+    read = record_from(ProcessingParameters, {"readable_by": "owner"}, "storage")
+    assert read.readable_by is Readers.OWNER
+    with pytest.raises(InvalidValueError, match="readable_by is 'everyone'; it must be one of"):
+        record_from(ProcessingParameters, {"readable_by": "everyone"}, "storage")

@@ -13,9 +13,7 @@ from gpr20_survey.folder.description_copies import (
     sealed_description,
 )
 from gpr20_survey.folder.description_differences import differences
-
-SIMULATED = "SIMULATED"
-"""Part of the identity of the simulated analyzer."""
+from gpr20_survey.plan.robot_description import is_simulated_identity
 
 
 def compare_copies(folder: Path, description: Dict[str, Any], with_bag: bool) -> List[Message]:
@@ -51,7 +49,7 @@ def contradictions(description: Dict[str, Any]) -> List[Message]:
         return []
     found: List[Message] = []
     identity = _identity(description)
-    if identity is not None and (SIMULATED in identity) is not simulated:
+    if identity is not None and is_simulated_identity(identity) is not simulated:
         found.append(
             Message(
                 "survey.json says simulated: {simulated}, but the analyzer's identity is "
