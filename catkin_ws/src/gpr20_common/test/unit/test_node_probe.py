@@ -85,6 +85,16 @@ def test_a_node_that_dies_is_silent_and_one_that_takes_its_place_is_found(graph)
     second.close()
 
 
+def test_a_node_that_was_restarted_is_not_silent_for_one_that_knows_its_old_address(graph):
+    probe = graph.probe("/x")
+    first = graph.add("/x", 1)
+    assert probe.process() == 1
+    second = graph.add("/x", 2)
+    first.close()
+    assert probe.process() == 2
+    second.close()
+
+
 def test_a_node_does_not_become_silent_because_the_master_dies(graph):
     node = graph.add("/x", 1)
     probe = graph.probe("/x")

@@ -35,6 +35,16 @@ class NodeProbe:
             NodeGoneError: It has ended; the message says how that is known.
             NodeSilentError: It does not answer; the message says why.
         """
+        is_known = self._server_of_node is not None
+        try:
+            return self._ask()
+        except NodeGoneError:
+            if not is_known:
+                raise
+        # The process that took its place has another address.
+        return self._ask()
+
+    def _ask(self) -> int:
         try:
             if self._server_of_node is None:
                 self._server_of_node = limited_server(self._look_up(), self._time_limit_s)
