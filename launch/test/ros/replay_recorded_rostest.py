@@ -207,20 +207,23 @@ class ReplayTest(unittest.TestCase):
     def test_3_no_replay_looks_like_a_robot(self):
         old = without_mark(self.folder, self.client.data / "old.bag")
         bag = str(self.folder / "survey.bag")
-        node = ["rosrun", "gpr20_analysis", "replay", "--rate", "4"]
+        node = ["rosrun", "gpr20_analysis", "replay"]
+        # Unlike replay.launch, it does not wait until the window has connected.
+        player = ["rosbag", "play", "-q", "-d", "2"]
         named = f"Survey of {self.folder.name[:4]}-"
         ways = (
-            (["rosbag", "play", "-q", "-r", "4", bag], f"{named}", "FINISHED"),
-            (["rosbag", "play", "-q", "-r", "4", str(old)], "Recorded survey", "does not contain"),
-            ([*node, "--start", "1", str(self.folder)], f"{named}", "FINISHED"),
+            ([*player, bag], named, "FINISHED"),
+            ([*player, str(old)], "Recorded survey", "does not contain"),
+            ([*node, "--start", "1", str(self.folder)], named, "FINISHED"),
         )
         for command, beginning, end in ways:
             with master() as environment:
                 with Window(environment).open() as window:
-                    with process(*command, env=environment, stdout=subprocess.DEVNULL):
+                    with process(*command, env=environment, stdout=subprocess.DEVNULL) as played:
                         during = window.wait_for(lambda one: one["replay"], "no replay is shown")
                         self.assertEqual(during["alarm"], "")
                         window.wait_for(lambda one: one["on_radar"] == 18, "traces are missing")
+                        played.wait(LIMIT_S)
                     after = window.wait_for(
                         lambda one: one["replay"].startswith(FINISHED), "the replay does not end"
                     )
