@@ -71,7 +71,11 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("survey", "- a list", "it must be lines of the form key: value"),
         ("survey", "settle_s: [", "it is not YAML"),
         ("storage", "disk_reserve_mb: -5", "disk_reserve_mb is -5 MB"),
-        ("site", "latitude_deg: 91", "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        (
+            "site",
+            "latitude_deg: 91\nlongitude_deg: 0",
+            "latitude is 91 deg; it must lie between -90 and 90 deg",
+        ),
         ("site", "latitude_deg: 10", "set both or none"),
         ("site", "site: 5", "it must be of type str"),
         ("axes", "x: {max_cord: 5}", "x/max_cord is unknown"),
