@@ -29,6 +29,10 @@ class StopRequested(SurveyError):
     """A stop of the survey was requested."""
 
 
+class ShutDownRequested(StopRequested):
+    """The main control ends, usually with the whole robot."""
+
+
 def message_of(error: Exception) -> Message:
     """Return the message of an error; a fault in the software has a general one."""
     if isinstance(error, Gpr20Error):

@@ -176,6 +176,7 @@ class FakeStorage:
         self.reopenings = []
         self.failures = 0
         self.fail_open = ""
+        self.fail_close = ""
         self.lose = 0
         self.free = threading.Event()
         self.free.set()
@@ -211,6 +212,8 @@ class FakeStorage:
         self.samples.append(sample)
 
     def close(self, survey_id, end):
+        if self.fail_close:
+            raise DeviceError(verbatim(self.fail_close))
         self.closed.append((survey_id, end.outcome, end.reason))
         self.ends.append(end)
 

@@ -62,13 +62,25 @@ def test_a_survey_can_follow_one_that_was_stopped(bench):
     bench.wait_for(State.FINISHED)
 
 
-def test_shutting_down_stops_the_axes_and_ends_the_survey(bench):
+def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     bench.x.blocked.clear()
     bench.start()
     assert bench.x.begun.wait(LIMIT_S)
     threading.Timer(0.05, bench.x.blocked.set).start()
     bench.control.shut_down(LIMIT_S)
     assert all(axis.stops > 0 for axis in bench.axes)
+    assert bench.board.status.state is State.STOPPED
+    assert [outcome for _survey, outcome, _reason in bench.storage.closed] == ["interrupted"]
+    assert str(bench.board.status.message).startswith("Interrupted: the robot is shut down")
+
+
+def test_shutting_down_does_not_wait_for_a_storage_that_is_gone(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.storage.fail_close = "the storage has ended"
+    bench.x.blocked.set()
+    bench.control.shut_down(LIMIT_S)
     assert bench.board.status.state is State.STOPPED
 
 

@@ -86,8 +86,9 @@ class MainControlNode:
             Periodic(1.0 / PROGRESS_RATE_HZ, lambda: topics.publish_progress(status.status)),
         ]
         self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
-        rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
+        # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
+        rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
         robot.nodes.start()
 
     def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:

@@ -139,8 +139,10 @@ class RosAxis:
         try:
             self._stop.call(STOP_LIMIT_S)
         except ServiceUnavailableError as error:
-            # A lost node moves nothing; if it still runs, this must be visible.
-            rospy.logerr("%s could not be stopped: %s", self._group, error)
+            # A lost node moves nothing; if it still runs, this must be visible. When the robot is
+            # shut down, its axes stop by themselves, and their nodes may have ended already.
+            log = rospy.loginfo if rospy.core.is_shutdown_requested() else rospy.logerr
+            log("%s could not be stopped: %s", self._group, error)
 
     def _note(self, message: CurrentCoordinate) -> None:
         # A recording that is played beside the robot publishes positions of another robot; a

@@ -6,7 +6,13 @@ import threading
 from typing import Any, Callable, Dict, List, Optional, Union
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control.errors import DeviceError, NodeLostError, StopRequested, message_of
+from gpr20_main_control.errors import (
+    DeviceError,
+    NodeLostError,
+    ShutDownRequested,
+    StopRequested,
+    message_of,
+)
 from gpr20_main_control.mid import survey_steps as steps
 from gpr20_main_control.mid.clock_steps import ClockSteps
 from gpr20_main_control.mid.instruments import AnalyzerState, Instruments
@@ -23,6 +29,8 @@ from gpr20_survey.trace.trace import Trace
 
 # Time to store the traces that wait for the disk when a survey is stopped [s].
 STOPPING_LIMIT_S = 60.0
+# Steps of a shutdown; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
+LEAVING_LIMIT_S = 3.0
 POLL_S = 0.05
 
 
@@ -74,6 +82,8 @@ class SurveyEngine:
             self._status.show_coverage(self._archive.coverage)
             while not self._continue():
                 pass
+        except ShutDownRequested:
+            self._leave()
         except StopRequested:
             stopped = Message("Stopped on request")
             self._end(SurveyState.STOPPED, "stopped", stopped, stopped)
@@ -263,6 +273,17 @@ class SurveyEngine:
             self._clock_steps.check()
             self._interruption.clock.wait_s(self._resume, POLL_S)
         self._recovery.note_resumed()
+
+    def _leave(self) -> None:
+        """Leave the survey interrupted, because the main control ends."""
+        self._archive.stop_timing()
+        self._positioner.stop()
+        message = Message("Interrupted: the robot is shut down. Resume the survey later.")
+        self._status.enter(SurveyState.STOPPING, message)
+        self._positioner.wait_for_rest(LEAVING_LIMIT_S)
+        if self._archive.folder:
+            self._archive.interrupt(message, LEAVING_LIMIT_S)
+        self._status.enter(SurveyState.STOPPED, message)
 
     def _end(self, state: SurveyState, outcome: str, message: Message, reason: Message) -> None:
         """End the survey early; a failure of one action here must not prevent the next."""

@@ -6,7 +6,7 @@ import threading
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_main_control.errors import StopRequested
+from gpr20_main_control.errors import ShutDownRequested, StopRequested
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 
 
@@ -21,8 +21,14 @@ class Interruption:
 
     def __init__(self, nodes: NodeLiveness, clock: Clock) -> None:
         self.stop = threading.Event()
+        self._shutting_down = False
         self.nodes = nodes
         self.clock = clock
+
+    def shut_down(self) -> None:
+        """End every wait, because the main control ends."""
+        self._shutting_down = True
+        self.stop.set()
 
     def check(self) -> None:
         """Return if there is no reason to interrupt.
@@ -38,8 +44,11 @@ class Interruption:
         """Return unless a stop of the survey was requested.
 
         Raises:
-            StopRequested: It was.
+            ShutDownRequested: The main control ends.
+            StopRequested: A stop of the survey was requested.
         """
+        if self._shutting_down:
+            raise ShutDownRequested(Message("the robot is shut down"))
         if self.stop.is_set():
             raise StopRequested(Message("a stop of the survey was requested"))
 

@@ -197,8 +197,8 @@ class MainControl:
             return self._resume_from_disk(survey)
 
     def shut_down(self, time_limit_s: float) -> None:
-        """Stop a running survey and wait for its end."""
-        self._interruption.stop.set()
+        """Interrupt a running survey, which can be resumed, and wait until it is closed."""
+        self._interruption.shut_down()
         if self._thread is not None:
             self._thread.join(time_limit_s)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from dataclasses import asdict
 from pathlib import PurePosixPath
@@ -9,6 +10,7 @@ from typing import Any, Callable, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.instruments import AnalyzerState
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_main_control.mid.robot import Robot, SurveyEnd, SurveyRecord
@@ -16,6 +18,7 @@ from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
@@ -131,6 +134,25 @@ class SurveyArchive:
         survey_id = self._plan.survey_id
         end = SurveyEnd(outcome, reason, self._status.status.ended(state, message), self.coverage)
         self._calls.call(lambda: self._storage.close(survey_id, end), check)
+
+    def interrupt(self, message: Message, limit_s: float) -> None:
+        """Close the survey as one that can be resumed, while the robot is shut down.
+
+        The storage is shut down too, usually at the same time, and then closes the survey itself.
+
+        Args:
+            message: What the status says then, and why.
+            limit_s: How long to wait for the storage, for the traces and for the end [s].
+        """
+        deadline_s = self._clock.now_s() + 2.0 * limit_s
+
+        def check() -> None:
+            if self._clock.now_s() > deadline_s:
+                raise NodeLostError(Message("the storage did not answer while it was shut down"))
+
+        with contextlib.suppress(DeviceError):
+            self.queue.drain_within(limit_s)
+            self.close(INTERRUPTED, message, SurveyState.STOPPED, message, check)
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.

@@ -30,7 +30,7 @@ from gpr20_vna_processing.mid.processing_records import (
 )
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 
-OUTCOMES = ("finished", "stopped", "failed")
+OUTCOMES = ("finished", "stopped", "failed", survey_metadata.INTERRUPTED)
 MAX_REASON_CHARACTERS = 4096
 
 
