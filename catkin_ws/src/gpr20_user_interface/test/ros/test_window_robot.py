@@ -85,7 +85,7 @@ class WindowOnRobot(WindowCase):
     def annotation(self) -> Dict[str, Any]:
         """Return what is stored of the survey that is shown."""
         survey_id = self.window.survey.snapshot.state.survey_id
-        (folder,) = Path(rospy.get_param("vna_processing/data")).glob(f"*_{survey_id[:8]}")
+        (folder,) = Path(rospy.get_param("~data")).glob(f"*_{survey_id[:8]}")
         return json.loads((folder / "survey.json").read_text("ascii"))["annotation"]
 
     def write_note(self, name: str, text: str) -> None:
