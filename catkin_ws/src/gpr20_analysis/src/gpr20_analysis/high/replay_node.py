@@ -79,14 +79,12 @@ class ReplayNode:
         if topic not in self._publishers:
             refuse_beside_others([topic], rospy.get_name())
             is_trace = topic.rsplit("/", 1)[-1] == TRACE_TOPIC
-            # Of these, no subscriber must miss a message, however short the replay is.
-            awaited = latch or is_trace
             # A replay from a later start publishes all traces before it at once: none is dropped.
-            size = 0 if awaited else QUEUE_LENGTH
+            size = 0 if latch or is_trace else QUEUE_LENGTH
             publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=size)
             self._publishers[topic] = publisher
-            if awaited:
-                self._await_subscribers(publisher, FIRST_WAIT_S if is_trace else 0.0)
+            # No subscriber must miss a message, however short the replay is.
+            self._await_subscribers(publisher, FIRST_WAIT_S if is_trace else 0.0)
         return self._publishers[topic]
 
     def _await_subscribers(self, publisher: rospy.Publisher, first_wait_s: float) -> None:
