@@ -12,6 +12,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+import rosbag
 from robot_kit import LaunchedRobot, free_port
 
 pytestmark = pytest.mark.real_time
@@ -96,6 +97,8 @@ def test_ctrl_c_in_a_survey_ends_it_sealed_resumable_and_without_errors(robot):
     assert described["outcome"] == "interrupted"
     assert described["stored_traces"] == len(list((folder / "traces").glob("*.json")))
     assert (folder / "manifest.json").is_file()
+    with rosbag.Bag(str(folder / "survey.bag")) as bag:
+        assert "/rosout_agg" in bag.get_type_and_topic_info().topics
     log = (robot.data.parent / "launch.log").read_text()
     assert not ERROR.search(log), log
     assert "does not answer" not in log

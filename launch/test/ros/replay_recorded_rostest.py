@@ -232,7 +232,9 @@ class ReplayTest(unittest.TestCase):
                 self.assertEqual(
                     (after["alarm"], after["stop"], after["locked"]), ("", False, True)
                 )
-                self.assertEqual((after["on_map"], after["visited"]), (18, 18), f"{command}: {after}")
+                self.assertEqual(
+                    (after["on_map"], after["visited"]), (18, 18), f"{command}: {after}"
+                )
 
     def test_4_a_replay_beside_this_robot_does_not_hide_its_stop(self):
         mark = rospy.Publisher("/replay", Replay, latch=True, queue_size=1)

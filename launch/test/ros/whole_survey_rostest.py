@@ -13,6 +13,7 @@ import rospy
 import rostest
 from mcap_ros1.reader import read_ros1_messages
 from rosbags.highlevel import AnyReader
+from std_msgs.msg import String
 from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until_connected
 
 from gpr20_analysis.read.verification import verify_survey
@@ -77,6 +78,8 @@ GRAPH_SERVICES = {
     "/resume_survey",
     "/simulator/set_fault",
 }
+# Of a user's own node; extra_topic/storage.yaml names it.
+OWN_TOPIC = "/soil_probe/moisture"
 NUMBERS = ("frequency_hz", "s21_real", "s21_imag")
 SCALARS = ("index", "x_coord_mm", "y_coord_mm", "z_coord_deg", "antennae_height_m")
 
@@ -88,6 +91,8 @@ class WholeSurveyTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("whole_survey_rostest")
         cls.client = SurveyClient()
+        cls.own_topic = rospy.Publisher(OWN_TOPIC, String, queue_size=1, latch=True)
+        cls.own_topic.publish("moist")
         cls.state = open_shared_state(shared_state_path("/"))
 
     @classmethod
@@ -150,6 +155,7 @@ class WholeSurveyTest(unittest.TestCase):
             return
         commands = {f"/{axis}_axis/axis/{one}" for axis in "xyz" for one in ("goal", "cancel")}
         self.assertEqual(GRAPH_TOPICS - recorded, commands)
+        self.assertIn(OWN_TOPIC, recorded)
         # Playing a recording beside a robot must not move it.
         self.assertFalse(recorded & commands)
         self.assertLessEqual({f"/{axis}_axis/axis/goal_recorded" for axis in "xyz"}, recorded)
@@ -228,6 +234,7 @@ class WholeSurveyTest(unittest.TestCase):
         own = {rospy.get_name(), "/rosout"}
         self.assertEqual(listed["rosnode"] - own, GRAPH_NODES)
         topics = {topic for topic in listed["rostopic"] if not topic.startswith("/rosout")}
+        topics.remove(OWN_TOPIC)
         self.assertEqual(topics - {f"/{axis}_axis/axis/feedback" for axis in "xyz"}, GRAPH_TOPICS)
         loggers = ("/get_loggers", "/set_logger_level")
         services = {one for one in listed["rosservice"] if not one.endswith(loggers)}
