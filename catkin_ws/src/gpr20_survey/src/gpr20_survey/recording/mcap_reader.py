@@ -8,7 +8,7 @@ import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Dict, Iterator, List, Optional, Tuple, Union
+from typing import Dict, Iterator, List, Optional, Tuple, Type, Union
 
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
@@ -144,9 +144,8 @@ def read_attachment(path: Path, name: str) -> Optional[bytes]:
     Raises:
         OSError: The file cannot be read.
     """
-    for record, whole in _head(path):
-        # The library reads over the checksum, but writes it.
-        if isinstance(record, Attachment) and record.name == name and _written(record) == whole:
+    for record in _head(path):
+        if isinstance(record, Attachment) and record.name == name:
             return bytes(record.data)
     return None
 
@@ -157,20 +156,14 @@ def read_metadata(path: Path) -> Optional[Dict[str, str]]:
     Raises:
         OSError: The file cannot be read.
     """
-    for record, whole in _head(path):
-        if isinstance(record, Metadata) and record.name == METADATA and _written(record) == whole:
+    for record in _head(path):
+        if isinstance(record, Metadata) and record.name == METADATA:
             return dict(record.metadata)
     return None
 
 
-def _written(record: Union[Attachment, Metadata]) -> bytes:
-    builder = RecordBuilder()
-    record.write(builder)
-    return builder.end()
-
-
-def _head(path: Path) -> Iterator[Tuple[Union[Attachment, Metadata], bytes]]:
-    """Yield the records before the first chunk, with their bytes; damaged ones are left out."""
+def _head(path: Path) -> Iterator[Union[Attachment, Metadata]]:
+    """Yield attachments and metadata before the first chunk; damaged ones are left out."""
     content = mapped(path)
     place = len(MAGIC)
     with contextlib.suppress(*_TORN):
@@ -178,12 +171,27 @@ def _head(path: Path) -> Iterator[Tuple[Union[Attachment, Metadata], bytes]]:
             opcode, data, end = _record(content, place)
             if opcode not in HEAD:
                 return
-            with contextlib.suppress(*_TORN):
-                if opcode == Opcode.ATTACHMENT:
-                    yield Attachment.read(_stream(data)), content[place:end]
-                elif opcode == Opcode.METADATA:
-                    yield Metadata.read(_stream(data)), content[place:end]
+            kind = {Opcode.ATTACHMENT: Attachment, Opcode.METADATA: Metadata}.get(opcode)
+            record = None if kind is None else _parsed(kind, data)
+            # The library reads over the checksum of an attachment, but writes it.
+            if record is not None and _written(record) == content[place:end]:
+                yield record
             place = end
+
+
+def _parsed(
+    kind: Union[Type[Attachment], Type[Metadata]], data: bytes
+) -> Union[Attachment, Metadata, None]:
+    try:
+        return kind.read(_stream(data))
+    except _TORN:
+        return None
+
+
+def _written(record: Union[Attachment, Metadata]) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:

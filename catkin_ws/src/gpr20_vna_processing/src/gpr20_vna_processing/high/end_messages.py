@@ -12,6 +12,7 @@ from gpr20_common.message import Message
 from gpr20_msgs.msg import ControlStatus
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.survey_end import SurveyEnd, may_end_with
 
 STATUS_TOPIC = "control_status"
@@ -50,7 +51,7 @@ def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
 def end_status(end: SurveyEnd) -> RecordedMessage:
     """Return the last status of a survey whose end only the storage knows."""
     status = ControlStatus(**message_fields(end.message))
-    status.header.stamp = rospy.Time(*divmod(end.time_ns, 1_000_000_000))
+    status.header.stamp = rospy.Time(*divmod(end.time_ns, utc_time.NS_PER_S))
     status.code = int(end.state)
     status.survey_id = end.survey_id
     status.simulated = end.simulated

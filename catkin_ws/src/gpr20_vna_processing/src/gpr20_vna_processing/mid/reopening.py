@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import AbstractSet, Any, Dict, List, Optional, Set, Tuple
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import (
     ManifestDamagedError,
     StorageFailedError,
@@ -336,13 +335,8 @@ class Reopening:
 def _read_manifest(folder: Path, survey_id: str) -> Tuple[Optional[Manifest], Optional[Message]]:
     """Return the manifest of a survey, or what is wrong with it."""
     try:
-        sealed = manifest.read_manifest(folder)
+        return manifest.read_own_manifest(folder, survey_id), None
     except FileNotFoundError:
         return None, None
     except ManifestDamagedError as error:
         return None, error.message
-    except OSError as error:
-        return None, os_reason(error)
-    if sealed.survey_id != survey_id:
-        return None, Message("it is the manifest of survey {survey}", survey=sealed.survey_id)
-    return sealed, None

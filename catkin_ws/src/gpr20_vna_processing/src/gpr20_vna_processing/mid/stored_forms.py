@@ -239,7 +239,7 @@ class StoredForms:
 
     def _is_certain_file(self, index: int) -> bool:
         file = self.files.files[index]
-        name = f"{survey_folder.TRACES_FOLDER}/{file.name}"
+        name = manifest.trace_name(file.name)
         return self._sealed is not None and self._sealed.matches(name, file.sum)
 
     def true_trace(self, message: RecordedMessage) -> Optional[Trace]:
