@@ -14,7 +14,8 @@ from test_mcap_file import read_forward, traces_of
 from trace_examples import SURVEY, assert_same_numbers
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 

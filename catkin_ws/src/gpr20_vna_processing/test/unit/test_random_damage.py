@@ -16,7 +16,8 @@ from reopening_kit import assert_whole
 from storage_kit import Kit, text_message
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
-from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
