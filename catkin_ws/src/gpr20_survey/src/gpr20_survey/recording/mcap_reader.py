@@ -8,7 +8,7 @@ import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Dict, Iterator, List, Optional, Tuple, Type, Union
+from typing import Dict, Iterator, List, Optional, Tuple, Union
 
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
@@ -171,21 +171,20 @@ def _head(path: Path) -> Iterator[Union[Attachment, Metadata]]:
             opcode, data, end = _record(content, place)
             if opcode not in HEAD:
                 return
-            kind = {Opcode.ATTACHMENT: Attachment, Opcode.METADATA: Metadata}.get(opcode)
-            record = None if kind is None else _parsed(kind, data)
+            record = _parsed(opcode, data)
             # The library reads over the checksum of an attachment, but writes it.
             if record is not None and _written(record) == content[place:end]:
                 yield record
             place = end
 
 
-def _parsed(
-    kind: Union[Type[Attachment], Type[Metadata]], data: bytes
-) -> Union[Attachment, Metadata, None]:
-    try:
-        return kind.read(_stream(data))
-    except _TORN:
-        return None
+def _parsed(opcode: int, data: bytes) -> Union[Attachment, Metadata, None]:
+    with contextlib.suppress(*_TORN):
+        if opcode == Opcode.ATTACHMENT:
+            return Attachment.read(_stream(data))
+        if opcode == Opcode.METADATA:
+            return Metadata.read(_stream(data))
+    return None
 
 
 def _written(record: Union[Attachment, Metadata]) -> bytes:
