@@ -133,10 +133,7 @@ def check_continues(data, place, acknowledged):
         assert acknowledged.indices <= set(reopened.stored_indices)
         reported = max([int(one[-1]) for one in acknowledged.done if "report" in one] or [0])
         assert json.loads(reopened.report_json or '{"number": 0}')["number"] >= reported
-        for trace in TRACES:
-            if trace.index not in reopened.stored_indices:
-                kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
     assert_whole(folder, TRACES)

@@ -106,10 +106,7 @@ def resume_and_finish(folder):
             after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
             assert before == after
             return str(error)
-        for trace in TRACES:
-            if trace.index not in reopened.stored_indices:
-                kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
     return reopened

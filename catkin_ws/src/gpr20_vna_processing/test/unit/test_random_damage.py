@@ -155,10 +155,7 @@ def check(number, whole, place) -> None:
         if reopened is None:
             return
         check_reopened(folder, before, after, STORED[ending], reopened.stored_indices)
-        for trace in TRACES:
-            if trace.index not in reopened.stored_indices:
-                kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
     assert_whole(folder, TRACES)

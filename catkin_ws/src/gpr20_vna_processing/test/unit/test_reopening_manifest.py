@@ -47,13 +47,6 @@ def cut_off(tmp_path):
     return make(tmp_path, "cut off")
 
 
-@pytest.fixture
-def kit(tmp_path):
-    kit = Kit(tmp_path / "data", open_recordings)
-    yield kit
-    kit.processing.shut_down()
-
-
 def reopen_and_finish(kit, folder):
     """Return what was repaired."""
     reopened = kit.processing.reopen_survey(SURVEY)
