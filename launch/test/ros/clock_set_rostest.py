@@ -12,7 +12,8 @@ from pathlib import Path
 import rospy
 import rostest
 
-from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_msgs.msg import ControlStatus
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))

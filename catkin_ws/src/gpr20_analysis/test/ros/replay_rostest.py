@@ -131,6 +131,19 @@ class ReplayTest(unittest.TestCase):
             robot.unregister()
         self.assertEqual(self.traces, [])
 
+    def test_a_second_replay_is_refused_and_does_not_end_the_first(self) -> None:
+        command = [sys.executable, str(NODE), str(self.folder), "--rate", "100", "--hold"]
+        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        self.addCleanup(first.wait)
+        self.addCleanup(first.kill)
+        with self.changed:
+            self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
+        done = self.run_node(self.folder)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("another replay is running", done.stderr)
+        self.assertEqual(len(self.traces), len(POINTS))
+        self.assertIsNone(first.poll())
+
     def test_the_launch_file_replays_a_folder_named_from_where_it_is_called(self) -> None:
         named = self.data / 'a "survey" of señor O\'Neill & <sons> $HOME'
         self.folder.rename(named)

@@ -12,7 +12,8 @@ import shutil
 import pytest
 from survey_kit import POINTS, SURVEY, make_survey, planned_trace
 
-from gpr20_analysis.read.verification import COMPLETE, DAMAGED, INCOMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
 

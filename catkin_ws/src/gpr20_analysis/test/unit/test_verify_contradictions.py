@@ -7,7 +7,8 @@ import json
 import pytest
 from survey_kit import NOW_NS, STARTED_US, make_survey
 
-from gpr20_analysis.read.verification import DAMAGED, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import DAMAGED
 from gpr20_survey.trace import utc_time
 
 SIMULATED = {"identity": "Anritsu,MS2026C/2,SIMULATED,1.0"}

@@ -10,13 +10,8 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.survey_follower import (
-    ExitStatus,
-    Limits,
-    Mode,
-    OnPause,
-    SurveyFollower,
-)
+from gpr20_user_interface.mid.survey_follower import Limits, Mode, OnPause, SurveyFollower
+from gpr20_user_interface.mid.survey_outcome import ExitStatus
 
 LIMITS = Limits(
     wait_s=10.0,

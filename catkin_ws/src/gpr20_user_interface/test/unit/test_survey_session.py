@@ -12,14 +12,8 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.survey_follower import (
-    ExitStatus,
-    Limits,
-    Mode,
-    OnPause,
-    Outcome,
-    SurveyFollower,
-)
+from gpr20_user_interface.mid.survey_follower import Limits, Mode, OnPause, SurveyFollower
+from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
 
 

@@ -14,7 +14,8 @@ from test_mcap_file import read_forward, traces_of
 from trace_examples import SURVEY, assert_same_numbers
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -132,10 +133,7 @@ def check_continues(data, place, acknowledged):
         assert acknowledged.indices <= set(reopened.stored_indices)
         reported = max([int(one[-1]) for one in acknowledged.done if "report" in one] or [0])
         assert json.loads(reopened.report_json or '{"number": 0}')["number"] >= reported
-        for trace in TRACES:
-            if trace.index not in reopened.stored_indices:
-                kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
     assert_whole(folder, TRACES)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Container, Dict, Iterable, List
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
@@ -138,6 +138,13 @@ class Kit:
         return self.processing.open_survey(
             survey_id, **{**arguments, "needed_bytes": 1000, **changes}
         )
+
+    def finish(self, traces: Iterable[Trace], stored: Container[int]) -> None:
+        """Store the traces whose indices are not stored, and finish the survey."""
+        for trace in traces:
+            if trace.index not in stored:
+                self.processing.store(trace)
+        self.processing.close_survey(SURVEY, "finished", "")
 
 
 def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:

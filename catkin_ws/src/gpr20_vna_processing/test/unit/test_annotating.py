@@ -28,13 +28,6 @@ WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.val
 
 
 @pytest.fixture
-def kit(tmp_path):
-    kit = Kit(tmp_path / "data", open_recordings)
-    yield kit
-    kit.processing.shut_down()
-
-
-@pytest.fixture
 def folder(kit):
     """A survey that is open, with every trace."""
     folder = kit.open(metadata_json=WITH_ANNOTATION)

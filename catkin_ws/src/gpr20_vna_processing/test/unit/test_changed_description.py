@@ -18,7 +18,8 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.verification import COMPLETE, DAMAGED, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.description_differences import differences
@@ -105,10 +106,7 @@ def resume_and_finish(folder):
             after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
             assert before == after
             return str(error)
-        for trace in TRACES:
-            if trace.index not in reopened.stored_indices:
-                kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
     return reopened

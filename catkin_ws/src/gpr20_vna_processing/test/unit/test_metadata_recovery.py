@@ -6,22 +6,13 @@ import json
 
 import pytest
 from reopening_kit import assert_whole
-from storage_kit import Kit
 from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 METADATA = {"simulated": True, "parameters": {"x_points": 2}, "planned_traces": 4}
-
-
-@pytest.fixture
-def kit(tmp_path):
-    kit = Kit(tmp_path / "data", open_recordings)
-    yield kit
-    kit.processing.shut_down()
 
 
 @pytest.fixture

@@ -8,20 +8,12 @@ import shutil
 
 import pytest
 from reopening_kit import assert_whole
-from storage_kit import OTHER_SURVEY, Kit
+from storage_kit import OTHER_SURVEY
 from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
-from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
-
-
-@pytest.fixture
-def kit(tmp_path):
-    kit = Kit(tmp_path / "data", open_recordings)
-    yield kit
-    kit.processing.shut_down()
 
 
 @pytest.fixture

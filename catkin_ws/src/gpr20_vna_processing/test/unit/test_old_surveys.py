@@ -12,7 +12,8 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
 
-from gpr20_analysis.read.verification import COMPLETE, INCOMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.recording.recordings import open_recordings

@@ -16,7 +16,8 @@ from reopening_kit import assert_whole
 from storage_kit import Kit, text_message
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
-from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -154,10 +155,7 @@ def check(number, whole, place) -> None:
         if reopened is None:
             return
         check_reopened(folder, before, after, STORED[ending], reopened.stored_indices)
-        for trace in TRACES:
-            if trace.index not in reopened.stored_indices:
-                kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
     assert_whole(folder, TRACES)

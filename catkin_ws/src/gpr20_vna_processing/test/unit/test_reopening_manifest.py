@@ -11,7 +11,8 @@ from reopening_kit import assert_whole, messages_in_mcap
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.verification import COMPLETE, verify_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest
@@ -44,13 +45,6 @@ def stopped(tmp_path):
 @pytest.fixture
 def cut_off(tmp_path):
     return make(tmp_path, "cut off")
-
-
-@pytest.fixture
-def kit(tmp_path):
-    kit = Kit(tmp_path / "data", open_recordings)
-    yield kit
-    kit.processing.shut_down()
 
 
 def reopen_and_finish(kit, folder):

@@ -30,7 +30,7 @@ def add_checksum(path: Path) -> None:
         lines = [f"{digest} {name}\n" for name, digest in _sums(path).items()]
         (path / SUMS_FILE).write_text("".join(lines), encoding="utf-8")
     else:
-        line = WORD + sum_of_file(path)[0].encode("ascii") + b"\n"
+        line = WORD + sum_of_file(path).sha256.encode("ascii") + b"\n"
         with path.open("ab") as stream:
             stream.write(line)
 
@@ -86,4 +86,4 @@ def _check_folder(path: Path) -> bool:
 
 def _sums(path: Path) -> Dict[str, str]:
     names = (name for name in regular_files(path) if name != SUMS_FILE)
-    return {name: sum_of_file(path / name)[0] for name in names}
+    return {name: sum_of_file(path / name).sha256 for name in names}

@@ -1,17 +1,21 @@
-"""Who else is on the ROS graph."""
+"""Who else publishes on the ROS graph."""
 
 from __future__ import annotations
 
-from typing import Iterable, List
+from typing import Iterable
 
 import rosgraph
 
 from gpr20_analysis.errors import AnalysisError
+from gpr20_common.errors import NodeGoneError, NodeSilentError
+from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 
 # All nodes publish there, also a window that shows the replay.
 SHARED_TOPICS = ("/diagnostics",)
 CALLER = "/replay"
+# A node that lives answers within this time [s].
+ANSWER_LIMIT_S = 1.0
 
 
 def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
@@ -25,9 +29,14 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
         AnalysisError: A robot or another replay publishes one of them.
     """
     published, _subscribed, _services = rosgraph.Master(CALLER).getSystemState()
-    for topic, publishers in published:
-        others: List[str] = [name for name in publishers if name != own_name]
-        if others and topic in set(topics) - set(SHARED_TOPICS):
+    publishers_of = dict(published)
+    for topic in topics:
+        if topic in SHARED_TOPICS:
+            continue
+        others = [name for name in publishers_of.get(topic, ()) if name != own_name]
+        # The master still lists a node that was killed.
+        others = [name for name in others if not _is_gone(name)]
+        if others:
             raise AnalysisError(
                 Message(
                     "a robot or another replay is running on {address}, and its data would be "
@@ -40,7 +49,11 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
             )
 
 
-def subscriber_count(topic: str) -> int:
-    """Return how many nodes subscribe to a topic, by the master."""
-    _published, subscribed, _services = rosgraph.Master(CALLER).getSystemState()
-    return len(dict(subscribed).get(topic, ()))
+def _is_gone(node: str) -> bool:
+    try:
+        NodeProbe(rosgraph.get_master_uri(), CALLER, node, ANSWER_LIMIT_S).process()
+    except NodeGoneError:
+        return True
+    except NodeSilentError:
+        return False
+    return False

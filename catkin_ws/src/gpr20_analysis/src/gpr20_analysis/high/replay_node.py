@@ -6,12 +6,13 @@ from typing import Dict, Iterable, Type
 
 import rospy
 
-from gpr20_analysis.high.graph import refuse_beside_others, subscriber_count
+from gpr20_analysis.high.graph import refuse_beside_others
 from gpr20_analysis.high.old_recordings import completed
 from gpr20_analysis.high.replay_marker import ReplayMarker
 from gpr20_analysis.read.playback import Playback
 from gpr20_analysis.read.replay import Due
 from gpr20_common.high.raw_message import preserialized
+from gpr20_common.high.subscribers import subscriber_count
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
 from gpr20_survey.recording.recording import RecordedMessage

@@ -11,7 +11,6 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files import file_sums
-from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.folder import manifest, sealing, survey_folder
 from gpr20_survey.folder.manifest import Manifest
 
@@ -46,16 +45,11 @@ def check_manifest(folder: Path, survey_id: str) -> ManifestCheck:
         OSError: The disk cannot be read.
     """
     try:
-        sealed = manifest.read_manifest(folder)
+        sealed = manifest.read_own_manifest(folder, survey_id)
     except FileNotFoundError:
         return ManifestCheck(Seal.MISSING)
     except ManifestDamagedError as error:
         return ManifestCheck(Seal.DAMAGED, damage=error.message)
-    except OSError as error:
-        return ManifestCheck(Seal.DAMAGED, damage=os_reason(error))
-    if sealed.survey_id != survey_id:
-        reason = Message("it is the manifest of survey {survey}", survey=sealed.survey_id)
-        return ManifestCheck(Seal.DAMAGED, damage=reason)
     if sealed.reopened is not None:
         return ManifestCheck(Seal.REOPENED, sealed)
     return ManifestCheck(Seal.VALID, sealed, differences=_differences(folder, sealed))
@@ -82,7 +76,7 @@ def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:
     if unread and name.startswith(f"{survey_folder.DAMAGED_FOLDER}/"):
         return []  # never data, and it could not be read at the close
     try:
-        present: FileSum = file_sums.sum_of_file(path)
+        present = file_sums.sum_of_file(path)
     except OSError as error:
         return [Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))]
     if unread:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Iterable, Iterator, Optional
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.replay import NS_PER_S, Content, Due, from_start
+from gpr20_analysis.read.replay import Content, Due, from_start
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_survey.trace import utc_time
 
 LONGEST_START_S = 1e9
 # A replay that is paused is woken by an event.
@@ -140,7 +141,7 @@ class Playback:
             # latest time counts, so that no gap is waited for twice.
             if now_ns is None:
                 now_ns = item.time_ns
-            gap_s = max(0, item.time_ns - now_ns) / NS_PER_S
+            gap_s = max(0, item.time_ns - now_ns) / utc_time.NS_PER_S
             if not self._wait(gap_s):
                 return
             now_ns = max(now_ns, item.time_ns)

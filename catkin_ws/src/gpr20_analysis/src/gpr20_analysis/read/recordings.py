@@ -27,13 +27,12 @@ from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.trace import trace_message
+from gpr20_survey.recording.survey_topics import is_metadata_topic
+from gpr20_survey.trace import trace_message, utc_time
 
 BAG, MCAP = ".bag", ".mcap"
-METADATA_TOPIC = "survey_metadata"
 BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 INDEX_POSITION = b"index_pos="
-NS_PER_S = 1_000_000_000
 RECORD_HEAD_BYTES = 9  # opcode and length
 CUT_OFF = Message(
     "the recording was cut off before its index was written; all complete messages were read"
@@ -61,7 +60,7 @@ def open_recording(path: Path) -> OpenRecording:
         OSError: It cannot be read.
     """
     if not is_finished(path):
-        described = (one for one in _whole_messages(path) if _is_metadata(one.topic))
+        described = (one for one in _whole_messages(path) if is_metadata_topic(one.topic))
         metadata = next((_text(one.data) for one in described), None)
         return OpenRecording(trace_messages(path, finished=False), 0, metadata, [CUT_OFF])
     with _failing_as_unreadable(path):
@@ -115,7 +114,8 @@ def mcap_length_s(path: Path) -> float:
     if summary is None or summary.statistics is None:
         return 0.0
     statistics = summary.statistics
-    return max(0, statistics.message_end_time - statistics.message_start_time) / NS_PER_S
+    length_ns = max(0, statistics.message_end_time - statistics.message_start_time)
+    return length_ns / utc_time.NS_PER_S
 
 
 def is_finished(path: Path) -> bool:
@@ -148,7 +148,7 @@ def is_finished(path: Path) -> bool:
 def _open_bag(path: Path) -> OpenRecording:
     with Reader(str(path)) as reader:
         count = sum(one.msgcount for one in reader.connections if _is_trace(one))
-        described = [one for one in reader.connections if _is_metadata(one.topic)]
+        described = [one for one in reader.connections if is_metadata_topic(one.topic)]
         found = (bytes(data) for _, _, data in reader.messages(described) if described)
         metadata = next((_text(data) for data in found), None)
     return OpenRecording(_bag_traces(path), count, metadata)
@@ -241,10 +241,6 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
 
 def _is_trace(connection: Any) -> bool:
     return bool(connection.msgtype.replace("/msg/", "/") == trace_message.DATATYPE)
-
-
-def _is_metadata(topic: str) -> bool:
-    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
 
 
 def _text(data: bytes) -> str:

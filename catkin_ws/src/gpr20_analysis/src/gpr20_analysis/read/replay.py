@@ -15,12 +15,9 @@ from gpr20_survey.folder import survey_folder
 from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, SurveyTopics
-from gpr20_survey.trace import trace_message
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, SurveyTopics, is_metadata_topic
+from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
-
-NS_PER_S = 1_000_000_000
-NS_PER_US = 1_000
 
 Content = Union[RecordedMessage, Trace]
 
@@ -92,7 +89,7 @@ def recorded(survey: Path) -> Iterator[Due]:
     source = open_source(survey)
     described = source.description is not None
     for trace in source.traces():
-        time_ns = trace.timestamp_us * NS_PER_US
+        time_ns = trace.timestamp_us * utc_time.NS_PER_US
         if described:
             described = False
             text = json.dumps(source.description)
@@ -117,7 +114,7 @@ def from_start(items: Iterable[Due], start_s: float) -> Iterator[Due]:
     last: Dict[str, Content] = {}
     for item in items:
         if start_ns is None:
-            start_ns = item.time_ns + round(start_s * NS_PER_S)
+            start_ns = item.time_ns + round(start_s * utc_time.NS_PER_S)
         if item.time_ns < start_ns:
             content = item.content
             if isinstance(content, Trace) or _is_kept(content):
@@ -134,8 +131,7 @@ def from_start(items: Iterable[Due], start_s: float) -> Iterator[Due]:
 
 
 def _is_kept(message: RecordedMessage) -> bool:
-    metadata = message.topic.rsplit("/", 1)[-1] == METADATA_TOPIC
-    return metadata or message.datatype == trace_message.DATATYPE
+    return is_metadata_topic(message.topic) or message.datatype == trace_message.DATATYPE
 
 
 def _mcap(survey: Path) -> Optional[Path]:

@@ -69,11 +69,14 @@ class TimeCheck:
                     started=utc_time.iso_text(started),
                 )
             )
-        found += [
-            Message("out of order: {sentence}: the clock was set, or the trace was added by a "
-                    "repair", sentence=one)
-            for one in self._backward[:SHOWN]
-        ]  # fmt: skip
+        for one in self._backward[:SHOWN]:
+            found.append(
+                Message(
+                    "out of order: {sentence}: the clock was set, or the trace was added by a "
+                    "repair",
+                    sentence=one,
+                )
+            )
         if len(self._backward) > SHOWN:
             found.append(
                 Message("{count} more are out of order", count=len(self._backward) - SHOWN)

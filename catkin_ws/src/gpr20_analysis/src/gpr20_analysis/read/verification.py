@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Union
+from typing import Any, Dict, Optional, Union
 
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import description_check, manifest_check
 from gpr20_analysis.read.manifest_check import Seal
-from gpr20_analysis.read.recording_comparison import RecordingComparison
-from gpr20_analysis.read.recordings import trace_messages
+from gpr20_analysis.read.recording_check import RecordingCheck
 from gpr20_analysis.read.survey_grid import Plan
 from gpr20_analysis.read.time_check import TimeCheck
-from gpr20_analysis.read.trace_table import of_other_survey
+from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.trace import trace_message
 
 FILES = (
     survey_folder.SURVEY_FILE,
@@ -28,81 +25,9 @@ FILES = (
     survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
 )
-COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
-UNCOVERED = Message(
-    "entries of survey.json that change during a survey, messages that only one recording "
-    "contains, and bytes outside the messages of an unfinished recording"
-)
 REMEDY = Message(
     "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
 )
-
-
-@dataclass
-class Verification:
-    """The result of the verification of a survey's folder."""
-
-    faults: List[Message] = field(default_factory=list)
-    """What is damaged or contradictory."""
-    notes: List[Message] = field(default_factory=list)
-    """What else a user should know."""
-    planned: Optional[int] = None
-    """Number of planned samples; None if unknown."""
-    stored: int = 0
-    """Number of planned samples that are stored and readable."""
-    sealed: bool = False
-    """Whether a manifest covers every file, so that no change could be unseen."""
-    closed: bool = False
-    """Whether the survey was closed, not cut off or interrupted."""
-
-    @property
-    def status(self) -> int:
-        """0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory."""
-        if self.faults:
-            return DAMAGED
-        whole = self.planned is not None and self.stored == self.planned
-        return COMPLETE if whole and self.sealed and self.closed else INCOMPLETE
-
-    @property
-    def verdict(self) -> Message:
-        """The result in one sentence."""
-        if self.faults:
-            return Message(
-                "DAMAGED or contradictory ({count} faults): {counted}",
-                count=len(self.faults),
-                counted=self._counted,
-            )
-        if self.status == COMPLETE:
-            return Message(
-                "complete and intact: all {planned} planned traces are stored and readable",
-                planned=self.planned,
-            )
-        if not self.sealed:
-            return Message(
-                "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
-                "manifest, changes to {uncovered} cannot be detected",
-                counted=self._counted,
-                uncovered=UNCOVERED,
-            )
-        if self.closed:
-            return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)
-        return Message(
-            "INCOMPLETE, but intact: {counted}, and the survey was interrupted",
-            counted=self._counted,
-        )
-
-    @property
-    def _counted(self) -> Message:
-        if self.planned is None:
-            return Message(
-                "{stored} of an unknown number of planned traces are stored and readable",
-                stored=self.stored,
-            )
-        return Message(
-            "{stored} of {planned} planned traces are stored and readable",
-            stored=self.stored,
-            planned=self.planned,
-        )
 
 
 def verify_survey(
@@ -146,9 +71,8 @@ class _Verifier:
         self._description = description
         self._survey_id: str = description["survey_id"]
         self._indexed = description.get("ended") is not None  # the recordings have their index
-        self._interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
-        self._times = TimeCheck(description)
-        self._found = Verification(closed=self._indexed and not self._interrupted)
+        interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
+        self._found = Verification(closed=self._indexed and not interrupted)
 
     def run(self) -> Verification:
         if self._use_manifest:
@@ -157,36 +81,31 @@ class _Verifier:
             self._traces, self._survey_id, lambda paths: iter(self._progress(paths, len(paths)))
         )
         for path, reason in files.damaged:
-            self._fault(
+            self._found.fault(
                 Message("{file} is not an intact trace: {reason}", file=path.name, reason=reason)
             )
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
-        before = len(self._found.faults)
-        self._check_recordings(files.prints)
-        if not self._found.sealed and len(self._found.faults) == before:
-            self._compare_recordings(files.prints)
+        times = TimeCheck(self._description)
+        recordings = RecordingCheck(
+            self._folder, self._survey_id, self._indexed, self._found, self._progress
+        )
+        recordings.check(files.prints, times.note)
         self._check_description(len(files.prints))
-        self._found.notes += self._times.notes()
+        self._found.notes += times.notes()
         return self._found
 
     @property
     def _traces(self) -> Path:
         return self._folder / survey_folder.TRACES_FOLDER
 
-    def _fault(self, message: Message) -> None:
-        self._found.faults.append(message)
-
-    def _note(self, message: Message) -> None:
-        self._found.notes.append(message)
-
     def _check_manifest(self) -> None:
         found = manifest_check.check_manifest(self._folder, self._survey_id)
         self._found.sealed = found.seal is Seal.VALID
         self._found.faults += found.differences
         if found.damage is not None:
-            self._fault(
+            self._found.fault(
                 Message(
                     "manifest.json is damaged: {reason}; {remedy}",
                     reason=found.damage,
@@ -194,7 +113,7 @@ class _Verifier:
                 )
             )
         elif found.seal is Seal.MISSING and self._found.closed:
-            self._fault(
+            self._found.fault(
                 Message(
                     "manifest.json is missing, so changes to files cannot be detected: it was "
                     "removed, or the survey was cut off while it was closed; {remedy}",
@@ -202,21 +121,21 @@ class _Verifier:
                 )
             )
         elif found.seal is Seal.MISSING:
-            self._note(Message("the survey was not closed, so there is no manifest"))
+            self._found.note(Message("the survey was not closed, so there is no manifest"))
         elif found.manifest is not None:
             self._note_manifest(found.manifest)
         self._note_damaged()
 
     def _note_manifest(self, sealed: Manifest) -> None:
         if sealed.reopened is not None:
-            self._note(
+            self._found.note(
                 Message(
                     "the manifest is from before the survey was reopened at {time}",
                     time=sealed.reopened,
                 )
             )
         if not sealed.covers_itself:
-            self._note(
+            self._found.note(
                 Message(
                     "the manifest has the former format {format}: it covers every file, but not "
                     "its own entries software_revision and written",
@@ -224,7 +143,7 @@ class _Verifier:
                 )
             )
         for one in sealed.rewritten:
-            self._note(
+            self._found.note(
                 Message(
                     "the manifest was written again at {time}: {reason}; what was changed before "
                     "is not covered",
@@ -235,7 +154,7 @@ class _Verifier:
 
     def _note_damaged(self) -> None:
         if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
-            self._note(
+            self._found.note(
                 Message(
                     "{folder}/ contains damaged files that were replaced",
                     folder=survey_folder.DAMAGED_FOLDER,
@@ -246,7 +165,7 @@ class _Verifier:
         try:
             plan = Plan(self._description)
         except AnalysisError as error:
-            self._fault(error.message)
+            self._found.fault(error.message)
             return None
         self._found.planned = len(plan.points)
         return plan
@@ -258,101 +177,13 @@ class _Verifier:
             trace = trace_files.read_trace(self._traces / name, self._survey_id)
         except (TraceRefusedError, OSError) as error:
             reason = os_reason(error) if isinstance(error, OSError) else error.message
-            self._fault(
+            self._found.fault(
                 Message("{file} changed while it was read: {reason}", file=name, reason=reason)
             )
             return
         misplaced = plan.misfits(trace)
         self._found.faults += misplaced
         self._found.stored += not misplaced
-
-    def _check_recordings(self, stored: Dict[int, bytes]) -> None:
-        for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE):
-            before = len(self._found.faults)
-            recorded = self._recorded_prints(name, len(stored))
-            if len(self._found.faults) == before:
-                self._check_missing(name, sorted(stored.keys() - recorded.keys()))
-            for index in sorted(recorded.keys() & stored.keys()):
-                if recorded[index] != stored[index]:
-                    self._fault(
-                        Message(
-                            "trace {index} has other values in {file} than in its JSON file",
-                            index=index,
-                            file=name,
-                        )
-                    )
-            for index in sorted(recorded.keys() - stored.keys()):
-                self._fault(
-                    Message(
-                        "trace {index} is in {file} but has no readable JSON file",
-                        index=index,
-                        file=name,
-                    )
-                )
-
-    def _recorded_prints(self, name: str, expected: int) -> Dict[int, bytes]:
-        """Return the fingerprint of each trace of a recording."""
-        prints: Dict[int, bytes] = {}
-        messages = trace_messages(self._folder / name, self._indexed)
-        in_order = name == survey_folder.MCAP_FILE  # both are in the order of measurement
-        try:
-            for message in self._progress(messages, expected):
-                trace = trace_message.decode(message.data, message.md5sum)
-                if trace.survey_id != self._survey_id:
-                    reason = of_other_survey(trace)
-                    self._fault(Message("{file}: {reason}", file=name, reason=reason))
-                elif trace.index in prints:
-                    self._fault(
-                        Message(
-                            "{file} contains trace {index} more than once",
-                            file=name,
-                            index=trace.index,
-                        )
-                    )
-                else:
-                    prints[trace.index] = trace.fingerprint()
-                    if in_order:
-                        self._times.note(trace)
-        except (UnreadableFileError, TraceRefusedError) as error:
-            self._fault(
-                Message(
-                    "{file} cannot be read to its end: {reason}", file=name, reason=error.message
-                )
-            )
-        return prints
-
-    def _compare_recordings(self, stored: Dict[int, bytes]) -> None:
-        """Check all that has a checksum or a second copy; no manifest covers the files."""
-        compared = RecordingComparison(self._folder)
-        self._found.faults += compared.faults
-        if compared.alone:
-            self._note(
-                Message(
-                    "{count} messages are in only one of the recordings, as after a crash",
-                    count=compared.alone,
-                )
-            )
-        if stored and not description_check.has_sealed_copy(self._folder):
-            self._fault(Message("survey.mcap contains no readable copy of survey.json"))
-
-    def _check_missing(self, name: str, missing: List[int]) -> None:
-        # The JSON file is written first: a crash may come between it and a recording, but the
-        # next trace is not stored before this one is in both.
-        if len(missing) == 1 and not self._indexed:
-            self._note(
-                Message(
-                    "trace {index} is not in {file} yet; it is added when the survey is resumed",
-                    index=missing[0],
-                    file=name,
-                )
-            )
-            return
-        for index in missing:
-            self._fault(
-                Message(
-                    "trace {index} has a JSON file but is not in {file}", index=index, file=name
-                )
-            )
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description
@@ -361,7 +192,7 @@ class _Verifier:
         )
         self._found.faults += description_check.contradictions(recorded)
         if self._indexed and recorded.get("stored_traces") != readable:
-            self._fault(
+            self._found.fault(
                 Message(
                     "survey.json records {recorded} stored traces, but {readable} are readable",
                     recorded=recorded.get("stored_traces"),
@@ -370,7 +201,7 @@ class _Verifier:
             )
         planned = recorded.get("planned_traces", self._found.planned)
         if self._found.planned is not None and planned != self._found.planned:
-            self._fault(
+            self._found.fault(
                 Message(
                     "survey.json records {recorded} planned traces, but its parameters give "
                     "{planned}",
@@ -380,14 +211,14 @@ class _Verifier:
             )
         missing = self._found.planned is None or self._found.stored < self._found.planned
         if missing and recorded.get("outcome") == "finished":
-            self._fault(
+            self._found.fault(
                 Message(
                     "survey.json records the outcome finished, but planned traces are missing or "
                     "unreadable"
                 )
             )
         if missing and _claims_complete(recorded.get("report")):
-            self._fault(
+            self._found.fault(
                 Message("the report in survey.json is complete, but planned traces are missing")
             )
 

@@ -16,7 +16,8 @@ from gpr20_analysis.imaging.image import ImageOptions
 from gpr20_analysis.plotting import maps
 from gpr20_analysis.processing.chain import Step
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read.verification import FILES, Verification, verify_survey
+from gpr20_analysis.read.verification import FILES, verify_survey
+from gpr20_analysis.read.verification_result import Verification
 from gpr20_analysis.report import pictures
 from gpr20_analysis.report.page import Section
 from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, Callable, List
 
 import rospy
@@ -11,7 +11,6 @@ import rospy
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.description import TOPIC
 from gpr20_common.high.graph_message import message_fields
-from gpr20_common.mid.hardware import Hardware
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_msgs.msg import NodeDescription as NodeDescriptionMessage
 from gpr20_msgs.msg import RobotConfiguration
@@ -42,7 +41,7 @@ class DescriptionTopics:
             def receive(message: Any, node: str = node, full_name: str = full_name) -> None:
                 # What another node publishes, such as a recording, says nothing about this one.
                 if connection_header(message).get("callerid") == full_name:
-                    note(_description(node, message))
+                    note(replace(NodeDescription.from_fields(message), node=node))
 
             self._subscribers.append(
                 rospy.Subscriber(f"{node}/{TOPIC}", NodeDescriptionMessage, receive)
@@ -54,24 +53,11 @@ class DescriptionTopics:
         message = RobotConfiguration(
             known=problem is None,
             simulated=problem is None and robot.config().simulated,
-            nodes=[_message(one) for _name, one in sorted(robot.nodes.items())],
+            nodes=[
+                NodeDescriptionMessage(**one.fields()) for _name, one in sorted(robot.nodes.items())
+            ],
             site_json=json.dumps(asdict(robot.site)),
             **({} if problem is None else message_fields(problem)),
         )
         message.header.stamp = rospy.Time.now()
         self._publisher.publish(message)
-
-
-def _description(node: str, message: NodeDescriptionMessage) -> NodeDescription:
-    hardware = Hardware(message.hardware, message.simulated, message.time_scale)
-    return NodeDescription(node, hardware, json.loads(message.configuration_json))
-
-
-def _message(description: NodeDescription) -> NodeDescriptionMessage:
-    return NodeDescriptionMessage(
-        node=description.node,
-        hardware=description.hardware.name,
-        simulated=description.hardware.simulated,
-        time_scale=description.hardware.time_scale,
-        configuration_json=json.dumps(dict(description.configuration)),
-    )

@@ -47,7 +47,6 @@ class MainControl:
 
         Args:
             robot: The parts of the robot.
-            config: What the robot is.
             settings: Settings of every survey.
             status: What is shown of the survey.
             clock: For time limits.

@@ -11,7 +11,7 @@ from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.description_differences import constant_entries
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import read_attachment, read_metadata
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC
+from gpr20_survey.recording.survey_topics import is_metadata_topic
 
 
 def sealed_description(folder: Path) -> Optional[Dict[str, Any]]:
@@ -38,7 +38,7 @@ def latched_description(folder: Path) -> Optional[Dict[str, Any]]:
     path = folder / survey_folder.BAG_FILE
     try:
         for message in StoredBag(path).messages():
-            if message.topic.rsplit("/", 1)[-1] == METADATA_TOPIC:
+            if is_metadata_topic(message.topic):
                 (size,) = struct.unpack_from("<I", message.data)
                 return _parsed(message.data[4 : 4 + size], path)
     except (OSError, UnicodeDecodeError, SurveyRefusedError, struct.error):

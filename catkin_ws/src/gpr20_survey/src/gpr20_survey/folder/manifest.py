@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.files.regular_file import open_regular
@@ -101,9 +102,38 @@ def read_manifest(folder: Path) -> Manifest:
         return decode(stream.read())
 
 
+def read_own_manifest(folder: Path, survey_id: str) -> Manifest:
+    """Return the manifest of a survey, if it is whole and that survey's.
+
+    Args:
+        folder: The survey's folder.
+        survey_id: UUID of the survey.
+
+    Raises:
+        ManifestDamagedError: It is not as it was written, cannot be read, or is another survey's.
+        FileNotFoundError: There is none.
+    """
+    try:
+        found = read_manifest(folder)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise ManifestDamagedError(os_reason(error)) from error
+    if found.survey_id != survey_id:
+        raise ManifestDamagedError(
+            Message("it is the manifest of survey {survey}", survey=found.survey_id)
+        )
+    return found
+
+
+def trace_name(file_name: str) -> str:
+    """Return the name of a trace's file in a manifest: relative to the survey's folder."""
+    return f"{survey_folder.TRACES_FOLDER}/{file_name}"
+
+
 def is_data(name: str) -> bool:
     """Return whether a file, named relative to the survey's folder, holds data of the survey."""
-    return name in DATA_FILES or name.startswith(f"{survey_folder.TRACES_FOLDER}/")
+    return name in DATA_FILES or name.startswith(trace_name(""))
 
 
 def _own_sum(values: Mapping[str, Any]) -> str:

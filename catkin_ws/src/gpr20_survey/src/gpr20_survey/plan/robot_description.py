@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Sequence
+from typing import Any, Dict, List, Mapping, Protocol, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -31,6 +32,16 @@ STORAGE_NAME = Message("the storage")
 SIMULATED_IDENTITY = "SIMULATED"
 
 
+class DescriptionFields(Protocol):
+    """The fields of the ROS message gpr20_msgs/NodeDescription."""
+
+    node: str
+    hardware: str
+    simulated: bool
+    time_scale: float
+    configuration_json: str
+
+
 @dataclass(frozen=True)
 class NodeDescription:
     """What one node is.
@@ -44,6 +55,26 @@ class NodeDescription:
     node: str
     hardware: Hardware
     configuration: Mapping[str, Any]
+
+    @classmethod
+    def from_fields(cls, fields: DescriptionFields) -> NodeDescription:
+        """Return the description of a ROS message.
+
+        Raises:
+            ValueError: Its configuration is not JSON.
+        """
+        hardware = Hardware(fields.hardware, fields.simulated, fields.time_scale)
+        return cls(fields.node, hardware, json.loads(fields.configuration_json))
+
+    def fields(self) -> Dict[str, Any]:
+        """Return the fields of the ROS message."""
+        return {
+            "node": self.node,
+            "hardware": self.hardware.name,
+            "simulated": self.hardware.simulated,
+            "time_scale": self.hardware.time_scale,
+            "configuration_json": json.dumps(dict(self.configuration)),
+        }
 
 
 def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:

@@ -6,13 +6,13 @@ import struct
 from typing import Dict, List, NamedTuple, Tuple
 
 from gpr20_survey.recording.recording import MAX_RECORD_BYTES, RecordedMessage
+from gpr20_survey.trace import utc_time
 
 MAGIC = b"#ROSBAG V2.0\n"
 # Of the file header with its padding, without the two lengths: rosbag writes it again at this
 # size when it repairs a bag.
 HEADER_BYTES = 4096
 DATA_START = len(MAGIC) + HEADER_BYTES + 8
-NS_PER_S = 1_000_000_000
 
 MESSAGE, FILE_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
 
@@ -71,7 +71,7 @@ def sized(data: bytes) -> bytes:
 
 def pack_time(time_ns: int) -> bytes:
     """Return a time [ns since 1970] as two numbers of 32 bits."""
-    return struct.pack("<II", *divmod(time_ns, NS_PER_S))
+    return struct.pack("<II", *divmod(time_ns, utc_time.NS_PER_S))
 
 
 def unpack_time(data: bytes) -> int:
@@ -83,9 +83,9 @@ def unpack_time(data: bytes) -> int:
     if len(data) != 8:
         raise BagFormatError("a time is missing")
     seconds, rest_ns = struct.unpack("<II", data)
-    if rest_ns >= NS_PER_S:
+    if rest_ns >= utc_time.NS_PER_S:
         raise BagFormatError(f"a time has {rest_ns} ns")
-    return int(seconds * NS_PER_S + rest_ns)
+    return int(seconds * utc_time.NS_PER_S + rest_ns)
 
 
 def pack_fields(fields: Fields) -> bytes:

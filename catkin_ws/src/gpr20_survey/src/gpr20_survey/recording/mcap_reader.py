@@ -144,9 +144,8 @@ def read_attachment(path: Path, name: str) -> Optional[bytes]:
     Raises:
         OSError: The file cannot be read.
     """
-    for record, whole in _head(path):
-        # The library reads over the checksum, but writes it.
-        if isinstance(record, Attachment) and record.name == name and _written(record) == whole:
+    for record in _head(path):
+        if isinstance(record, Attachment) and record.name == name:
             return bytes(record.data)
     return None
 
@@ -157,20 +156,14 @@ def read_metadata(path: Path) -> Optional[Dict[str, str]]:
     Raises:
         OSError: The file cannot be read.
     """
-    for record, whole in _head(path):
-        if isinstance(record, Metadata) and record.name == METADATA and _written(record) == whole:
+    for record in _head(path):
+        if isinstance(record, Metadata) and record.name == METADATA:
             return dict(record.metadata)
     return None
 
 
-def _written(record: Union[Attachment, Metadata]) -> bytes:
-    builder = RecordBuilder()
-    record.write(builder)
-    return builder.end()
-
-
-def _head(path: Path) -> Iterator[Tuple[Union[Attachment, Metadata], bytes]]:
-    """Yield the records before the first chunk, with their bytes; damaged ones are left out."""
+def _head(path: Path) -> Iterator[Union[Attachment, Metadata]]:
+    """Yield attachments and metadata before the first chunk; damaged ones are left out."""
     content = mapped(path)
     place = len(MAGIC)
     with contextlib.suppress(*_TORN):
@@ -178,12 +171,26 @@ def _head(path: Path) -> Iterator[Tuple[Union[Attachment, Metadata], bytes]]:
             opcode, data, end = _record(content, place)
             if opcode not in HEAD:
                 return
-            with contextlib.suppress(*_TORN):
-                if opcode == Opcode.ATTACHMENT:
-                    yield Attachment.read(_stream(data)), content[place:end]
-                elif opcode == Opcode.METADATA:
-                    yield Metadata.read(_stream(data)), content[place:end]
+            record = _parsed(opcode, data)
+            # The library reads over the checksum of an attachment, but writes it.
+            if record is not None and _written(record) == content[place:end]:
+                yield record
             place = end
+
+
+def _parsed(opcode: int, data: bytes) -> Union[Attachment, Metadata, None]:
+    with contextlib.suppress(*_TORN):
+        if opcode == Opcode.ATTACHMENT:
+            return Attachment.read(_stream(data))
+        if opcode == Opcode.METADATA:
+            return Metadata.read(_stream(data))
+    return None
+
+
+def _written(record: Union[Attachment, Metadata]) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:

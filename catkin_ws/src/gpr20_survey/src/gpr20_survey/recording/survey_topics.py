@@ -68,6 +68,11 @@ class SurveyTopics:
         )
 
 
+def is_metadata_topic(topic: str) -> bool:
+    """Return whether a topic holds the survey's metadata, whatever the robot's namespace."""
+    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
+
+
 def recorded_trace(message: RecordedMessage) -> Optional[Trace]:
     """Return the trace of a recorded message, or None if it is no trace.
 

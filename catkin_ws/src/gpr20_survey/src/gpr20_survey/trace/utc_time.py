@@ -9,6 +9,7 @@ from gpr20_common.message import Message
 
 US_PER_S = 1_000_000
 NS_PER_US = 1_000
+NS_PER_S = 1_000_000_000
 
 # A computer without a clock battery starts in 1970: such a time cannot be right.
 EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01

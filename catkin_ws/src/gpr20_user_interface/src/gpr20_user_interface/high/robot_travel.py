@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import Any, Dict, Mapping
+from typing import Any, Mapping
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.message import Message
-from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.records import record_from
 from gpr20_msgs.msg import RobotConfiguration
 from gpr20_survey.plan.robot_description import ANALYZER, NodeDescription, robot_config
@@ -26,24 +25,13 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
     if not message.known:
         return AxisLimits(None, message_from(message))
     try:
-        nodes = _nodes(message)
+        nodes = {one.node: NodeDescription.from_fields(one) for one in message.nodes}
         config = robot_config(nodes)
         settings = _record(SurveySettings, nodes[CONTROL].configuration)
         defaults = _defaults(nodes[ANALYZER].configuration, message.site_json)
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
         return AxisLimits(None, dataclasses.replace(UNKNOWN, details=str(error)))
     return AxisLimits(config.travel, figures=RobotFigures(config, settings), defaults=defaults)
-
-
-def _nodes(message: RobotConfiguration) -> Dict[str, NodeDescription]:
-    return {
-        one.node: NodeDescription(
-            one.node,
-            Hardware(one.hardware, one.simulated, one.time_scale),
-            json.loads(one.configuration_json),
-        )
-        for one in message.nodes
-    }
 
 
 def _defaults(analyzer: Mapping[str, Any], site_json: str) -> RobotDefaults:

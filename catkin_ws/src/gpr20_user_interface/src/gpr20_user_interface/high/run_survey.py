@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Callable, Dict, Union
+from typing import Callable, Dict
 
 import rospy
 
@@ -32,8 +32,9 @@ from gpr20_user_interface.mid.survey_arguments import (
     parse_arguments,
     terminal_language,
 )
-from gpr20_user_interface.mid.survey_follower import ExitStatus, Limits, Mode, SurveyFollower
-from gpr20_user_interface.mid.survey_session import SurveySession, outcome_lines
+from gpr20_user_interface.mid.survey_follower import Limits, Mode, SurveyFollower
+from gpr20_user_interface.mid.survey_outcome import ExitStatus
+from gpr20_user_interface.mid.survey_session import Follower, SurveySession, outcome_lines
 
 
 def main() -> int:
@@ -88,7 +89,7 @@ def _follow(
     robot = SurveyFollower(options.mode, options.on_pause, limits, Clock())
     display = _display(options.bar, catalogue)
     client.listen()
-    follower: Union[SurveyFollower, ReplayFollower] = robot
+    follower: Follower = robot
     events = router.robot
     if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
         if options.mode is not Mode.ATTACH:

@@ -200,7 +200,6 @@ class StopRequested:
     signal: str
 
 
-# Everything that can happen while a survey is followed.
 @dataclass(frozen=True)
 class LinkState:
     """Whether the link to the main control is down.
@@ -211,6 +210,7 @@ class LinkState:
     down: bool
 
 
+# Everything that can happen while a survey is followed.
 Event = Union[
     ControlState,
     LinkState,

@@ -9,7 +9,7 @@ from gpr20_survey.plan.survey_state import ENDED
 from gpr20_user_interface.mid.events import ControlState, Progress, Request, StopRequested
 from gpr20_user_interface.mid.message_source import SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
-from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome
+from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 
 REFUSAL = Message(
     "A replay of a recorded survey is running here, and no robot. Only --attach can follow it. To "
@@ -18,7 +18,7 @@ REFUSAL = Message(
 
 
 class ReplayFollower:
-    """Takes events and gives in the end an outcome; the interface is that of SurveyFollower.
+    """Takes events and gives in the end an outcome.
 
     Attributes:
         outcome: How it ended; None while it has not.

@@ -9,6 +9,7 @@ from typing import List, Optional, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_user_interface.mid import follower_messages
 from gpr20_user_interface.mid.events import (
     Answer,
     ControlState,
@@ -18,6 +19,7 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
+from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 
 
 class Mode(enum.Enum):
@@ -33,26 +35,6 @@ class OnPause(enum.Enum):
 
     EXIT = "exit"
     WAIT = "wait"
-
-
-class ExitStatus(enum.IntEnum):
-    """How the survey ended, as the status of the process."""
-
-    FINISHED = 0
-    REFUSED = 1
-    FAILED = 3
-    PAUSED = 4
-    # What was followed was a replay: nothing was measured.
-    REPLAY = 5
-    STOPPED = 130
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """How it ended: a number for the shell and a sentence."""
-
-    status: ExitStatus
-    message: Message
 
 
 @dataclass(frozen=True)
@@ -150,9 +132,9 @@ class SurveyFollower:
             self._received_s = now_s
         self._ticked_s = now_s
         if self._phase is _Phase.WAITING and now_s - self._began_s > self._limits.wait_s:
-            self._end(ExitStatus.REFUSED, _not_there(self._limits.wait_s))
+            self._end(ExitStatus.REFUSED, follower_messages.not_there(self._limits.wait_s))
         elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._silence_limit_s:
-            self._end(ExitStatus.FAILED, _lost(self._silence_limit_s))
+            self._end(ExitStatus.FAILED, follower_messages.lost(self._silence_limit_s))
         elif self._stop_wanted_s is not None:
             return self._tick_stop(now_s, now_s - self._stop_wanted_s)
         elif self._phase is _Phase.FOLLOWING and not self._seen:
@@ -178,7 +160,7 @@ class SurveyFollower:
     def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
         # A survey that is not stopped continues when the link is back.
         if waited_s > self._limits.stop_s and not self._link_down:
-            message = _stop_not_confirmed(self._limits.stop_s, self._stop_refusal)
+            message = follower_messages.stop_not_confirmed(self._limits.stop_s, self._stop_refusal)
             self._end(ExitStatus.FAILED, message)
         elif self._stop_due_s is not None and now_s >= self._stop_due_s:
             return self._ask_stop()
@@ -250,7 +232,7 @@ class SurveyFollower:
         if state.survey_id != self.survey_id:
             # Before the first status of our survey, this one is from before it began.
             if self._seen:
-                self._end(ExitStatus.FAILED, _replaced(self.survey_id, state))
+                self._end(ExitStatus.FAILED, follower_messages.replaced(self.survey_id, state))
             return
         self._seen = True
         if state.code in ENDED:
@@ -284,47 +266,3 @@ class SurveyFollower:
     def _end(self, status: ExitStatus, message: Message) -> None:
         self._phase = _Phase.ENDED
         self.outcome = Outcome(status, message)
-
-
-def _not_there(wait_s: float) -> Message:
-    return Message(
-        "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
-        "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
-        limit_s=wait_s,
-    )
-
-
-def _lost(silence_s: float) -> Message:
-    return Message(
-        "No contact with the main control for {limit_s:g} s. The robot may still move. Check that "
-        "the main control is running, then follow the survey again with `rosrun "
-        "gpr20_user_interface run_survey --attach`.",
-        limit_s=silence_s,
-    )
-
-
-def _stop_not_confirmed(stop_s: float, refusal: Optional[Message]) -> Message:
-    if refusal is None:
-        return Message(
-            "The main control did not confirm within {limit_s:g} s that the survey has stopped. "
-            "The robot may still move: switch it off if people are near it.",
-            limit_s=stop_s,
-        )
-    return Message(
-        "The main control did not confirm within {limit_s:g} s that the survey has stopped; its "
-        "last answer to the stop request: {answer}. The robot may still move: switch it off if "
-        "people are near it.",
-        limit_s=stop_s,
-        answer=refusal,
-    )
-
-
-def _replaced(survey_id: str, state: ControlState) -> Message:
-    return Message(
-        "The main control no longer knows survey {survey}; it may have been restarted. The "
-        "traces measured so far are in the survey's folder. The main control is {state}: "
-        "{message}",
-        survey=survey_id,
-        state=state.code.label,
-        message=state.message,
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import queue
-from typing import Callable, List, Optional, Union
+from typing import Callable, List, Optional, Protocol
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.displays import Display, time_text
@@ -17,8 +17,7 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.replay_follower import ReplayFollower
-from gpr20_user_interface.mid.survey_follower import ExitStatus, Outcome, SurveyFollower
+from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 
 TICK_S = 0.2
 # Messages, or ticks, by which the progress of a finished survey may lag behind its end.
@@ -44,6 +43,24 @@ _RESUME_HINT = Message(
 )
 
 
+class Follower(Protocol):
+    """Takes events and the passing of time, gives requests and in the end an outcome."""
+
+    outcome: Optional[Outcome]
+    """How it ended; None while it has not."""
+    survey_id: str
+    """The survey that is followed; empty while it is not known."""
+
+    def concerns(self, event: Event) -> bool:
+        """Return whether an event is to be shown."""
+
+    def handle(self, event: Event) -> List[Request]:
+        """Take an event; return the requests to send to the main control now."""
+
+    def tick(self) -> List[Request]:
+        """Check the time limits; return the requests to send to the main control now."""
+
+
 class SurveySession:
     """Carries events to the follower and the display, and requests to the main control.
 
@@ -60,7 +77,7 @@ class SurveySession:
 
     def __init__(
         self,
-        follower: Union[SurveyFollower, ReplayFollower],
+        follower: Follower,
         events: queue.SimpleQueue,
         send: Callable[[Request], None],
         display: Display,

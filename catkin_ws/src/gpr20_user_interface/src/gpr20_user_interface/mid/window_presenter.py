@@ -34,7 +34,7 @@ class SurveyControl(Protocol):
         """Ask to resume the paused survey, or one by its id or the name of its folder."""
 
     def check_master(self) -> None:
-        """Read the limits of the axes."""
+        """Check that the master answers; the answer is an event with the limits of the axes."""
 
     def set_replay_paused(self, paused: bool) -> None:
         """Ask the replay to pause or to continue."""
@@ -89,7 +89,7 @@ class WindowPresenter:
             self._estimator.ask(parameters, self.snapshot.figures)
 
     def check_master(self) -> None:
-        """Read the limits of the axes; this shows, too, whether the master answers."""
+        """Check that the master answers."""
         self._control.check_master()
 
     def start(self, parameters: SurveyParameters, annotation: Annotation) -> None:

@@ -34,7 +34,7 @@ from gpr20_user_interface.mid.parameter_form import (
     texts_of,
 )
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.views.key_pad import Judge
+from gpr20_user_interface.views.pad import Judge
 from gpr20_user_interface.views.parameter_form_view import ParameterFormView, TouchEdit
 from gpr20_user_interface.views.preview_panel import PreviewPanel
 from gpr20_user_interface.views.style import COMMAND_PX

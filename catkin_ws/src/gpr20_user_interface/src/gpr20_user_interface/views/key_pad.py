@@ -4,33 +4,22 @@ from __future__ import annotations
 
 from typing import Callable, Sequence
 
-from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLineEdit, QPushButton, QWidget
 
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import new_button, set_look
+from gpr20_user_interface.views.pad import Judge, Pad
+from gpr20_user_interface.views.style import set_look
 
 DIGITS = ("789", "456", "123", "-0.", ", ")
 LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
 MAX_LENGTH = 40
 
-# Returns what is allowed instead of a wrong text; empty if the text is right.
-Judge = Callable[[str], str]
 
-
-class KeyPad(Overlay):
+class KeyPad(Pad):
     """A text, keys that write it, and what is allowed, while it is written."""
 
     def __init__(self, window: QWidget, rows: Sequence[str]) -> None:
         super().__init__(window)
-        self._judge: Judge = lambda _text: ""
         self._strict = True
-        self._hint = ""
-        self._deliver: Callable[[str], None] = lambda _text: None
-        self.title = QLabel()
-        self.title.setObjectName("title")
-        self.hint = QLabel()
-        self.hint.setWordWrap(True)
         self.edit = QLineEdit()
         self.edit.setMaxLength(MAX_LENGTH)
         self.edit.textChanged.connect(self._on_text)
@@ -38,8 +27,6 @@ class KeyPad(Overlay):
         self.erase = self._button("⌫", self.edit.backspace)
         self.erase.setAutoRepeat(True)
         self.clear = self._button("", self.edit.clear)
-        self.cancel = self._button("", self.hide)
-        self.accept_button = self._button("", self._accept)
         self.keys = [self._key(character) for row in rows for character in row]
         self._lay_out(rows)
 
@@ -62,17 +49,14 @@ class KeyPad(Overlay):
             judge: Returns what is allowed instead of a wrong text, while it is written.
             strict: Whether a wrong text cannot be accepted.
         """
-        self._deliver = deliver
-        self._judge = judge
+        self._begin(deliver, title, hint, judge)
         self._strict = strict
         self.clear.setText(self.tr("Clear"))
         self.cancel.setText(self.tr("Cancel"))
         self.accept_button.setText(self.tr("OK"))
-        self.title.setText(title)
-        self._hint = hint
         self.edit.setText(text)
         self.edit.selectAll()
-        self._on_text(text)
+        self._on_text()
         self.open()
         self.edit.setFocus()
 
@@ -80,17 +64,11 @@ class KeyPad(Overlay):
         """Press one of the keys."""
         next(key for key in self.keys if key.property("character") == character).click()
 
-    def _accept(self) -> None:
-        if self.accept_button.isEnabled():
-            self.hide()
-            self._deliver(self.edit.text())
+    def _written(self) -> str:
+        return str(self.edit.text())
 
-    def _on_text(self, text: str) -> None:
-        problem = self._judge(text)
-        self.hint.setText(problem or self._hint)
-        set_look(self.edit, "wrong", bool(problem))
-        set_look(self.hint, "level", "wrong" if problem else "")
-        self.accept_button.setEnabled(not (problem and self._strict))
+    def _on_text(self) -> None:
+        set_look(self.edit, "wrong", bool(self._check(self._strict)))
 
     def _key(self, character: str) -> QPushButton:
         key = self._button(
@@ -99,12 +77,6 @@ class KeyPad(Overlay):
         key.setObjectName("key")
         key.setProperty("character", character)
         return key
-
-    def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
-        button = new_button(act, text)
-        # The focus, and with it the selection, stays in the text.
-        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        return button
 
     def _lay_out(self, rows: Sequence[str]) -> None:
         top = QHBoxLayout()

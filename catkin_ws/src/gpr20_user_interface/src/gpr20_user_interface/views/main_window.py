@@ -50,7 +50,7 @@ REFRESH_MS = 100
 DRAW_MS = 250
 # A robot may be started, or restarted with other limits, after the window; this also shows
 # whether the master answers.
-LIMITS_MS = 2000
+MASTER_CHECK_MS = 2000
 
 
 class TabName(enum.Enum):
@@ -109,7 +109,7 @@ class MainWindow(TranslatedWidget):
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
-            self._timer(LIMITS_MS, survey.check_master),
+            self._timer(MASTER_CHECK_MS, survey.check_master),
         ]
         self._lay_out()
         self._connect()

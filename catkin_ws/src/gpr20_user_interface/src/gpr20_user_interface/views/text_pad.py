@@ -6,11 +6,10 @@ from typing import Callable, List
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QKeyEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPlainTextEdit, QPushButton, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QPlainTextEdit, QPushButton, QWidget
 
-from gpr20_user_interface.views.key_pad import Judge
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import TOUCH_PX, new_button, set_look
+from gpr20_user_interface.views.pad import Judge, Pad
+from gpr20_user_interface.views.style import TOUCH_PX
 
 # The same keys without and with shift.
 PLAIN = ("1234567890", "qwertyuiop", "asdfghjklñ", "zxcvbnm,.-", "áéíóúü¿?¡!")
@@ -37,18 +36,11 @@ class PadEdit(QPlainTextEdit):
             super().keyPressEvent(event)
 
 
-class TextPad(Overlay):
+class TextPad(Pad):
     """A text, keys that write it, and what is allowed, while it is written."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
-        self._judge: Judge = lambda _text: ""
-        self._hint = ""
-        self._deliver: Callable[[str], None] = lambda _text: None
-        self.title = QLabel()
-        self.title.setObjectName("title")
-        self.hint = QLabel()
-        self.hint.setWordWrap(True)
         self.edit = PadEdit()
         self.edit.setFixedHeight(LINES_SHOWN * TOUCH_PX // 2 + 14)
         self.edit.textChanged.connect(self._on_text)
@@ -62,8 +54,6 @@ class TextPad(Overlay):
         self.line = self._button("↵", lambda: self._insert("\n"))
         self.erase = self._button("⌫", lambda: self.edit.textCursor().deletePreviousChar())
         self.erase.setAutoRepeat(True)
-        self.cancel = self._button("", self.hide)
-        self.accept_button = self._button("", self._accept)
         self._lay_out()
 
     def ask(
@@ -85,10 +75,7 @@ class TextPad(Overlay):
             judge: Returns what is allowed instead of a wrong text, while it is written.
             several_lines: Whether the text may have several lines.
         """
-        self._deliver = deliver
-        self._judge = judge
-        self._hint = hint
-        self.title.setText(title)
+        self._begin(deliver, title, hint, judge)
         self.edit.several_lines = several_lines
         self.line.setEnabled(several_lines)
         self.shift.setChecked(not text)
@@ -117,16 +104,11 @@ class TextPad(Overlay):
             self._show_keys()
             next(key for key in self.keys if key.property("character") == character).click()
 
-    def _accept(self) -> None:
-        if self.accept_button.isEnabled():
-            self.hide()
-            self._deliver(self.edit.toPlainText())
+    def _written(self) -> str:
+        return str(self.edit.toPlainText())
 
     def _on_text(self) -> None:
-        problem = self._judge(self.edit.toPlainText())
-        self.hint.setText(problem or self._hint)
-        set_look(self.hint, "level", "wrong" if problem else "")
-        self.accept_button.setEnabled(not problem)
+        self._check(strict=True)
 
     def _insert(self, character: str) -> None:
         self.edit.insertPlainText(character)
@@ -149,12 +131,6 @@ class TextPad(Overlay):
         key = self._button(PLAIN[row][column], lambda: self._type(key))
         key.setObjectName("key")
         return key
-
-    def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
-        button = new_button(act, text)
-        # The focus, and with it the cursor, stays in the text.
-        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        return button
 
     def _lay_out(self) -> None:
         top = QHBoxLayout()

@@ -8,6 +8,7 @@ from typing import Callable
 import rosgraph
 import rospy
 
+from gpr20_common.high.subscribers import subscriber_count
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 
 # Connections to nodes that were just started are made within this time [s].
@@ -35,7 +36,7 @@ def connect_subscribers(publisher: rospy.Publisher) -> None:
     def connect() -> None:
         deadline_s = time.monotonic() + CONNECTION_LIMIT_S
         topic = publisher.resolved_name
-        while publisher.get_num_connections() < _subscribers(topic):
+        while publisher.get_num_connections() < subscriber_count(topic):
             if time.monotonic() > deadline_s:
                 rospy.logwarn("a subscriber of %s is not connected", topic)
                 return
@@ -50,8 +51,3 @@ def _unless_the_master_is_away(connect: Callable[[], None]) -> None:
     except (rosgraph.MasterException, OSError) as error:
         # Storing does not depend on the master; missing positions do not refuse a survey.
         rospy.logwarn("the master did not list the nodes of a topic: %s", error)
-
-
-def _subscribers(topic: str) -> int:
-    _published, subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
-    return len(dict(subscribed).get(topic, []))

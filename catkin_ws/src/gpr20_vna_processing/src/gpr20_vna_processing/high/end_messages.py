@@ -11,9 +11,9 @@ from gpr20_common.high.raw_message import serialized
 from gpr20_common.message import Message
 from gpr20_msgs.msg import ControlStatus
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.plan.survey_state import ENDED
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_vna_processing.mid.processing_records import SurveyEnd
+from gpr20_survey.trace import utc_time
+from gpr20_vna_processing.mid.survey_end import SurveyEnd, may_end_with
 
 STATUS_TOPIC = "control_status"
 PROGRESS_TOPIC = "control_survey_data"
@@ -51,7 +51,7 @@ def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
 def end_status(end: SurveyEnd) -> RecordedMessage:
     """Return the last status of a survey whose end only the storage knows."""
     status = ControlStatus(**message_fields(end.message))
-    status.header.stamp = rospy.Time(*divmod(end.time_ns, 1_000_000_000))
+    status.header.stamp = rospy.Time(*divmod(end.time_ns, utc_time.NS_PER_S))
     status.code = int(end.state)
     status.survey_id = end.survey_id
     status.simulated = end.simulated
@@ -60,8 +60,7 @@ def end_status(end: SurveyEnd) -> RecordedMessage:
 
 def _check_status(request: Any) -> None:
     status = request.status
-    states = {state.name.lower(): state for state in ENDED}
-    if status.survey_id != request.survey_id or status.code != states.get(request.outcome):
+    if status.survey_id != request.survey_id or not may_end_with(request.outcome, status.code):
         raise SurveyRefusedError(
             Message(
                 "the last status does not state that survey {survey} is {outcome}",

@@ -13,7 +13,6 @@ from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
@@ -24,20 +23,10 @@ from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
     ReopenedSurvey,
     Storage,
-    SurveyEnd,
 )
 from gpr20_vna_processing.mid.reopening import Reopening
+from gpr20_vna_processing.mid.survey_end import SurveyEnd
 from gpr20_vna_processing.mid.trace_publication import TracePublication
-
-# What a status says where nobody but the storage states the end.
-SENTENCES = {
-    "finished": Message("Finished"),
-    "stopped": Message("Stopped"),
-    "failed": Message("Failed"),
-    INTERRUPTED: Message("Interrupted before its end"),
-}
-# An interrupted survey ended without every trace, as a failed one did.
-STATES = {"finished": SurveyState.FINISHED, "stopped": SurveyState.STOPPED}
 
 
 class CurrentSurvey:
@@ -247,9 +236,7 @@ class CurrentSurvey:
         self, survey: OpenSurvey, outcome: str, reason: Message, now_ns: int
     ) -> RecordedMessage:
         simulated = survey.description.get("simulated") is True
-        state = STATES.get(outcome, SurveyState.FAILED)
-        message = Message("{outcome}: {reason}", outcome=SENTENCES[outcome], reason=reason)
-        end = SurveyEnd(survey.survey_id, state, message, simulated, now_ns)
+        end = SurveyEnd.of(survey.survey_id, outcome, reason, simulated, now_ns)
         return self._storage.end_status(end)
 
     def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:

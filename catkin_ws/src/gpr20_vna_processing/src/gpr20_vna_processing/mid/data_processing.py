@@ -29,8 +29,8 @@ from gpr20_vna_processing.mid.processing_records import (
     Storage,
 )
 from gpr20_vna_processing.mid.storage_thread import StorageThread
+from gpr20_vna_processing.mid.survey_end import OUTCOMES
 
-OUTCOMES = ("finished", "stopped", "failed", survey_metadata.INTERRUPTED)
 MAX_REASON_CHARACTERS = 4096
 
 

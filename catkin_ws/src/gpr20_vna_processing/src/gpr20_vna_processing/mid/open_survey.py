@@ -85,7 +85,7 @@ class OpenSurvey:
         # Fingerprint of each index whose JSON file is durable, and index of each sample.
         self._prints = {index: file.fingerprint for index, file in stored.items()}
         self._indices = {file.sample_id: index for index, file in stored.items()}
-        self._sums = {_in_folder(file.name): file.sum for file in stored.values()}
+        self._sums = {manifest.trace_name(file.name): file.sum for file in stored.values()}
         self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in a recording
         self._ending = False  # the recordings accept nothing more
         self._unfinished = list(recordings)
@@ -128,7 +128,7 @@ class OpenSurvey:
             ):
                 content = trace_json.encode(trace)
                 durable_files.write_new_file(path, content)
-            self._sums[_in_folder(path.name)] = sum_of(content)
+            self._sums[manifest.trace_name(path.name)] = sum_of(content)
             message = self._topics.trace(trace, time_ns)
             self._publication.expect(trace, message)
             self._pending[trace.index] = _PendingTrace(trace, message, list(self._recordings))
@@ -323,8 +323,3 @@ class OpenSurvey:
             raise refusals.index_stored(trace, self._traces)
         if not path.is_file():
             raise refusals.file_missing(trace, self._traces)
-
-
-def _in_folder(name: str) -> str:
-    """Return the name of a trace's file relative to the survey's folder."""
-    return f"{survey_folder.TRACES_FOLDER}/{name}"

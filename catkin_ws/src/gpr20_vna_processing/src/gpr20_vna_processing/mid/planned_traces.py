@@ -20,7 +20,7 @@ class _Candidate:
     def __init__(self, description: Dict[str, Any]) -> None:
         self.description = description
         self._misfits: Dict[bytes, List[Message]] = {}
-        self._fit: Optional[PlanFit] = None
+        self._fit: Optional[PlanFit]
         try:
             self._fit = PlanFit(description)
         except InvalidValueError:

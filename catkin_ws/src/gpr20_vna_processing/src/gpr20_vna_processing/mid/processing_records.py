@@ -9,25 +9,13 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
+from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
 BYTES_PER_MB = 1_000_000
-
-
-@dataclass(frozen=True)
-class SurveyEnd:
-    """How a survey ended that nobody but the storage knows to have ended."""
-
-    survey_id: str
-    state: SurveyState
-    message: Message
-    simulated: bool
-    time_ns: int
-    """When it ended [ns since 1970, UTC]."""
 
 
 @dataclass(frozen=True)

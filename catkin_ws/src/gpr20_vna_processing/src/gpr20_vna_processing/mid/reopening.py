@@ -10,16 +10,13 @@ that can be reopened. The manifest is compared with the files first, then marked
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import AbstractSet, Any, Dict, List, Optional, Set, Tuple
+from typing import Any, Dict, List, Optional, Set, Tuple
 
-from gpr20_common.message import Message, in_a_row
-from gpr20_common.os_reason import os_reason
+from gpr20_common.message import Message
 from gpr20_survey.errors import (
     ManifestDamagedError,
-    StorageFailedError,
-    TraceRefusedError,
     printable,
     storing,
 )
@@ -29,26 +26,22 @@ from gpr20_survey.folder import (
     sealing,
     survey_folder,
     survey_metadata,
-    trace_files,
 )
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.description_recovery import RecoveredDescription, repairs_of, start_of
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
-from gpr20_survey.recording.bag_writer import BagFile
 from gpr20_survey.recording.recording import Recording
-from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, trace_message, utc_time
+from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.planned_traces import PlannedTraces
-from gpr20_vna_processing.mid.stored_forms import RecordedTraces, StoredForms
+from gpr20_vna_processing.mid.recording_repair import RecordingRepair, read_again
+from gpr20_vna_processing.mid.stored_forms import StoredForms
 
 MAX_RESUMPTIONS = 100_000
-SHOWN = 3  # faults of a recording that are named
-COPIED_BYTES = 4 << 20  # what a copy holds in memory between two commits
 
 
 @dataclass(frozen=True)
@@ -126,7 +119,9 @@ class Reopening:
             self._remove_torn()
             self._repair_traces()
             last = self._last()
-            recordings = self._write_recordings()
+            recordings = RecordingRepair(
+                self._folder, self._forms, self._topics, self._start, self._repairs
+            ).write()
         return RepairedSurvey(
             self._description,
             recordings,
@@ -232,117 +227,20 @@ class Reopening:
         self._files[trace.index] = file
         self._repairs.append(Message("wrote {file} again from the recordings", file=file.name))
 
-    def _read(self, index: int) -> Trace:
-        path = self._traces / self._files[index].name
-        try:
-            return trace_files.read_trace(path, self._description["survey_id"])
-        except TraceRefusedError as error:
-            raise StorageFailedError(
-                Message(
-                    "{path} changed while it was read: {reason}; try again",
-                    path=printable(path),
-                    reason=error.message,
-                )
-            ) from error
-
     def _last(self) -> Optional[Trace]:
         if not self._files:
             return None
         moments = {index: (file.timestamp_us, index) for index, file in self._files.items()}
-        return self._read(max(moments, key=lambda index: moments[index]))
-
-    def _write_recordings(self) -> List[Recording]:
-        recordings: List[Recording] = []
-        try:
-            recordings.append(self._resume_bag() or self._write_again(self._forms.bag))
-            recordings.append(self._write_again(self._forms.mcap))
-            # Last: until now it vouches for files that were not changed yet.
-            durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
-        except BaseException:
-            for recording in recordings:
-                recording.abandon()
-            raise
-        return recordings
-
-    def _resume_bag(self) -> Optional[Recording]:
-        """Continue the bag without its torn tail or its index, if all before that is right."""
-        bag = self._forms.stored_bag.resume() if self._forms.bag_is_right() else None
-        if bag is None:
-            return None
-        try:
-            missing = self._forms.truth.keys() - self._forms.bag.prints.keys()
-            self._add(missing, bag, self._forms.bag.name)
-        except BaseException:
-            bag.abandon()
-            raise
-        return bag
-
-    def _write_again(self, recorded: RecordedTraces) -> Recording:
-        """Replace a recording by a whole new file; a damaged one stays in `damaged/`."""
-        path = recorded.stored.path
-        temporary = durable_files.temporary_path(path)
-        new: Recording
-        if recorded is self._forms.bag:
-            new = BagFile(temporary)
-        else:
-            new = new_mcap(temporary, self._start)
-        faults = self._forms.faults_of(recorded)
-        try:
-            self._copy(recorded, new)
-            if faults and path.exists():
-                durable_files.keep_aside(path, self._damaged)
-            new.take_place_of(path)
-        except BaseException:
-            new.abandon()
-            temporary.unlink(missing_ok=True)  # it may have filled the disk
-            raise
-        if faults:
-            self._repairs.append(
-                Message("rebuilt {file}: {faults}", file=path.name, faults=in_a_row(faults[:SHOWN]))
-            )
-        return new
-
-    def _copy(self, recorded: RecordedTraces, new: Recording) -> None:
-        """Write every true trace once and all other messages."""
-        missing = set(self._forms.truth)
-        source = self._forms.source_of(recorded).stored
-        for message in map(self._forms.with_certain_type, source.messages()):
-            if message.datatype != trace_message.DATATYPE:
-                if message.topic != self._topics.trace_topic:
-                    new.write(message)
-            else:
-                trace = self._forms.true_trace(message)
-                if trace is not None and trace.index in missing:
-                    missing.remove(trace.index)
-                    own = self._topics.trace(trace, message.time_ns)
-                    new.write_alone(replace(own, topic=message.topic))
-            if new.collected_bytes > COPIED_BYTES:
-                new.commit()
-        self._add(missing, new, recorded.name)
-
-    def _add(self, missing: AbstractSet[int], new: Recording, name: str) -> None:
-        for index in sorted(missing):
-            trace = self._read(index)
-            new.write_alone(self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US))
-            if new.collected_bytes > COPIED_BYTES:
-                new.commit()
-        new.commit()
-        if missing:
-            self._repairs.append(
-                Message("added {count} traces to {file}", count=len(missing), file=name)
-            )
+        newest = max(moments, key=lambda index: moments[index])
+        path = self._traces / self._files[newest].name
+        return read_again(path, self._description["survey_id"])
 
 
 def _read_manifest(folder: Path, survey_id: str) -> Tuple[Optional[Manifest], Optional[Message]]:
     """Return the manifest of a survey, or what is wrong with it."""
     try:
-        sealed = manifest.read_manifest(folder)
+        return manifest.read_own_manifest(folder, survey_id), None
     except FileNotFoundError:
         return None, None
     except ManifestDamagedError as error:
         return None, error.message
-    except OSError as error:
-        return None, os_reason(error)
-    if sealed.survey_id != survey_id:
-        return None, Message("it is the manifest of survey {survey}", survey=sealed.survey_id)
-    return sealed, None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections import Counter
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Set, Tuple
+from typing import Dict, List, Optional, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
@@ -17,69 +17,11 @@ from gpr20_survey.folder.trace_files import OnTrace
 from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.stored_recording import StoredRecording
 from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid.recorded_traces import RecordedTraces, Type
 
 _NOT_LISTED = FileSum("", 0)
-# Name, checksum and definition of a message type.
-Type = Tuple[str, str, str]
-
-
-@dataclasses.dataclass
-class RecordedTraces:
-    """What was found in a recording."""
-
-    stored: StoredRecording
-    prints: Dict[int, bytes] = dataclasses.field(default_factory=dict)
-    """Fingerprint of the trace of each index."""
-    types: Dict[str, Set[Type]] = dataclasses.field(default_factory=dict)
-    """Types of the messages of each topic."""
-    faults: List[Message] = dataclasses.field(default_factory=list)
-    foreign: int = 0
-    """How many whole traces of another survey it holds."""
-
-    @property
-    def name(self) -> str:
-        """File name."""
-        return self.stored.path.name
-
-    def read(self, trace_of: Callable[[RecordedMessage], Optional[Trace]]) -> None:
-        """Read the whole recording.
-
-        Raises:
-            OSError: The file cannot be read.
-        """
-        for message in self.stored.messages():
-            own = (message.datatype, message.md5sum, message.definition)
-            self.types.setdefault(message.topic, set()).add(own)
-            try:
-                trace = trace_of(message)
-            except TraceRefusedError as error:
-                self.foreign += isinstance(error, ForeignTraceError)
-                self.faults.append(
-                    Message(
-                        "{file} holds a damaged trace: {reason}",
-                        file=self.name,
-                        reason=error.message,
-                    )
-                )
-                continue
-            if trace is not None and trace.index in self.prints:
-                self.faults.append(
-                    Message("{file} holds trace {index} twice", file=self.name, index=trace.index)
-                )
-            elif trace is not None:
-                self.prints[trace.index] = trace.fingerprint()
-        self.faults = [*self.stored.faults, *self.faults]
-
-    def compare_types(self, certain: Dict[str, Type]) -> None:
-        """Add a fault for every topic whose type is not the certain one."""
-        for topic, types in self.types.items():
-            if topic in certain and types != {certain[topic]}:
-                self.faults.append(
-                    Message("{file} holds a damaged message type", file=self.name, details=topic)
-                )
 
 
 class StoredForms:
@@ -109,6 +51,8 @@ class StoredForms:
         self._folder = folder
         self._survey_id = survey_id
         self._sealed = sealed
+        # The manifest if a file that differs from it is damaged: after a reopening, files change.
+        self._binding = sealed if sealed is not None and sealed.reopened is None else None
         self._on_trace = on_trace
         self._sums: Dict[str, Optional[FileSum]] = {}  # of the recordings and survey.json
         traces = folder / survey_folder.TRACES_FOLDER
@@ -160,22 +104,21 @@ class StoredForms:
 
     def is_changed(self, name: str) -> bool:
         """Return whether a file should be as in the manifest, but is not."""
-        if self._sealed is None or self._sealed.reopened is not None:
-            return False
-        return not self._sealed.matches(name, self._sum(name))
+        return self._binding is not None and not self._binding.matches(name, self._sum(name))
 
     def other_changes(self) -> List[Message]:
         """Return how files that hold no data differ from the manifest."""
-        if self._sealed is None or self._sealed.reopened is not None:
+        binding = self._binding
+        if binding is None:
             return []
-        listed = self._sealed.files
+        listed = binding.files
         names = {*listed, *sealing.file_names(self._folder)}
         return [
             _differs(name)
             for name in sorted(names)
             if not manifest.is_data(name)
             and listed.get(name, _NOT_LISTED) is not None
-            and not self._sealed.matches(name, self._sum(name))
+            and not binding.matches(name, self._sum(name))
         ]
 
     def source_of(self, recorded: RecordedTraces) -> RecordedTraces:
@@ -230,7 +173,7 @@ class StoredForms:
         return trace
 
     def _leave_out_changed_files(self, traces: Path) -> None:
-        if self._sealed is None or self._sealed.reopened is not None:
+        if self._binding is None:
             return
         for index, file in list(self.files.files.items()):
             if not self._is_certain_file(index):
@@ -239,7 +182,7 @@ class StoredForms:
 
     def _is_certain_file(self, index: int) -> bool:
         file = self.files.files[index]
-        name = f"{survey_folder.TRACES_FOLDER}/{file.name}"
+        name = manifest.trace_name(file.name)
         return self._sealed is not None and self._sealed.matches(name, file.sum)
 
     def true_trace(self, message: RecordedMessage) -> Optional[Trace]:

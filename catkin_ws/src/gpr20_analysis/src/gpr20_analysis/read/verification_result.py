@@ -1,0 +1,89 @@
+"""The result of the verification of a survey's folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import List, Optional
+
+from gpr20_common.message import Message
+
+COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
+UNCOVERED = Message(
+    "entries of survey.json that change during a survey, messages that only one recording "
+    "contains, and bytes outside the messages of an unfinished recording"
+)
+
+
+@dataclass
+class Verification:
+    """The result of the verification of a survey's folder."""
+
+    faults: List[Message] = field(default_factory=list)
+    """What is damaged or contradictory."""
+    notes: List[Message] = field(default_factory=list)
+    """What else a user should know."""
+    planned: Optional[int] = None
+    """Number of planned samples; None if unknown."""
+    stored: int = 0
+    """Number of planned samples that are stored and readable."""
+    sealed: bool = False
+    """Whether a manifest covers every file, so that no change could be unseen."""
+    closed: bool = False
+    """Whether the survey was closed, not cut off or interrupted."""
+
+    def fault(self, message: Message) -> None:
+        """Note what is damaged or contradictory."""
+        self.faults.append(message)
+
+    def note(self, message: Message) -> None:
+        """Note what else a user should know."""
+        self.notes.append(message)
+
+    @property
+    def status(self) -> int:
+        """0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory."""
+        if self.faults:
+            return DAMAGED
+        whole = self.planned is not None and self.stored == self.planned
+        return COMPLETE if whole and self.sealed and self.closed else INCOMPLETE
+
+    @property
+    def verdict(self) -> Message:
+        """The result in one sentence."""
+        if self.faults:
+            return Message(
+                "DAMAGED or contradictory ({count} faults): {counted}",
+                count=len(self.faults),
+                counted=self._counted,
+            )
+        if self.status == COMPLETE:
+            return Message(
+                "complete and intact: all {planned} planned traces are stored and readable",
+                planned=self.planned,
+            )
+        if not self.sealed:
+            return Message(
+                "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
+                "manifest, changes to {uncovered} cannot be detected",
+                counted=self._counted,
+                uncovered=UNCOVERED,
+            )
+        if self.closed:
+            return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)
+        return Message(
+            "INCOMPLETE, but intact: {counted}, and the survey was interrupted",
+            counted=self._counted,
+        )
+
+    @property
+    def _counted(self) -> Message:
+        if self.planned is None:
+            return Message(
+                "{stored} of an unknown number of planned traces are stored and readable",
+                stored=self.stored,
+            )
+        return Message(
+            "{stored} of {planned} planned traces are stored and readable",
+            stored=self.stored,
+            planned=self.planned,
+        )
