@@ -9,8 +9,9 @@ import rosgraph
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.message import Message
 
-# All nodes publish there, also a window that shows the replay.
-SHARED_TOPICS = ("/diagnostics",)
+# Topics that are not a robot's alone: every node publishes its health, and the log node of each
+# master, which collects the log of the replay too, publishes the collected log.
+SHARED_TOPICS = ("/diagnostics", "/rosout_agg")
 CALLER = "/replay"
 
 
