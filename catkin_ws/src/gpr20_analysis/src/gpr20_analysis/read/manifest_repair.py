@@ -57,7 +57,8 @@ def repair_manifest(
         progress: Shows the progress of each pass over the traces.
 
     Raises:
-        AnalysisError: It is no survey, the survey is not closed, or its files differ from a whole manifest.
+        AnalysisError: It is no survey, the survey is not closed, or its files differ from a
+            valid manifest.
         SurveyRefusedError: survey.json cannot be read.
         OSError: The disk cannot be read or written.
     """
