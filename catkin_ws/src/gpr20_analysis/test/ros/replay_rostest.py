@@ -17,6 +17,7 @@ from typing import Any, Tuple
 import rospy
 from genpy.dynamic import generate_dynamic
 from mcap.writer import Writer
+from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, Trace
@@ -143,6 +144,15 @@ class ReplayTest(unittest.TestCase):
         self.assertIn("another replay is running", done.stderr)
         self.assertEqual(len(self.traces), len(POINTS))
         self.assertIsNone(first.poll())
+
+    def test_a_recorded_log_is_replayed_beside_the_log_node_of_the_master(self) -> None:
+        recording = self.data / "log.mcap"
+        write_latched(recording, ("/rosout_agg", Log(msg="recorded")))
+        node = rospy.Publisher("/rosout_agg", Log, queue_size=1)
+        self.addCleanup(node.unregister)
+        done = self.run_node(recording)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("1 messages", done.stdout)
 
     def test_the_launch_file_replays_a_folder_named_from_where_it_is_called(self) -> None:
         named = self.data / 'a "survey" of señor O\'Neill & <sons> $HOME'

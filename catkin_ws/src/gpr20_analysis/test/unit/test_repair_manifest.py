@@ -101,3 +101,8 @@ def test_a_survey_that_is_not_closed_is_refused(tmp_path, capsys, outcome):
         path.write_text(json.dumps({**json.loads(path.read_text()), "resumed": ["now"]}))
     assert main(["repair", str(folder)]) == 3
     assert "the survey is not closed; resume it" in capsys.readouterr().err
+
+
+def test_a_folder_that_is_no_survey_is_refused(tmp_path, capsys):
+    assert main(["repair", str(tmp_path)]) == 3
+    assert "is not the folder of a survey" in capsys.readouterr().err

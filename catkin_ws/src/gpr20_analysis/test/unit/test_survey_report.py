@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import math
 import re
 
@@ -57,6 +58,30 @@ def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     assert text.index("4 of 18 samples have no data") < text.index("Coverage and quality")
     assert "No image was made" in text
     assert "missing: x " in text
+
+
+def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path, capsys):
+    message = {
+        "template": "The computer's clock was set back by {step_s:.1f} s.",
+        "values": {"step_s": 120.0},
+    }
+    warning = {"time": "2026-09-21T14:13:20+00:00", "warning": "set back", "warning_message": None}
+    recorded = {"warnings": [warning, {**warning, "warning_message": message}, 7]}
+    folder = make_survey(tmp_path, ALL, "finished")
+    path = folder / "survey.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "report": recorded}))
+    output = tmp_path / "report.html"
+    main(["report", str(folder), "--output", str(output), *OPTIONS, *LOW])
+    text = output.read_text(encoding="utf-8")
+    for words in ("warning of the robot at 2026-09-21T14:13:20+00:00: set back", "120.0 s"):
+        assert words in text[: text.index("<h2>Survey</h2>")]
+    capsys.readouterr()
+    assert main(["info", str(folder), "--language", "es"]) == 0
+    assert "advertencia del robot a las 2026-09-21T14:13:20+00:00: set back" in (
+        capsys.readouterr().out
+    )
+    assert main(["info", str(folder), "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["warnings"]) == 2
 
 
 def test_words_of_a_survey_are_never_markup(tmp_path):

@@ -117,3 +117,12 @@ def test_many_traces_out_of_order_are_counted(tmp_path):
     *named, rest = notes(make_survey(tmp_path, 9, "stopped", misplaced=back))
     assert len(named) == 5
     assert rest == "3 more are out of order"
+
+
+@pytest.mark.parametrize(
+    ("name", "noted"), [("20260921T141320_7c9e6679", 1), ("copy of the survey", 0)]
+)
+def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path, name, noted):
+    folder = make_survey(tmp_path, 4, "stopped")
+    found = notes(folder.rename(folder.parent / name))
+    assert len([one for one in found if f"the name {name} of another survey" in one]) == noted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import random
@@ -146,6 +147,19 @@ def test_every_bit_of_a_manifest_is_covered(folder):
     for end in range(0, len(whole), 7):
         with pytest.raises(manifest.ManifestDamagedError):
             manifest.decode(whole[:end])
+
+
+@pytest.mark.parametrize("key", ["rewritten", "replacing", "files", "survey_id"])
+@pytest.mark.parametrize("value", [None, 1, [1], "x"])
+def test_a_manifest_with_entries_of_another_type_is_damaged(folder, key, value):
+    values = json.loads((folder / "manifest.json").read_text())
+    if type(value) is type(values[key]):
+        value = 2.5
+    del values["sha256"]
+    values[key] = value
+    own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
+    with pytest.raises(manifest.ManifestDamagedError):
+        manifest.decode(survey_metadata.encode({**values, "sha256": own_sum}))
 
 
 def test_a_manifest_of_the_former_format_is_read_and_replaced(folder):

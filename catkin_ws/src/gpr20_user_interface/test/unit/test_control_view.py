@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 from window_helpers import application, click, enter, show, snapshot, window, wishes
 
@@ -5,6 +7,7 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Request, RobotDefaults
 from gpr20_user_interface.mid.parameter_form import FIELDS, default_parameters
+from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.survey_preview import preview
 
 __all__ = ["application", "window"]
@@ -28,6 +31,13 @@ def test_start_carries_what_the_operator_entered(window):
     click(window.control.start)
     assert received[0].vna_address == "10.0.7.23"
     assert (received[0].x_points, received[0].start_frequency_hz) == (7, 700.5e6)
+
+
+def test_a_replay_offers_no_notes(window):
+    replayed = snapshot(SurveyState.SURVEYING)
+    for replay in (ReplayView(ReplayMark(), True, SurveyState.SURVEYING), None):
+        show(window, replace(replayed, replay=replay))
+        assert window.control.notes.isEnabled() is (replay is None)
 
 
 @pytest.mark.parametrize("name", ARROW_FIELDS)

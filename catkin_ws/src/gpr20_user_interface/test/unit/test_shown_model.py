@@ -70,6 +70,13 @@ def test_the_status_of_a_player_is_a_replay_for_as_long_as_it_is_shown(model, cl
         clock.advance(1000.0)
 
 
+def test_a_replay_without_status_shows_that_its_robot_was_simulated(model):
+    model.handle(Received(ROSBAG, progress()))
+    assert not model.snapshot().simulated
+    model.handle(Received(ROSBAG, NodeHealth("simulator", HealthLevel.OK, verbatim("works"), {})))
+    assert model.snapshot().replay is not None and model.snapshot().simulated
+
+
 @pytest.mark.parametrize("code", sorted(RUNNING))
 @pytest.mark.parametrize("marked_by", [ROSBAG, REPLAY, CONTROL])
 def test_a_mark_beside_a_robot_does_not_hide_stop(model, clock, code, marked_by):

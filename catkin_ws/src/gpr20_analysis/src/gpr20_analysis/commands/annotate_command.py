@@ -96,7 +96,7 @@ def _position(text: str) -> Wgs84Position:
 
 COMMAND = Command(
     "Set operator, site, notes and position of a survey. What is not given stays; without any, "
-    "they are printed. A survey that is damaged is refused.",
+    "they are printed. A survey whose survey.json is damaged is refused.",
     add_arguments,
     run,
 )

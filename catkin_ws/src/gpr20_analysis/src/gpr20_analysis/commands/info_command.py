@@ -8,9 +8,10 @@ import json
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.rows import print_rows
-from gpr20_analysis.report.summary import summarize, summary_of
-from gpr20_analysis.sentences import LIST_ATTRIBUTES
+from gpr20_analysis.report.summary import summarize, summary_of, warnings_of
+from gpr20_analysis.sentences import LIST_ATTRIBUTES, shown
 from gpr20_common.catalogue import Catalogue
+from gpr20_survey.errors import printable
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,9 +27,12 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = inputs.load(chosen, catalogue)
     if chosen.json:
         lists = {name: survey.attrs.get(name, []) for name in LIST_ATTRIBUTES}
+        lists["warnings"] = [str(one) for one in warnings_of(survey)]
         print(json.dumps({**summarize(survey), **lists}, indent=2))
     else:
         print_rows(summary_of(survey), catalogue)
+        for one in warnings_of(survey):
+            print(printable(shown(one, catalogue)))
     return inputs.status_of(survey)
 
 

@@ -11,8 +11,9 @@ from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 
-# All nodes publish there, also a window that shows the replay.
-SHARED_TOPICS = ("/diagnostics",)
+# Topics that are not a robot's alone: every node publishes its health, and the log node of each
+# master, which collects the log of the replay too, publishes the collected log.
+SHARED_TOPICS = ("/diagnostics", "/rosout_agg")
 CALLER = "/replay"
 # A node that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0

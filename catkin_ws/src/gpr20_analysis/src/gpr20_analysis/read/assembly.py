@@ -95,7 +95,7 @@ def _check_readable(source: SurveySource, table: TraceTable) -> None:
 def _refusal(name: str, faults: List[Fault]) -> Message:
     return Message(
         "{source} is damaged: {faults}; check with `gpr20 verify` whether another "
-        "recording of the survey is intact, or leave these samples out with --accept-damaged",
+        "recording of the survey is readable, or leave these samples out with --accept-damaged",
         source=name,
         faults=first_of([fault.message for fault in faults], FAULTS_LISTED),
     )

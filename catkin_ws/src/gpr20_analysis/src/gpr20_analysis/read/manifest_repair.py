@@ -11,7 +11,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import manifest_check
 from gpr20_analysis.read.manifest_check import ManifestCheck, Seal
-from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
@@ -57,10 +57,12 @@ def repair_manifest(
         progress: Shows the progress of each pass over the traces.
 
     Raises:
-        AnalysisError: The survey is not closed, or its files differ from a whole manifest.
+        AnalysisError: It is no survey, the survey is not closed, or its files differ from a
+            valid manifest.
         SurveyRefusedError: survey.json cannot be read.
         OSError: The disk cannot be read or written.
     """
+    check_survey_folder(folder)
     path = folder / survey_folder.SURVEY_FILE
     description = survey_metadata.read_description(path)
     survey_folder.check_survey_id(description["survey_id"])

@@ -30,6 +30,22 @@ REMEDY = Message(
 )
 
 
+def check_survey_folder(folder: Path) -> None:
+    """Check that a folder contains any part of a survey.
+
+    Raises:
+        AnalysisError: It does not.
+    """
+    if not any((folder / name).exists() for name in FILES):
+        raise AnalysisError(
+            Message(
+                "{folder} is not the folder of a survey: it contains none of {names}",
+                folder=folder,
+                names=", ".join(FILES),
+            )
+        )
+
+
 def verify_survey(
     folder: Union[str, Path], progress: Progress = no_progress, use_manifest: bool = True
 ) -> Verification:
@@ -45,14 +61,7 @@ def verify_survey(
         OSError: The disk cannot be read.
     """
     folder = Path(folder).expanduser()
-    if not any((folder / name).exists() for name in FILES):
-        raise AnalysisError(
-            Message(
-                "{folder} is not the folder of a survey: it contains none of {names}",
-                folder=folder,
-                names=", ".join(FILES),
-            )
-        )
+    check_survey_folder(folder)
     try:
         description = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
         survey_folder.check_survey_id(description["survey_id"])
@@ -125,6 +134,7 @@ class _Verifier:
         elif found.manifest is not None:
             self._note_manifest(found.manifest)
         self._note_damaged()
+        self._note_name()
 
     def _note_manifest(self, sealed: Manifest) -> None:
         if sealed.reopened is not None:
@@ -158,6 +168,18 @@ class _Verifier:
                 Message(
                     "{folder}/ contains damaged files that were replaced",
                     folder=survey_folder.DAMAGED_FOLDER,
+                )
+            )
+
+    def _note_name(self) -> None:
+        name = self._folder.resolve().name
+        is_survey_name = survey_folder.FOLDER_NAME.fullmatch(name) is not None
+        if is_survey_name and not name.endswith(f"_{self._survey_id[:8]}"):
+            self._note(
+                Message(
+                    "the folder has the name {name} of another survey; it contains survey {survey}",
+                    name=name,
+                    survey=self._survey_id,
                 )
             )
 

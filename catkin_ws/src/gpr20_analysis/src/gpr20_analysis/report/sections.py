@@ -20,7 +20,7 @@ from gpr20_analysis.read.verification import FILES, verify_survey
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_analysis.report import pictures
 from gpr20_analysis.report.page import Section
-from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of
+from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of, warnings_of
 from gpr20_analysis.sentences import ENGLISH, limited, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
@@ -108,6 +108,7 @@ def _checked(survey: xr.Dataset, path: Path, catalogue: Catalogue) -> List[Secti
         good.append(
             Message("Only the folder of a survey can be verified against its plan and checksums.")
         )
+    warnings += limited(warnings_of(survey), LISTED)
     verdict = _section(Message("Verdict"), warnings, good, catalogue)
     return [verdict, *([_verification(found, catalogue)] if found else [])]
 

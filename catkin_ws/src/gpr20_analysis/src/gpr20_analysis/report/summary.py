@@ -91,6 +91,22 @@ def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
     return received_message(str(report["verdict"]), json.dumps(report.get("verdict_message")))
 
 
+def warnings_of(survey: xr.Dataset) -> List[Message]:
+    """Return what the operator was warned of during the survey; none without survey.json."""
+    found = _mapping(_description(survey), "report").get("warnings")
+    return [
+        Message(
+            "warning of the robot at {time}: {warning}",
+            time=str(one.get("time")),
+            warning=received_message(
+                str(one.get("warning")), json.dumps(one.get("warning_message"))
+            ),
+        )
+        for one in (found if isinstance(found, list) else [])
+        if isinstance(one, dict)
+    ]
+
+
 def _samples(survey: xr.Dataset) -> Message:
     quality = survey[dataset.QUALITY].values
     usable = int(np.count_nonzero((quality & int(dataset.UNUSABLE)) == 0))

@@ -147,13 +147,19 @@ def _decoded(content: bytes, values: Dict[str, Any]) -> Manifest:
         content
     ):
         raise ManifestDamagedError(Message("its own SHA-256 has changed"))
-    if values.keys() != _KEYS - {"sha256"}:
+    replacing, rewritten = values.get("replacing"), values.get("rewritten")
+    if (
+        values.keys() != _KEYS - {"sha256"}
+        or not isinstance(replacing, dict)
+        or not isinstance(rewritten, list)
+        or not all(isinstance(one, dict) for one in rewritten)
+    ):
         raise ManifestDamagedError(Message("its entries are not those of a manifest"))
     return _manifest(
         values,
-        replacing={name: _sum(one) for name, one in values["replacing"].items()},
+        replacing={name: _sum(one) for name, one in replacing.items()},
         reopened=values["reopened"],
-        rewritten=tuple(values["rewritten"]),
+        rewritten=tuple(rewritten),
     )
 
 

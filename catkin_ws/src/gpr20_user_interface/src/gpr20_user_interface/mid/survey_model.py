@@ -26,7 +26,13 @@ from gpr20_user_interface.mid.events import (
 )
 from gpr20_user_interface.mid.replay import ReplayView
 from gpr20_user_interface.mid.request_outcome import RequestOutcome
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport, HealthTracker
+from gpr20_user_interface.mid.robot_health import (
+    SIMULATOR,
+    Alarm,
+    AlarmKind,
+    HealthReport,
+    HealthTracker,
+)
 
 # The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
 CONTROL_SILENCE_S = 5.0
@@ -77,7 +83,9 @@ class Snapshot:
 
     @property
     def simulated(self) -> bool:
-        """Whether the robot is simulated."""
+        """Whether the robot is simulated, or the survey that is replayed is of a simulated one."""
+        if self.replay is not None and self.health.node(SIMULATOR) is not None:
+            return True  # a recording of an earlier version may come without its status
         return self.state is not None and self.state.simulated
 
     @property

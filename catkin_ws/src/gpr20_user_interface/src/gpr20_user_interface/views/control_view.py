@@ -234,3 +234,4 @@ class ControlView(TranslatedWidget):
         paused = known is not None and known.paused
         self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
         self.pause.setEnabled(resume or (known is not None and known.can_pause))
+        self.notes.setEnabled(known is None or known.replay is None)
