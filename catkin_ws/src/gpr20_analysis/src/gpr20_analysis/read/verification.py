@@ -175,7 +175,7 @@ class _Verifier:
         name = self._folder.resolve().name
         is_survey_name = survey_folder.FOLDER_NAME.fullmatch(name) is not None
         if is_survey_name and not name.endswith(f"_{self._survey_id[:8]}"):
-            self._note(
+            self._found.note(
                 Message(
                     "the folder has the name {name} of another survey; it contains survey {survey}",
                     name=name,
