@@ -1,19 +1,19 @@
 """check_launch: what the launch files run before anything starts.
 
-It prints the configuration of the nodes as YAML, which roslaunch stores under a name of this
+It prints the configuration of the nodes as JSON, which roslaunch stores under a name of this
 launch alone. If it fails, roslaunch starts nothing and changes nothing.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 from typing import Optional, Sequence
 
 import rosgraph
 import rospkg
-import yaml
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
@@ -41,8 +41,7 @@ def main() -> int:
     except Gpr20Error as error:
         print(f"\nThis robot cannot be launched: {error}\n", file=sys.stderr)
         return 1
-    # Not JSON: of the number 2e-05 a reader of YAML makes a text.
-    print(yaml.safe_dump(sections))
+    print(json.dumps(sections))
     return 0
 
 
