@@ -100,6 +100,35 @@ def test_keys_of_one_file_override_only_themselves(tmp_path):
     assert sections["time_limits"] == {}
 
 
+@pytest.mark.parametrize("name", ["Axes.yaml", "axes.YAML", "axes.yml", "hight.yaml"])
+def test_a_file_of_another_name_is_refused_because_it_would_not_be_read(tmp_path, name):
+    (tmp_path / name).write_text("")
+    with pytest.raises(ConfigurationError) as refused:
+        read(tmp_path)
+    assert f"{tmp_path / name} is not a file of a robot's configuration" in str(refused.value)
+
+
+def test_what_editors_leave_beside_a_file_is_not_read(tmp_path):
+    (tmp_path / ".#axes.yaml").symlink_to("somebody@somewhere.1234")
+    (tmp_path / "._site.yaml").write_bytes(b"\0\1")
+    (tmp_path / "axes.yaml~").write_text("x: 5")
+    assert read(tmp_path) == read(tmp_path / "none")
+
+
+@pytest.mark.parametrize("linked", ["file", "folder"])
+def test_a_link_that_leads_nowhere_does_not_mean_the_defaults(tmp_path, linked):
+    folder = tmp_path / "robot"
+    if linked == "file":
+        folder.mkdir()
+        (folder / "axes.yaml").symlink_to("/nowhere/axes.yaml")
+    else:
+        folder.symlink_to("/nowhere")
+    with pytest.raises(ConfigurationError) as refused:
+        read_configuration(folder, AXES)
+    assert str(folder) in str(refused.value)
+    assert "there is no such file or folder" in str(refused.value)
+
+
 @given(
     st.sampled_from([*FILES, AXES_FILE]),
     st.dictionaries(

@@ -38,7 +38,8 @@ def main() -> int:
         )
         sections = request.sections(built_axes())
         _refuse_running(request.nodes, given.ns)
-    except Gpr20Error as error:
+    except (Gpr20Error, OSError, RuntimeError) as error:
+        # A folder that may not be searched, a master that has ended, ~USER without such a user.
         print(f"\nThis robot cannot be launched: {error}\n", file=sys.stderr)
         return 1
     print(json.dumps(sections))
@@ -106,7 +107,7 @@ def _running(name: str, master: str) -> Optional[RunningNode]:
     except NodeSilentError:
         return None
     process = process_info(number)
-    if process is not None and f"__name:={name.rsplit('/', 1)[-1]}" not in process.command:
+    if process is not None and not process.may_be_node(name):
         process = None  # the number is that of a process on another computer
     return RunningNode(name, number, process, _parent(process))
 
