@@ -157,6 +157,17 @@ class SecondLaunchTest(unittest.TestCase):
                 self.assertIn("kill -INT", said)
         self.assertEqual(rospy.get_param("/"), before)
 
+    def test_4_nodes_that_meet_others_of_their_names_end_their_launch(self):
+        # As if both launches had been checked before either had started.
+        unchecked = ["checked:=true", "launch:=unchecked"]
+        status, said = run(["roslaunch", "gpr20", "server.launch", *unchecked])
+        self.assertEqual(status, 0, said)
+        self.assertIn("cannot start: it is already running", said)
+        self.assertIn("ends the launch, because it cannot start", said)
+        self.assertNotIn("restarting process", said)
+        _survey_id, status = self.client.run_to_end()
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+
     def test_5_every_node_that_restarts_is_what_its_robot_was_launched_as(self):
         # What the former launch files set under names that all launches share.
         for name, value in POISON.items():
@@ -181,6 +192,9 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertEqual({one["time_scale"] for one in recorded["nodes"]}, {20.0})
         self.assertEqual(recorded["storage"]["data"], str(data))
         self.assertEqual(recorded["axes"]["x"]["max_coord"], 650.0)
+        self.assertEqual(recorded["analyzer"]["max_frequency_hz"], 6e9)
+        self.assertEqual(recorded["site"]["site"], "El Carmen ñ")
+        self.assertIsNone(recorded["site"]["latitude_deg"])
 
     def test_6_only_a_node_itself_says_what_it_is(self):
         publisher = rospy.Publisher(
