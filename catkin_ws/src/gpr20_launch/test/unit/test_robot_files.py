@@ -62,7 +62,7 @@ def test_templates_are_a_correct_configuration(tmp_path):
     [
         ("height", "height_ofset_m: 0.1", "'height_ofset_m' is unknown; allowed: channel"),
         ("height", "height_offset_m: 3", "height_offset_m is 3 m; it must lie between -2 and 2 m"),
-        ("height", "reference_voltage_v: '3.3'", "it must be a number of type float"),
+        ("height", "reference_voltage_v: '3.3'", ": reference_voltage_v is '3.3'; it must be a number of type float"),
         ("analyzer", "address: vna.local", "address is 'vna.local'; it must be four numbers"),
         ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations[1] is 9"),
         ("survey", "settle_s: -1", "settle_s is -1 s; it must lie between 0 and 60 s"),
@@ -71,6 +71,11 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("survey", "- a list", "it must be lines of the form key: value"),
         ("survey", "settle_s: [", "it is not YAML"),
         ("storage", "disk_reserve_mb: -5", "disk_reserve_mb is -5 MB"),
+        ("storage", "store_queue: 0", "store_queue is 0; it must lie between 1 and"),
+        ("storage", "message_queue: -5", "message_queue is -5; it must lie between 1 and"),
+        ("storage", "extra_recorded_topics: [a b]", "'a b' is not the name of a topic"),
+        ("storage", "extra_recorded_topics: ['']", "'' is not the name of a topic"),
+        ("storage", "recorded_topics: [5/x]", "'5/x' is not the name of a topic"),
         (
             "site",
             "latitude_deg: 91\nlongitude_deg: 0",
