@@ -62,7 +62,11 @@ def test_templates_are_a_correct_configuration(tmp_path):
     [
         ("height", "height_ofset_m: 0.1", "'height_ofset_m' is unknown; allowed: channel"),
         ("height", "height_offset_m: 3", "height_offset_m is 3 m; it must lie between -2 and 2 m"),
-        ("height", "reference_voltage_v: '3.3'", ": reference_voltage_v is '3.3'; it must be a number of type float"),
+        (
+            "height",
+            "reference_voltage_v: '3.3'",
+            ": reference_voltage_v is '3.3'; it must be a number of type float",
+        ),
         ("analyzer", "address: vna.local", "address is 'vna.local'; it must be four numbers"),
         ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations[1] is 9"),
         ("survey", "settle_s: -1", "settle_s is -1 s; it must lie between 0 and 60 s"),
