@@ -58,6 +58,19 @@ POISON = {
     "/height_sensor/time_scale": 3.0,
 }
 
+# A node that is ended while its main thread has rospy's lock of the master.
+ENDED_WHILE_IT_STARTS = """
+import os, signal
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+import rosgraph, rospy
+from gpr20_common.high.node import run_node
+def build():
+    with rospy.core.xmlrpcapi(rosgraph.get_master_uri())._lock:
+        os.kill(os.getpid(), signal.SIGINT)
+        signal.sigtimedwait([], 1.0)
+run_node("ended_while_it_starts", build)
+"""
+
 
 def run(command):
     """Run a command; return its exit status and all that it said."""
@@ -205,6 +218,10 @@ class SecondLaunchTest(unittest.TestCase):
         _survey_id, status = self.client.run_to_end()
         publisher.unregister()
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+
+    def test_7_ctrl_c_ends_a_node_that_is_starting(self):
+        status, said = run([sys.executable, "-c", ENDED_WHILE_IT_STARTS])
+        self.assertEqual((status, said), (-signal.SIGINT, ""))
 
 
 if __name__ == "__main__":
