@@ -58,6 +58,19 @@ POISON = {
     "/height_sensor/time_scale": 3.0,
 }
 
+# A node that is ended while its main thread has rospy's lock of the master.
+ENDED_WHILE_IT_STARTS = """
+import os, signal
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+import rosgraph, rospy
+from gpr20_common.high.node import run_node
+def build():
+    with rospy.core.xmlrpcapi(rosgraph.get_master_uri())._lock:
+        os.kill(os.getpid(), signal.SIGINT)
+        signal.sigtimedwait([], 1.0)
+run_node("ended_while_it_starts", build)
+"""
+
 
 def run(command):
     """Run a command; return its exit status and all that it said."""
@@ -157,6 +170,17 @@ class SecondLaunchTest(unittest.TestCase):
                 self.assertIn("kill -INT", said)
         self.assertEqual(rospy.get_param("/"), before)
 
+    def test_4_nodes_that_meet_others_of_their_names_end_their_launch(self):
+        # As if both launches had been checked before either had started.
+        unchecked = ["checked:=true", "launch:=unchecked"]
+        status, said = run(["roslaunch", "gpr20", "server.launch", *unchecked])
+        self.assertEqual(status, 0, said)
+        self.assertIn("cannot start: it is already running", said)
+        self.assertIn("ends the launch, because it cannot start", said)
+        self.assertNotIn("restarting process", said)
+        _survey_id, status = self.client.run_to_end()
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+
     def test_5_every_node_that_restarts_is_what_its_robot_was_launched_as(self):
         # What the former launch files set under names that all launches share.
         for name, value in POISON.items():
@@ -181,6 +205,9 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertEqual({one["time_scale"] for one in recorded["nodes"]}, {20.0})
         self.assertEqual(recorded["storage"]["data"], str(data))
         self.assertEqual(recorded["axes"]["x"]["max_coord"], 650.0)
+        self.assertEqual(recorded["analyzer"]["max_frequency_hz"], 6e9)
+        self.assertEqual(recorded["site"]["site"], "El Carmen ñ")
+        self.assertIsNone(recorded["site"]["latitude_deg"])
 
     def test_6_only_a_node_itself_says_what_it_is(self):
         publisher = rospy.Publisher(
@@ -191,6 +218,10 @@ class SecondLaunchTest(unittest.TestCase):
         _survey_id, status = self.client.run_to_end()
         publisher.unregister()
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+
+    def test_7_ctrl_c_ends_a_node_that_is_starting(self):
+        status, said = run([sys.executable, "-c", ENDED_WHILE_IT_STARTS])
+        self.assertEqual((status, said), (-signal.SIGINT, ""))
 
 
 if __name__ == "__main__":

@@ -79,6 +79,7 @@ def test_the_argument_comes_before_the_file_and_the_file_before_the_environment(
     [
         ({"robot": "gpr21"}, "unknown robot:=gpr21; write robot:=simulated or robot:=gpr20"),
         ({"robot": "gpr20", "time_scale": 2.0}, "time_scale:=2 is for the simulated robot"),
+        ({"config": str(SCENE)}, f"{SCENE} (config:=) is a file; give its folder"),
         ({"config": "/nowhere"}, "the folder /nowhere (config:=) does not exist"),
         ({"scene": "/nowhere.yaml"}, "the scene file /nowhere.yaml cannot be read"),
         ({"time_scale": 0.0}, "time_scale is 0; it must be more than zero"),

@@ -62,7 +62,11 @@ def test_templates_are_a_correct_configuration(tmp_path):
     [
         ("height", "height_ofset_m: 0.1", "'height_ofset_m' is unknown; allowed: channel"),
         ("height", "height_offset_m: 3", "height_offset_m is 3 m; it must lie between -2 and 2 m"),
-        ("height", "reference_voltage_v: '3.3'", "it must be a number of type float"),
+        (
+            "height",
+            "reference_voltage_v: '3.3'",
+            ": reference_voltage_v is '3.3'; it must be a number of type float",
+        ),
         ("analyzer", "address: vna.local", "address is 'vna.local'; it must be four numbers"),
         ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations[1] is 9"),
         ("survey", "settle_s: -1", "settle_s is -1 s; it must lie between 0 and 60 s"),
@@ -71,6 +75,11 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("survey", "- a list", "it must be lines of the form key: value"),
         ("survey", "settle_s: [", "it is not YAML"),
         ("storage", "disk_reserve_mb: -5", "disk_reserve_mb is -5 MB"),
+        ("storage", "store_queue: 0", "store_queue is 0; it must lie between 1 and"),
+        ("storage", "message_queue: -5", "message_queue is -5; it must lie between 1 and"),
+        ("storage", "extra_recorded_topics: [a b]", "'a b' is not the name of a topic"),
+        ("storage", "extra_recorded_topics: ['']", "'' is not the name of a topic"),
+        ("storage", "recorded_topics: [5/x]", "'5/x' is not the name of a topic"),
         (
             "site",
             "latitude_deg: 91\nlongitude_deg: 0",
@@ -98,6 +107,35 @@ def test_keys_of_one_file_override_only_themselves(tmp_path):
     assert sections["x_axis"]["step_pin"] == 15
     assert sections["survey"] == {"settle_s": 1}
     assert sections["time_limits"] == {}
+
+
+@pytest.mark.parametrize("name", ["Axes.yaml", "axes.YAML", "axes.yml", "hight.yaml"])
+def test_a_file_of_another_name_is_refused_because_it_would_not_be_read(tmp_path, name):
+    (tmp_path / name).write_text("")
+    with pytest.raises(ConfigurationError) as refused:
+        read(tmp_path)
+    assert f"{tmp_path / name} is not a file of a robot's configuration" in str(refused.value)
+
+
+def test_what_editors_leave_beside_a_file_is_not_read(tmp_path):
+    (tmp_path / ".#axes.yaml").symlink_to("somebody@somewhere.1234")
+    (tmp_path / "._site.yaml").write_bytes(b"\0\1")
+    (tmp_path / "axes.yaml~").write_text("x: 5")
+    assert read(tmp_path) == read(tmp_path / "none")
+
+
+@pytest.mark.parametrize("linked", ["file", "folder"])
+def test_a_link_that_leads_nowhere_does_not_mean_the_defaults(tmp_path, linked):
+    folder = tmp_path / "robot"
+    if linked == "file":
+        folder.mkdir()
+        (folder / "axes.yaml").symlink_to("/nowhere/axes.yaml")
+    else:
+        folder.symlink_to("/nowhere")
+    with pytest.raises(ConfigurationError) as refused:
+        read_configuration(folder, AXES)
+    assert str(folder) in str(refused.value)
+    assert "there is no such file or folder" in str(refused.value)
 
 
 @given(

@@ -47,6 +47,15 @@ def test_nodes_of_another_computer_are_ended_there():
     assert "kill" not in said
 
 
+def test_a_node_is_recognized_by_its_command_line():
+    launched = replace(SHELL, command=("python3", "/lib/simulated_axis_driver", "__name:=axis"))
+    alone = replace(SHELL, command=("python3", "/lib/gpr20_vna_processing/vna_processing"))
+    assert launched.may_be_node("/x_axis/axis")
+    assert not launched.may_be_node("/y_axis/other")
+    assert alone.may_be_node("/robot1/vna_processing")
+    assert not SHELL.may_be_node("/vna_processing")
+
+
 def test_a_process_is_described_as_the_system_knows_it():
     before = datetime.now()
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as child:

@@ -24,6 +24,7 @@ from gpr20_main_control.mid.robot import (
     Robot,
 )
 from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.robot_description import NodeDescription
@@ -220,7 +221,7 @@ class FakeStorage:
 
 def described_robot(time_scale=1.0, simulated=True):
     """Return what the nodes of a robot say about themselves."""
-    robot = DescribedRobot(Site(), lambda _robot: None)
+    robot = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
     configurations = {
         f"{axis_id.value}_axis/axis_driver": asdict(AXES[axis_id]) for axis_id in AxisId
     }

@@ -12,6 +12,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.hardware import Hardware
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.described_robot import DescribedRobot
+from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import PLAIN_NAMES, NodeDescription
 from gpr20_survey.plan.site import Site
@@ -39,7 +40,7 @@ def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
 @given(st.sets(st.sampled_from(sorted(PLAIN_NAMES)), min_size=1))
 def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
     known = described_robot().nodes
-    robot = DescribedRobot(Site(), lambda _robot: None)
+    robot = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
     for node in sorted(known.keys() - silent):
         robot.note(known[node])
     with pytest.raises(InvalidValueError, match="no description of its hardware has arrived"):
@@ -108,5 +109,6 @@ def test_the_configuration_and_the_nodes_are_recorded():
     assert recorded["analyzer"] == {"address": "127.0.0.2"}
     assert recorded["storage"] == {"data": "/surveys"}
     assert recorded["site"]["robot"] == "GPR-20"
+    assert recorded["time_limits"]["storage_limit_s"] == TimeLimits().storage_limit_s
     assert [one["name"] for one in recorded["nodes"]] == sorted(PLAIN_NAMES)
     assert all(one["simulated"] and one["time_scale"] == 20.0 for one in recorded["nodes"])

@@ -201,6 +201,7 @@ class AxisNode:
     def _shut_down(self) -> None:
         self._stops += 1
         self._driver.close(SHUTDOWN_LIMIT_S)
+        self._server.stop_status()
 
 
 def own_axis() -> AxisId:

@@ -13,6 +13,8 @@ from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 
 # How long a client's computer may leave probes unanswered: three probes, one second each.
 SILENCE_LIMIT_S = 3.5
+# actionlib publishes the status five times a second.
+STATUS_LIMIT_S = 1.0
 
 
 class GoalServer(actionlib.SimpleActionServer):
@@ -41,6 +43,16 @@ class GoalServer(actionlib.SimpleActionServer):
         """Accept a new goal, whatever its stamp; it replaces the previous one."""
         goal.get_goal_id().stamp = rospy.Time()
         super().internal_goal_callback(goal)
+
+    def stop_status(self) -> None:
+        """Return when no status is published and none will be; actionlib does so until the end.
+
+        Without it a status may be published to a topic that is closed while the node ends.
+        """
+        timer = self.action_server.status_timer
+        if timer is not None:
+            timer.shutdown()
+            timer.join(STATUS_LIMIT_S)
 
     def watch_sender(self) -> Callable[[], bool]:
         """Return a function that returns whether the sender of the current goal is gone.

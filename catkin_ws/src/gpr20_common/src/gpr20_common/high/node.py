@@ -30,7 +30,10 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     """Run a node until ROS shuts down.
 
     A node whose name is taken by one that lives is not started: ROS would end the other one,
-    and of two launches on one master each would end the other's nodes for ever.
+    and of two launches on one master each would end the other's nodes for ever. Its launch ends,
+    because its robot would be incomplete.
+
+    Until the node has started, a signal ends it at once, as the programs in `nodes/` set it.
 
     Args:
         name: Default name of the node.
@@ -40,7 +43,8 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
     enable_line_buffering()
     _refuse_second(_full_name(name))
     try:
-        rospy.init_node(name)
+        # Its handlers end the node in the main thread, which has locks of rospy while it starts.
+        rospy.init_node(name, disable_signals=True)
     except rospy.ROSInitException as error:
         print(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.
@@ -57,6 +61,7 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
         rospy.set_param(_started_name(), True)
     keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
+    rospy.core.register_signals()
     rospy.spin()
     del kept, keeper
 
@@ -103,8 +108,12 @@ def _refuse_second(name: str) -> None:
         process = probe.process()
     except NodeSilentError:
         return  # there is none, or it has died and left its name behind
-    sys.exit(
+    print(
         f"{name} cannot start: it is already running (process {process}). If this is a second "
         "launch of the robot, end the first one, or give this one its own namespace, such as "
-        "ns:=robot2"
+        "ns:=robot2",
+        file=sys.stderr,
     )
+    if configuration_name() and end_roslaunch():
+        print(f"{name} ends the launch, because it cannot start", file=sys.stderr)
+    sys.exit(1)

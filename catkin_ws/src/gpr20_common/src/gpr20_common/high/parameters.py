@@ -1,13 +1,14 @@
 """The parameters of a node: what its robot was launched with.
 
-A launch keeps its whole configuration under a name of its own (package `gpr20_launch`) and hands
-that name to each node as the argument `configuration:=NAME`. A node that restarts gets the same
-argument and so the same configuration, whatever was launched beside it meanwhile. Without the
-argument a node has the defaults.
+A launch keeps its whole configuration, as JSON, under a name of its own (package `gpr20_launch`)
+and hands that name to each node as the argument `configuration:=NAME`. A node that restarts gets
+the same argument and so the same configuration, whatever was launched beside it meanwhile. Without
+the argument a node has the defaults.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from typing import Any, Dict, Mapping, Type, TypeVar
 
@@ -66,13 +67,15 @@ def refuse_private_parameters() -> None:
 
 
 def _launched(name: str) -> Dict[str, Any]:
-    values = rospy.get_param(name, None)
-    if not isinstance(values, dict):
+    text = rospy.get_param(name, "")
+    try:
+        values: Dict[str, Any] = json.loads(text)
+    except (TypeError, ValueError) as error:
         raise InvalidValueError(
             Message(
                 "the configuration of this launch is gone, because the ROS master was restarted; "
                 "end the launch and start it again",
-                details=f"{name}: {values!r}",
+                details=f"{name}: {text!r}",
             )
-        )
+        ) from error
     return values

@@ -30,7 +30,7 @@ def record_from(
         record_class: Dataclass; its fields are the names allowed. A field without a
             default must be there.
         values: What was found.
-        place: Where it was found, for the messages.
+        place: Where it was found, for the messages; empty if they name the place themselves.
         base: Where the values that are left out come from, instead of the defaults.
 
     Raises:
@@ -49,19 +49,23 @@ def record_from(
             known = ", ".join(sorted(fields))
             raise InvalidValueError(
                 Message(
-                    "{place} is unknown; allowed: {known}", place=f"{place}/{name}", known=known
+                    "{place} is unknown; allowed: {known}", place=_below(place, name), known=known
                 )
             )
     hints = typing.get_type_hints(record_class)
     arguments = {}
     for name, field in fields.items():
         if name in values:
-            arguments[name] = _value(f"{place}/{name}", values[name], hints[name], field)
+            arguments[name] = _value(_below(place, name), values[name], hints[name], field)
         elif base is not None:
             arguments[name] = getattr(base, name)
         elif _is_required(field):
-            raise InvalidValueError(Message("{place} is missing", place=f"{place}/{name}"))
+            raise InvalidValueError(Message("{place} is missing", place=_below(place, name)))
     return record_class(**arguments)
+
+
+def _below(place: str, name: Any) -> str:
+    return f"{place}/{name}" if place else str(name)
 
 
 def _is_required(field: dataclasses.Field) -> bool:

@@ -1,19 +1,19 @@
 """check_launch: what the launch files run before anything starts.
 
-It prints the configuration of the nodes as YAML, which roslaunch stores under a name of this
+It prints the configuration of the nodes as JSON, which roslaunch stores under a name of this
 launch alone. If it fails, roslaunch starts nothing and changes nothing.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 from typing import Optional, Sequence
 
 import rosgraph
 import rospkg
-import yaml
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
@@ -38,11 +38,11 @@ def main() -> int:
         )
         sections = request.sections(built_axes())
         _refuse_running(request.nodes, given.ns)
-    except Gpr20Error as error:
+    except (Gpr20Error, OSError, RuntimeError) as error:
+        # A folder that may not be searched, a master that has ended, ~USER without such a user.
         print(f"\nThis robot cannot be launched: {error}\n", file=sys.stderr)
         return 1
-    # Not JSON: of the number 2e-05 a reader of YAML makes a text.
-    print(yaml.safe_dump(sections))
+    print(json.dumps(sections))
     return 0
 
 
@@ -107,7 +107,7 @@ def _running(name: str, master: str) -> Optional[RunningNode]:
     except NodeSilentError:
         return None
     process = process_info(number)
-    if process is not None and f"__name:={name.rsplit('/', 1)[-1]}" not in process.command:
+    if process is not None and not process.may_be_node(name):
         process = None  # the number is that of a process on another computer
     return RunningNode(name, number, process, _parent(process))
 

@@ -35,6 +35,15 @@ class ProcessInfo:
         names = {Path(word).name for word in self.command[:3]}
         return bool(names & {"roslaunch", "roscore", "rostest"})
 
+    def may_be_node(self, name: str) -> bool:
+        """Whether it can be the node with this full name.
+
+        roslaunch gives the name in the command line; rosrun starts the program of the same name.
+        """
+        base = name.rsplit("/", 1)[-1]
+        programs = [Path(word).name for word in self.command[:2]]
+        return f"__name:={base}" in self.command or any(one.endswith(base) for one in programs)
+
 
 def process_info(number: int) -> Optional[ProcessInfo]:
     """Return what is known about a process; None if there is none on this computer."""

@@ -95,6 +95,10 @@ class LaunchRequest:
 
     def _folder(self) -> Path:
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
+        if self.config and folder.is_file():
+            raise ConfigurationError(
+                Message("{file} (config:=) is a file; give its folder", file=folder)
+            )
         if self.config and not folder.is_dir():
             raise ConfigurationError(
                 Message(

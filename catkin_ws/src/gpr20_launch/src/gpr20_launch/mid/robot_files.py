@@ -78,8 +78,10 @@ def read_configuration(folder: Path, built_axes: Path) -> Sections:
 
 def _refuse_unknown_files(folder: Path) -> None:
     known = {AXES_FILE, *FILES}
-    for path in sorted(folder.glob("*.y*ml")):
-        if path.name not in known:
+    for path in sorted(folder.glob("*")):
+        # Editors and file managers leave hidden files.
+        is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
+        if is_yaml and path.name not in known:
             raise ConfigurationError(
                 Message(
                     "{file} is not a file of a robot's configuration, and would not be read; "
@@ -144,7 +146,9 @@ def _check(path: Path, kind: Type, values: Mapping[str, Any], place: str = "") -
 def _read(path: Path) -> Dict[Any, Any]:
     try:
         values = read_yaml(path)
-    except FileNotFoundError:
+    except FileNotFoundError as error:
+        if _is_broken_link(path) or _is_broken_link(path.parent):
+            raise _wrong(path, os_reason(error)) from error
         return {}
     except OSError as error:
         raise _wrong(path, os_reason(error)) from error
@@ -155,6 +159,11 @@ def _read(path: Path) -> Dict[Any, Any]:
     if not isinstance(values, dict):
         raise _wrong(path, Message("it must be lines of the form {example}", example="key: value"))
     return values
+
+
+def _is_broken_link(path: Path) -> bool:
+    """Return whether a link leads nowhere, such as to a medium that is not there."""
+    return path.is_symlink() and not path.exists()
 
 
 def _wrong(path: Path, reason: Message, place: str = "") -> ConfigurationError:

@@ -29,7 +29,7 @@ class RunningNode:
 
     @property
     def is_left_over(self) -> bool:
-        """Whether the roslaunch that started it has ended."""
+        """Whether no roslaunch has started it, or one that has ended."""
         return self.process is not None and not (self.parent and self.parent.is_roslaunch)
 
 
@@ -66,8 +66,8 @@ def _remedy(nodes: Sequence[RunningNode]) -> Message:
     left_over = [one.number for one in nodes if one.is_left_over]
     if left_over:
         return Message(
-            "Their launch was killed. To end them, run this; a survey that runs is stopped and can "
-            "be resumed: {command}",
+            "No launch that runs has started them. To end them, run this; a survey that runs is "
+            "stopped and can be resumed: {command}",
             command="kill " + " ".join(str(number) for number in (*launches, *left_over)),
         )
     if launches:

@@ -156,7 +156,7 @@ def build_main_control_node() -> MainControlNode:
             topics.simulated = simulated
             topics.publish_status(status.status)
 
-    description = DescribedRobot(read_parameters(Site, "site"), describe)
+    description = DescribedRobot(read_parameters(Site, "site"), limits, describe)
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
         analyzer=RosAnalyzer(limits.analyzer_limit_s),
@@ -167,7 +167,8 @@ def build_main_control_node() -> MainControlNode:
     )
     control = MainControl(robot, settings, status, clock, description.site.annotation)
     node = MainControlNode(control, robot, status, topics)
-    description.note(NodeDescription(NODE, NO_HARDWARE, asdict(settings)))
+    own = {**asdict(settings), **asdict(limits)}
+    description.note(NodeDescription(NODE, NO_HARDWARE, own))
     descriptions.listen(description.note)
     return node
 

@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
@@ -28,14 +29,18 @@ RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
 class DescribedRobot:
     """Holds the description of each node; every method may be called from any thread."""
 
-    def __init__(self, site: Site, on_change: Callable[[DescribedRobot], None]) -> None:
+    def __init__(
+        self, site: Site, limits: TimeLimits, on_change: Callable[[DescribedRobot], None]
+    ) -> None:
         """Begin with no description.
 
         Args:
             site: The robot's name and place.
+            limits: How long the main control waits for the nodes, to be recorded.
             on_change: Called after each new description.
         """
         self.site = site
+        self._limits = limits
         self._on_change = on_change
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
@@ -132,5 +137,6 @@ class DescribedRobot:
         return {
             "nodes": recorded_nodes(nodes),
             **{key: dict(one.configuration) for key, one in present.items()},
+            "time_limits": asdict(self._limits),
             "site": asdict(self.site),
         }

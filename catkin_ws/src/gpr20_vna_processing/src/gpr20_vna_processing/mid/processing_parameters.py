@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
@@ -24,6 +27,9 @@ AXIS_TOPICS = tuple(
         "axis_driver/description",
     )
 )
+# Names of ROS, relative or absolute; a private one would be below the storage's own name.
+TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
+MOST_WAITING = 1_000_000
 DEFAULT_TOPICS = (
     *AXIS_TOPICS,
     "height_sensor/description",
@@ -77,6 +83,18 @@ class ProcessingParameters:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
         for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
+        for name in ("store_queue", "message_queue"):
+            number_between(name, getattr(self, name), 1, MOST_WAITING)
+        for topic in self.all_topics:
+            if not TOPIC.fullmatch(topic):
+                raise InvalidValueError(
+                    Message(
+                        "{topic} is not the name of a topic; allowed are letters, digits, "
+                        "underscores and slashes, such as {example}",
+                        topic=repr(topic),
+                        example="/my_node/my_topic",
+                    )
+                )
 
     @property
     def all_topics(self) -> Tuple[str, ...]:
