@@ -74,6 +74,24 @@ def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     assert str(bench.board.status.message).startswith("Interrupted: the robot is shut down")
 
 
+def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
+    closing, may_close = threading.Event(), threading.Event()
+    close = bench.storage.close
+
+    def close_slowly(survey_id, end):
+        closing.set()
+        may_close.wait(LIMIT_S)
+        close(survey_id, end)
+
+    bench.storage.close = close_slowly
+    bench.start()
+    assert closing.wait(LIMIT_S)
+    threading.Timer(0.05, may_close.set).start()
+    bench.control.shut_down(LIMIT_S)
+    assert bench.board.status.state is State.FINISHED
+    assert {outcome for _survey, outcome, _reason in bench.storage.closed} == {"finished"}
+
+
 def test_shutting_down_does_not_wait_for_a_storage_that_is_gone(bench):
     bench.x.blocked.clear()
     bench.start()

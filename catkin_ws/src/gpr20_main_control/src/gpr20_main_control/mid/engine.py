@@ -21,7 +21,7 @@ from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.recovery import REST_LIMIT_S, Recovery
 from gpr20_main_control.mid.repeat_measurement import compare
 from gpr20_main_control.mid.robot import Robot
-from gpr20_main_control.mid.survey_archive import SurveyArchive, interruption_remark
+from gpr20_main_control.mid.survey_archive import Check, SurveyArchive, interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import SurveyState
@@ -30,7 +30,7 @@ from gpr20_survey.trace.trace import Trace
 # Time to store the traces that wait for the disk when a survey is stopped [s].
 STOPPING_LIMIT_S = 60.0
 # Steps of a shutdown; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
-LEAVING_LIMIT_S = 3.0
+LEAVING_LIMIT_S = 2.5
 POLL_S = 0.05
 
 
@@ -114,7 +114,7 @@ class SurveyEngine:
             # A stop makes parts fail too; that is no reason to pause.
             self._interruption.check_stop()
             self._recover_or_pause(error)
-        return self._all_stored and self._finish_now()
+        return self._all_stored and self._finish_now(self._interruption.check)
 
     def _execute_steps(self) -> bool:
         """Execute the steps to the end; return False if a pause was requested on the way."""
@@ -187,7 +187,7 @@ class SurveyEngine:
 
     def _finish(self, _step: steps.Finish) -> None:
         self._archive.queue.drain(self._interruption.check)
-        self._close_finished()
+        self._close_finished(self._interruption.check)
 
     @property
     def _all_stored(self) -> bool:
@@ -195,14 +195,14 @@ class SurveyEngine:
             self._progress.measured == len(self._plan.pending) and not self._archive.queue.waiting
         )
 
-    def _finish_now(self) -> bool:
+    def _finish_now(self, check: Check) -> bool:
         """Close the survey, all traces of which are stored; return whether that was possible.
 
         A storage that died while it closed the survey may have closed it; such a survey cannot
         be reopened.
         """
         try:
-            self._close_finished()
+            self._close_finished(check)
         except DeviceError as error:
             self._status.set_message(
                 Message("The survey is not closed yet: {reason}", reason=error.message)
@@ -214,10 +214,9 @@ class SurveyEngine:
         self._archive.note_warning(warning)
         self._status.set_warning(warning)
 
-    def _close_finished(self) -> None:
+    def _close_finished(self, check: Check) -> None:
         self._clock_steps.check()
         verdict = self._archive.coverage.verdict()
-        check = self._interruption.check
         stored, total = self._archive.send_last_report(check), self._plan.total_points
         if verdict.complete and stored == total:
             state, outcome = SurveyState.FINISHED, "finished"
@@ -275,14 +274,16 @@ class SurveyEngine:
         self._recovery.note_resumed()
 
     def _leave(self) -> None:
-        """Leave the survey interrupted, because the main control ends."""
+        """Leave the survey, because the main control ends: interrupted, unless it is complete."""
         self._archive.stop_timing()
         self._positioner.stop()
+        if self._all_stored and self._finish_now(self._archive.leaving_check(LEAVING_LIMIT_S)):
+            return
         message = Message("Interrupted: the robot is shut down. Resume the survey later.")
         self._status.enter(SurveyState.STOPPING, message)
         self._positioner.wait_for_rest(LEAVING_LIMIT_S)
         if self._archive.folder:
-            self._archive.interrupt(message, LEAVING_LIMIT_S)
+            self._archive.interrupt(message, self._archive.leaving_check(LEAVING_LIMIT_S))
         self._status.enter(SurveyState.STOPPED, message)
 
     def _end(self, state: SurveyState, outcome: str, message: Message, reason: Message) -> None:

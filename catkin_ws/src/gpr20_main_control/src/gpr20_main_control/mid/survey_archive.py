@@ -135,23 +135,31 @@ class SurveyArchive:
         end = SurveyEnd(outcome, reason, self._status.status.ended(state, message), self.coverage)
         self._calls.call(lambda: self._storage.close(survey_id, end), check)
 
-    def interrupt(self, message: Message, limit_s: float) -> None:
+    def leaving_check(self, limit_s: float) -> Check:
+        """Return a check that ends a wait for the storage while the robot is shut down.
+
+        Args:
+            limit_s: How long to wait from now [s].
+        """
+        deadline_s = self._clock.now_s() + limit_s
+
+        def check() -> None:
+            if self._clock.now_s() > deadline_s:
+                raise NodeLostError(Message("the storage did not answer while it was shut down"))
+
+        return check
+
+    def interrupt(self, message: Message, check: Check) -> None:
         """Close the survey as one that can be resumed, while the robot is shut down.
 
         The storage is shut down too, usually at the same time, and then closes the survey itself.
 
         Args:
             message: What the status says then, and why.
-            limit_s: How long to wait for the storage, for the traces and for the end [s].
+            check: Ends the wait.
         """
-        deadline_s = self._clock.now_s() + 2.0 * limit_s
-
-        def check() -> None:
-            if self._clock.now_s() > deadline_s:
-                raise NodeLostError(Message("the storage did not answer while it was shut down"))
-
         with contextlib.suppress(DeviceError):
-            self.queue.drain_within(limit_s)
+            self.queue.drain(check)
             self.close(INTERRUPTED, message, SurveyState.STOPPED, message, check)
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
