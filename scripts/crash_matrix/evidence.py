@@ -18,7 +18,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from gpr20_simulator.mid.medium import probed_position_mm, probed_rotation_deg
 
 TRACE = "gpr20_msgs/msg/Trace"
-# The position probe tells the rotation to 0.4 degrees; a step of the motor is 1.8 degrees.
+# The position probe gives the rotation to 0.4 degrees; a step of the motor is 1.8 degrees.
 ROTATION_TOLERANCE_DEG = 0.9
 VERIFY = Path(__file__).resolve().parents[1] / "verify.sh"
 Place = Tuple[float, float, float]

@@ -22,7 +22,7 @@ FIRST = ("opening", "storing", "report", "interrupting", *RESUMED)
 
 
 class Child:
-    """Writes the survey and tells what was acknowledged."""
+    """Writes the survey and reports what was acknowledged."""
 
     def __init__(self, data, connection):
         self._parent = os.getppid()

@@ -29,7 +29,7 @@ from power_cut_disk import PowerCutDisk, PowerCutError, check, hide_mounts
 from power_cut_evidence import Acknowledged, check_continues, lost_traces
 
 NOT_POSSIBLE = 77
-# A disk that fails must not be answered for: how long the child may go on after a cut [s].
+# How long the child continues after a cut, in which nothing may be acknowledged [s].
 ALIVE_AFTER_CUT_S = 0.02
 DRY_RUNS = 5
 fork = multiprocessing.get_context("fork")

@@ -1,4 +1,4 @@
-"""Every key of survey.json changed in turn: the survey goes on with its own plan, or is refused.
+"""Every key of survey.json changed in turn: the survey continues with its own plan, or is refused.
 
 GPR20_DAMAGES sets how many random bits are flipped, and that every key is changed with every way
 in which a survey ends; GPR20_DAMAGE_SEED repeats those of a run.

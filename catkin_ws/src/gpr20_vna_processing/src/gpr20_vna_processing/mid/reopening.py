@@ -74,7 +74,7 @@ class Reopening:
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
-                fit its plan, or nothing tells what the plan was.
+                fit its plan, or nothing shows what the plan was.
             StorageFailedError: The disk cannot be read.
         """
         self._folder = folder
