@@ -30,6 +30,7 @@ POLL_S = 0.005
 # The parent counts a beat with every poll; one that counts none for this long can no longer
 # stop the motion.
 SILENT_PARENT_S = 2.0
+PARENT_GONE = (EOFError, BrokenPipeError, ConnectionResetError)
 
 
 class PulseProcess:
@@ -214,10 +215,18 @@ def main() -> NoReturn:
     connection = Connection(int(sys.argv[1]))
     counter = StepCounter(int(sys.argv[2]))
     try:
-        serve(connection, counter, int(sys.argv[3]))
-    except (EOFError, BrokenPipeError, ConnectionResetError):
+        _serve_and_report(connection, counter, int(sys.argv[3]))
+    except PARENT_GONE:
         # The parent has closed the connection or is dead; nobody is left to report to.
         sys.exit(0)
+    raise AssertionError("serve() ends only by an exception")
+
+
+def _serve_and_report(connection: Connection, counter: StepCounter, parent: int) -> None:
+    try:
+        serve(connection, counter, parent)
+    except PARENT_GONE:
+        raise
     except Gpr20Error as error:
         connection.send(PulseProcessError(error.message))
         sys.exit(1)
@@ -228,7 +237,6 @@ def main() -> NoReturn:
         )
         connection.send(PulseProcessError(failure))
         raise
-    raise AssertionError("serve() ends only by an exception")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from gpr20_common.high.parameters import (
 )
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
-from gpr20_common.low.roslaunch_process import end_roslaunch
+from gpr20_common.low.roslaunch_process import end_with_roslaunch, roslaunch_number
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
@@ -89,8 +89,10 @@ def _end_first_launch() -> None:
     A node that ran before, whose hardware is gone, is started again by roslaunch until the
     hardware is back; the survey waits meanwhile.
     """
-    if configuration_name() and not rospy.has_param(_started_name()) and end_roslaunch():
+    launch = roslaunch_number() if configuration_name() else None
+    if launch is not None and not rospy.has_param(_started_name()):
         rospy.logfatal("%s ends the launch, because it cannot start", rospy.get_name())
+        end_with_roslaunch(launch)
 
 
 def _started_name() -> str:
@@ -114,6 +116,8 @@ def _refuse_second(name: str) -> None:
         "ns:=robot2",
         file=sys.stderr,
     )
-    if configuration_name() and end_roslaunch():
+    launch = roslaunch_number() if configuration_name() else None
+    if launch is not None:
         print(f"{name} ends the launch, because it cannot start", file=sys.stderr)
+        end_with_roslaunch(launch)
     sys.exit(1)

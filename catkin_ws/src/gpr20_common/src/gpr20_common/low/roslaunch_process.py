@@ -4,21 +4,36 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from pathlib import Path
+from typing import Optional
+
+# Longer than roslaunch takes to end its nodes, on a busy computer too [s].
+END_LIMIT_S = 60.0
 
 
-def end_roslaunch() -> bool:
-    """Ask the roslaunch that started this process to end, as Ctrl-C does.
+def roslaunch_number() -> Optional[int]:
+    """Return the process id of the roslaunch that started this process.
 
     Returns:
-        Whether roslaunch started it; rostest, a terminal or a debugger is left alone.
+        None if rostest, a terminal or a debugger started it.
     """
     parent = os.getppid()
     try:
         words = Path(f"/proc/{parent}/cmdline").read_bytes().split(b"\0")
     except OSError:
-        return False
-    if not any(Path(os.fsdecode(word)).name == "roslaunch" for word in words[:2]):
-        return False
-    os.kill(parent, signal.SIGINT)
-    return True
+        return None
+    is_roslaunch = any(Path(os.fsdecode(word)).name == "roslaunch" for word in words[:2])
+    return parent if is_roslaunch else None
+
+
+def end_with_roslaunch(number: int) -> None:
+    """Ask a roslaunch to end, as Ctrl-C does, and wait until it ends this process.
+
+    A process that ended by itself could be started again before roslaunch has reacted.
+
+    Args:
+        number: Process id of the roslaunch that started this process.
+    """
+    os.kill(number, signal.SIGINT)
+    threading.Event().wait(END_LIMIT_S)
