@@ -1,4 +1,4 @@
-"""What a sweep covers, and the frequencies that follow from it."""
+"""What a sweep covers, how it is measured, and the frequencies that follow from it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,46 @@ import numpy as np
 
 
 @dataclass(frozen=True)
+class AnalyzerSettings:
+    """How the analyzer measures.
+
+    In a request, 0 or an empty text leaves the instrument's own value; in an answer or a record
+    it means that the value is not known.
+
+    Attributes:
+        if_bandwidth_hz: Bandwidth of the receiver's intermediate frequency [Hz].
+        averages: Number of sweeps averaged for one trace.
+        output_power: LOW or HIGH for the MS2026C; as the analyzer names it for others.
+    """
+
+    if_bandwidth_hz: float = 0.0
+    averages: int = 0
+    output_power: str = ""
+
+
+@dataclass(frozen=True)
 class SweepSettings:
-    """Start and stop frequency [Hz], both measured, and the number of points."""
+    """Start and stop frequency [Hz], both measured, the number of points, and how to measure."""
 
     start_frequency_hz: float
     stop_frequency_hz: float
     points: int
+    analyzer: AnalyzerSettings = AnalyzerSettings()
 
     def frequencies_hz(self) -> np.ndarray:
         """Return the measured frequencies [Hz, float64], ascending."""
         return np.linspace(self.start_frequency_hz, self.stop_frequency_hz, self.points)
+
+    def fulfils(self, wanted: SweepSettings) -> bool:
+        """Return whether these settings, as read back, are the wanted ones.
+
+        What `wanted` leaves to the instrument may have any value here.
+        """
+        ours, theirs = self.analyzer, wanted.analyzer
+        return (
+            (self.start_frequency_hz, self.stop_frequency_hz, self.points)
+            == (wanted.start_frequency_hz, wanted.stop_frequency_hz, wanted.points)
+            and theirs.if_bandwidth_hz in (0.0, ours.if_bandwidth_hz)
+            and theirs.averages in (0, ours.averages)
+            and theirs.output_power in ("", ours.output_power)
+        )
