@@ -8,7 +8,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaIdentityError,
@@ -191,6 +191,7 @@ class Ms2026c:
             sweep_started_us=started_us,
             sweep_ended_us=started_us + duration_us,
             quality=(),
+            analyzer=AnalyzerSettings(),
         )
 
     def _wait_for_end(self, points: int) -> None:
