@@ -113,7 +113,7 @@ class SlowMedium:
         self.entered = threading.Event()
         self.may_go_on = threading.Event()
 
-    def s21(self, frequency_hz, position, sweep_number):
+    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
         self.entered.set()
         self.may_go_on.wait(5.0)
         return PositionProbe().s21(frequency_hz, position, sweep_number)

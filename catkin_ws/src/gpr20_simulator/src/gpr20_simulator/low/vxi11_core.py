@@ -11,6 +11,7 @@ from gpr20_simulator.low import vxi11_protocol as protocol
 from gpr20_simulator.low.rpc import (
     Caller,
     Procedure,
+    ProcedureUnavailable,
     RpcProgram,
     XdrReader,
     pack_int,
@@ -22,8 +23,14 @@ from gpr20_simulator.low.vxi11_protocol import CoreProcedure, Error, Flag, Reaso
 
 DEVICE_NAME = b"inst0"
 MESSAGE_AVAILABLE = 0x10
-# A call is its data and a head; every head of VXI-11 and RPC fits into this.
-LONGEST_HEAD = 2048
+
+
+class ClearSupport(enum.Enum):
+    """What a server makes of device_clear."""
+
+    FULL = "full"
+    ERROR_8 = "error 8"
+    NO_PROCEDURE = "no procedure"
 
 
 class NetworkFault(enum.Enum):
@@ -53,14 +60,20 @@ class Outcome:
 class MessageDevice(Protocol):
     """A device with one name that several clients may talk to, each on its own thread."""
 
+    def is_reachable(self) -> bool:
+        """Return whether clients can connect; called for each connection."""
+
     def opened(self) -> NetworkFault:
         """Note that a client wants to talk to the device."""
 
     def execute(self, message: bytes) -> Outcome:
         """Carry out one complete message, with whatever terminator the client sent."""
 
-    def clear(self) -> None:
-        """Forget half-done work; settings stay."""
+    def clear(self) -> ClearSupport:
+        """Forget half-done work; settings stay. Return whether the call is supported."""
+
+    def set_remote(self, remote: bool) -> None:
+        """Take control from the front panel, or give it back."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +81,8 @@ class Limits:
     """What the server bears.
 
     Attributes:
-        receive_size: Longest data of one device_write [bytes].
+        receive_size: Longest data of one device_write [bytes]; more get an error.
+        record_size: Longest call [bytes]; a longer one ends the connection.
         reply_size: Longest data of one device_read [bytes].
         message_size: Longest message put together from several writes [bytes].
         links: Number of links at a time.
@@ -76,6 +90,7 @@ class Limits:
     """
 
     receive_size: int = 65536
+    record_size: int = 1 << 20
     reply_size: int = 1 << 20
     message_size: int = 1 << 20
     links: int = 16
@@ -114,6 +129,7 @@ class CoreChannel:
 
     def program(self) -> RpcProgram:
         """Return the program that clients call."""
+        device = self._device
         return RpcProgram(
             protocol.CORE_PROGRAM,
             protocol.VERSION,
@@ -124,8 +140,8 @@ class CoreChannel:
                 CoreProcedure.DEVICE_READSTB: self._device_readstb,
                 CoreProcedure.DEVICE_TRIGGER: self._generic(_unsupported),
                 CoreProcedure.DEVICE_CLEAR: self._generic(self._clear),
-                CoreProcedure.DEVICE_REMOTE: self._generic(_unsupported),
-                CoreProcedure.DEVICE_LOCAL: self._generic(_unsupported),
+                CoreProcedure.DEVICE_REMOTE: self._generic(lambda _l: device.set_remote(True)),
+                CoreProcedure.DEVICE_LOCAL: self._generic(lambda _l: device.set_remote(False)),
                 CoreProcedure.DEVICE_LOCK: self._device_lock,
                 CoreProcedure.DEVICE_UNLOCK: self._device_unlock,
                 CoreProcedure.DEVICE_ENABLE_SRQ: self._device_enable_srq,
@@ -155,7 +171,7 @@ class CoreChannel:
         )
 
     def _device_write(self, arguments: XdrReader, caller: Caller) -> Optional[bytes]:
-        call = protocol.WriteCall.read(arguments, self._limits.receive_size + LONGEST_HEAD)
+        call = protocol.WriteCall.read(arguments, self._limits.record_size)
         try:
             with self._links.call(call.link, caller) as link:
                 self._links.check_access(link, call.flags, call.lock_timeout_s)
@@ -180,13 +196,14 @@ class CoreChannel:
         message = bytes(link.incoming)
         link.incoming.clear()
         outcome = self._device.execute(message)
-        link.outgoing.extend(link.late)
+        for answer in link.late:
+            link.queue(answer)
         link.late.clear()
         if outcome.fault is NetworkFault.ANSWER_LATE:
             link.late.append(outcome.answer)
             return NetworkFault.NONE
         if outcome.answer:
-            link.outgoing.append(outcome.answer)
+            link.queue(outcome.answer)
         return outcome.fault
 
     def _device_read(self, arguments: XdrReader, caller: Caller) -> bytes:
@@ -241,10 +258,14 @@ class CoreChannel:
         return procedure
 
     def _clear(self, link: Link) -> None:
+        support = self._device.clear()
+        if support is ClearSupport.NO_PROCEDURE:
+            raise ProcedureUnavailable
+        if support is ClearSupport.ERROR_8:
+            raise LinkError(Error.NOT_SUPPORTED)
         link.incoming.clear()
         link.outgoing.clear()
         link.late.clear()
-        self._device.clear()
 
     def _device_lock(self, arguments: XdrReader, caller: Caller) -> bytes:
         number, flags = arguments.sint(), arguments.sint()

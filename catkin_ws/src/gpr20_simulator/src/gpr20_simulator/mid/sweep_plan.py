@@ -17,6 +17,9 @@ class SweepPlan:
         points: Number of frequencies.
         seconds_per_point: Time that one frequency takes [s].
         averages: Number of sweeps that are averaged; 1: none.
+        waits_for_average: Whether a trigger runs as many sweeps as are averaged, and only the
+            end of the last one is reported.
+        noise_gain: Noise relative to that of the settings of power-on.
     """
 
     start_hz: float
@@ -24,6 +27,8 @@ class SweepPlan:
     points: int
     seconds_per_point: float
     averages: int = 1
+    waits_for_average: bool = False
+    noise_gain: float = 1.0
 
     def frequency_hz(self) -> np.ndarray:
         """Return the frequencies [Hz]."""

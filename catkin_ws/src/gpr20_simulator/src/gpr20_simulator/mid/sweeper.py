@@ -25,6 +25,7 @@ class _Slice:
     first: int
     end: int
     frequency_hz: np.ndarray
+    noise_gain: float
 
 
 class Sweeper:
@@ -60,6 +61,8 @@ class Sweeper:
         self._running = False
         self._single_shot = True
         self._discard = False
+        self._midway: Optional[Callable[[], None]] = None
+        self._slowest_point_s = 0.0
         self._complete = False
         self._averaged = 0
         self._generation = 0
@@ -147,15 +150,29 @@ class Sweeper:
         with self._lock:
             self._averaged = 0
 
-    def trigger(self, stale: bool = False) -> None:
+    def trigger(
+        self,
+        stale: bool = False,
+        slowest_point_s: float = 0.0,
+        midway: Optional[Callable[[], None]] = None,
+    ) -> None:
         """Run one sweep and hold again; a running series only restarts its sweep.
+
+        If the plan waits for the average, that is as many new sweeps as are averaged.
 
         Args:
             stale: A fault: report the sweep as complete at once and throw its data away.
+            slowest_point_s: A fault: no frequency takes less than this until the next
+                trigger [s].
+            midway: Called once, from the sweeper's thread, when half of the sweep is done.
         """
         with self._lock:
             self._single_shot = not (self._continuous and self._running)
             self._complete = stale
+            self._slowest_point_s = slowest_point_s
+            self._midway = midway
+            if self._plan.waits_for_average:
+                self._averaged = 0
             self._begin_sweep()
             self._discard = stale
         self._wake.set()
@@ -225,22 +242,31 @@ class Sweeper:
             return None, IDLE_WAIT_S
         plan = self._plan
         end = min(self._next_point + self._points_per_slice(), plan.points)
-        due_s = self._started_s + end * plan.seconds_per_point
+        due_s = self._started_s + end * self._point_s()
         wait_s = due_s - self._clock.now_s()
         if wait_s > 0.0:
             return None, wait_s
         first = self._next_point
         frequency_hz = self._frequency_hz[first:end]
-        return _Slice(self._generation, self._sweep_number, first, end, frequency_hz), 0.0
+        due = _Slice(
+            self._generation, self._sweep_number, first, end, frequency_hz, plan.noise_gain
+        )
+        return due, 0.0
 
     def _points_per_slice(self) -> int:
-        if self._plan.seconds_per_point <= 0.0:
-            return self._plan.points
-        return max(1, int(self._pace.slice_s / self._plan.seconds_per_point))
+        point_s = self._point_s()
+        return max(1, int(self._pace.slice_s / point_s)) if point_s > 0.0 else self._plan.points
+
+    def _point_s(self) -> float:
+        return max(self._plan.seconds_per_point, self._slowest_point_s)
 
     def _measure(self, due: _Slice) -> None:
         position = self._position_of()
-        values = self._medium.s21(due.frequency_hz, position, due.sweep_number)
+        values = self._medium.s21(due.frequency_hz, position, due.sweep_number, due.noise_gain)
+        midway = self._take_midway(due)
+        if midway:
+            # Without the lock, because it may change the plan, which restarts the sweep.
+            midway()
         with self._lock:
             # Whoever changed the plan or triggered meanwhile wants nothing of this sweep.
             if due.generation != self._generation or not self._running:
@@ -251,6 +277,13 @@ class Sweeper:
             if due.end == self._plan.points:
                 self._end_sweep()
 
+    def _take_midway(self, due: _Slice) -> Optional[Callable[[], None]]:
+        with self._lock:
+            if due.generation != self._generation or 2 * due.end < self._plan.points:
+                return None
+            midway, self._midway = self._midway, None
+            return midway
+
     def _store(self, due: _Slice, values: np.ndarray) -> None:
         share = 1.0 / min(self._averaged + 1, self._plan.averages)
         part = self._data[due.first : due.end]
@@ -258,13 +291,16 @@ class Sweeper:
         part[:] = values if share == 1.0 else part + (values - part) * share
 
     def _end_sweep(self) -> None:
-        self._complete = True
         self._sweeps_completed += 1
         self._averaged = min(self._averaged + 1, self._plan.averages)
-        if self._single_shot:
+        is_awaited = self._plan.waits_for_average and self._averaged < self._plan.averages
+        self._complete = self._complete or not is_awaited
+        if self._single_shot and not is_awaited:
             self._running = False
             return
-        duration_s = self._plan.points * self._plan.seconds_per_point
+        duration_s = self._plan.points * self._point_s()
         next_s = self._started_s + max(duration_s, self._pace.shortest_period_s)
         # A machine too slow for the pace gets fewer sweeps, not a backlog of them.
+        discard = self._discard and self._single_shot
         self._begin_sweep(max(next_s, self._clock.now_s() - self._pace.slice_s))
+        self._discard = discard
