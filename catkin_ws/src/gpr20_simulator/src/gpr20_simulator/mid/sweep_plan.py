@@ -42,11 +42,20 @@ class SweepPace:
     Attributes:
         slice_s: Points of at most this time share one look at the antennas' position [s].
         shortest_period_s: A new sweep of a continuous series begins at most this often [s].
+        rest_s: Replaces both in a series while nobody reads and nothing moves [s].
+        attention_s: A reader or a move is waited for this long after the last one [s].
     """
 
     slice_s: float = 0.0015
     shortest_period_s: float = 0.010
+    rest_s: float = 0.1
+    attention_s: float = 1.0
 
     def faster(self, time_scale: float) -> SweepPace:
         """Return the pace that is as fine in real seconds by a clock so much faster."""
-        return SweepPace(self.slice_s * time_scale, self.shortest_period_s * time_scale)
+        return SweepPace(
+            self.slice_s * time_scale,
+            self.shortest_period_s * time_scale,
+            self.rest_s * time_scale,
+            self.attention_s * time_scale,
+        )

@@ -19,6 +19,8 @@ MOST_POINTS = 4001
 MOST_AVERAGES = 65535
 TRACES = 4
 POWER_ON_BANDWIDTH_HZ = 10000
+# Settling time of a filter times its bandwidth.
+SETTLING = 1.4
 # Low is -15 to -25 dBm, high +3 to -3 dBm.
 LOW_POWER_NOISE_GAIN = 10.0
 BANDWIDTHS_HZ = (100000, 50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100, 50, 20, 10)
@@ -125,8 +127,8 @@ class VnaSettings:
             seconds_per_point: Time of a point at the bandwidth of power-on [s]; 0: none at all.
             averaging: When a triggered sweep with averaging is complete.
         """
-        # A filter needs about the inverse of its bandwidth to settle; narrower ones take longer.
-        longer_s = max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
+        # Narrower filters take longer to settle.
+        longer_s = SETTLING * max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
         point_s = seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0
         return SweepPlan(
             self.start_hz,
