@@ -15,7 +15,7 @@ from vna_bench import (
     swept,
 )
 
-from gpr20_simulator.low.vxi11_core import NetworkFault
+from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.medium import probed_sweep
 
 

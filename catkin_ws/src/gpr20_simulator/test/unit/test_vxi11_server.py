@@ -20,7 +20,8 @@ from vxi11_wire import (
 )
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_simulator.low.vxi11_core import ClearSupport, Limits, NetworkFault
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault
+from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
 pytestmark = pytest.mark.real_time

@@ -7,7 +7,7 @@ import threading
 
 from rpc_wire import RawClient, opaque, words
 
-from gpr20_simulator.low.vxi11_core import ClearSupport, NetworkFault, Outcome
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 
 CORE, ABORT = 0x0607AF, 0x0607B0
 END, WAIT_LOCK, TERMINATION = 8, 1, 128

@@ -20,7 +20,7 @@ from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
 from gpr20_simulator.mid.carriage import carriage_position
 from gpr20_simulator.mid.faults import FaultSwitch
-from gpr20_simulator.mid.instrument import Capture
+from gpr20_simulator.mid.reply import Capture
 from gpr20_simulator.mid.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,

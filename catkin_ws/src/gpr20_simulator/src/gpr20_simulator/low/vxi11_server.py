@@ -5,15 +5,11 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from gpr20_simulator.low import vxi11_protocol as protocol
+from gpr20_simulator.low.message_device import MessageDevice, NetworkFault
 from gpr20_simulator.low.portmapper import Mapping, Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import Caller, RpcProgram, XdrReader, pack_int
 from gpr20_simulator.low.rpc_server import RpcTcpServer
-from gpr20_simulator.low.vxi11_core import (
-    CoreChannel,
-    Limits,
-    MessageDevice,
-    NetworkFault,
-)
+from gpr20_simulator.low.vxi11_core import CoreChannel, Limits
 from gpr20_simulator.low.vxi11_links import LinkBook, LinkError
 from gpr20_simulator.low.vxi11_protocol import Error
 

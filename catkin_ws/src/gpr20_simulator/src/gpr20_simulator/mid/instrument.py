@@ -3,40 +3,36 @@
 from __future__ import annotations
 
 import functools
-import random
 import re
 import threading
 import time
-from typing import Callable, List, Optional, Set, Tuple, Union
+from typing import Callable, List, Optional, Set, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_simulator.errors import SceneError
-from gpr20_simulator.low.vxi11_core import ClearSupport, NetworkFault, Outcome
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.mid import scpi
 from gpr20_simulator.mid.calibration import Calibration
 from gpr20_simulator.mid.front_panel import Change
 from gpr20_simulator.mid.identity import Identity
 from gpr20_simulator.mid.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.reply import Answer, Capture, Reply, ReplyWriter
 from gpr20_simulator.mid.scpi import HeaderPattern, ScpiCommand, ScpiError
 from gpr20_simulator.mid.sweep_control import SweepControl
 from gpr20_simulator.mid.sweeper import Sweeper
-from gpr20_simulator.mid.trace_reader import DataReply, TraceReader
+from gpr20_simulator.mid.trace_reader import TraceReader
 from gpr20_simulator.mid.vna_commands import SETTINGS, Numbers, on_off
 from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.vna_settings import SettingQueue, VnaSettings
 
-# The answers of one message; a query after that many bytes gets none.
-MOST_REPLY_BYTES = 1 << 20
 ENDLESS_DIGITS = "1" * 40_000 + "X"
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
 
-Answer = Union[str, DataReply]
 Query = Callable[[Numbers, str], Answer]
 Action = Callable[[str], None]
 # A header as documented, and the numbers in it.
 Place = Tuple[str, Numbers]
-Capture = Callable[[str, bytes], None]
 
 
 class SimulatedVna:
@@ -67,12 +63,11 @@ class SimulatedVna:
         self._description = description
         self._faults = faults
         self._seconds_per_point = seconds_per_point
-        self._capture = capture
         self._lock = threading.Lock()
         self._settings = VnaSettings()
         self._settings.is_corrected = description.calibration_accuracy > 0
         self._network_lost = False
-        self._random = random.Random(0)
+        self._writer = ReplyWriter(description, faults, capture)
         self._is_remote = False
         self._queue = SettingQueue(clock, description.setting_delay_s)
         self._identity = Identity(description, faults)
@@ -127,10 +122,9 @@ class SimulatedVna:
             if self._faults.strikes(VnaFault.DROP) or not self.is_reachable():
                 return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
             self._queue.apply_due()
-            answers: List[Answer] = []
-            reply_size = 0
+            reply = Reply()
             for command in scpi.split_message(message):
-                if command.is_query and reply_size >= MOST_REPLY_BYTES:
+                if command.is_query and reply.is_full:
                     continue
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
@@ -138,12 +132,11 @@ class SimulatedVna:
                     return Outcome(fault=NetworkFault.GO_SILENT)
                 answer = self._carry_out(command)
                 if answer is not None:
-                    answers.append(answer)
-                    reply_size += len(answer if isinstance(answer, str) else answer.block)
-            reply = self._reply(answers)
-            if reply and self._faults.strikes(VnaFault.LATE):
-                return Outcome(reply, NetworkFault.ANSWER_LATE)
-            return Outcome(reply)
+                    reply.add(answer)
+            written = self._writer.written(reply)
+            if written and self._faults.strikes(VnaFault.LATE):
+                return Outcome(written, NetworkFault.ANSWER_LATE)
+            return Outcome(written)
 
     def clear(self) -> ClearSupport:
         """Forget half-done work: there is none, each message is done when it is taken."""
@@ -236,20 +229,6 @@ class SimulatedVna:
     def _configure(self) -> None:
         plan = self._settings.plan(self._seconds_per_point, self._description.averaging)
         self._sweeper.configure(plan)
-
-    def _reply(self, answers: List[Answer]) -> bytes:
-        if not answers or self._faults.strikes(VnaFault.SILENT):
-            return b""
-        parts = [one.encode("ascii") if isinstance(one, str) else one.block for one in answers]
-        reply = b";".join(parts)
-        if isinstance(answers[-1], str) or self._description.trailing_newline:
-            reply += b"\n"
-        if self._faults.strikes(VnaFault.GARBAGE):
-            reply = bytes(self._random.getrandbits(8) for _ in range(len(reply)))
-        for answer in answers:
-            if isinstance(answer, DataReply):
-                self._capture(answer.kind, reply)
-        return reply
 
     def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
         calibration, control = self._calibration, self._control

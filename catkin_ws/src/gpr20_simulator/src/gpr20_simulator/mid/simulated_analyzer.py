@@ -11,9 +11,10 @@ from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.instrument import Capture, SimulatedVna
+from gpr20_simulator.mid.instrument import SimulatedVna
 from gpr20_simulator.mid.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe, SweptMedium
+from gpr20_simulator.mid.reply import Capture
 from gpr20_simulator.mid.scene import Scene
 from gpr20_simulator.mid.sweep_plan import SweepPace
 from gpr20_simulator.mid.sweeper import Sweeper

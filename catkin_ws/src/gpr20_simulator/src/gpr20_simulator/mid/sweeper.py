@@ -8,6 +8,7 @@ from typing import Callable, Optional, Tuple
 import numpy as np
 
 from gpr20_common.low.clock import Clock
+from gpr20_simulator.mid.attention import Attention
 from gpr20_simulator.mid.medium import AntennaPosition, SweptMedium
 from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
 from gpr20_simulator.mid.trace_memory import SweepPart, TraceMemory
@@ -62,8 +63,7 @@ class Sweeper:
         self._plan = plan
         self._frequency_hz = plan.frequency_hz()
         self._memory = TraceMemory(medium, self._frequency_hz)
-        self._position: Optional[AntennaPosition] = None
-        self._watched_until_s = self._read_until_s = clock.now_s()
+        self._attention = Attention(clock, pace)
         self._thread = threading.Thread(target=self._run, name="sweeper", daemon=True)
 
     def start(self) -> None:
@@ -119,8 +119,7 @@ class Sweeper:
         with self._lock:
             if not self._is_read():
                 self._wake.set()
-            self._read_until_s = self._clock.now_s() + self._pace.attention_s
-            self._watched_until_s = max(self._watched_until_s, self._read_until_s)
+            self._attention.note_read()
             return self._frequency_hz, self._memory.data()
 
     def configure(self, plan: SweepPlan) -> None:
@@ -251,17 +250,17 @@ class Sweeper:
         return self._pace.slice_s if self._is_watched() else self._pace.rest_s
 
     def _is_watched(self) -> bool:
-        return self._single_shot or self._clock.now_s() < self._watched_until_s
+        return self._single_shot or self._attention.is_needed
 
     def _is_read(self) -> bool:
-        return self._single_shot or self._clock.now_s() < self._read_until_s
+        return self._single_shot or self._attention.is_read
 
     def _measure(self, generation: int, end: int) -> None:
         position = self._position_of()
         with self._lock:
             if generation != self._generation or not self._running:
                 return
-            self._note_move(position)
+            self._attention.note_position(position)
             is_read, first, number = self._is_read(), self._next_point, self._sweep_number
             part = SweepPart(number, first, end, position, self._plan.noise_gain)
             midway = self._take_midway(end)
@@ -276,11 +275,6 @@ class Sweeper:
             # Whoever changed the plan or triggered meanwhile wants nothing of this sweep.
             if generation == self._generation and self._running:
                 self._store(part, values)
-
-    def _note_move(self, position: AntennaPosition) -> None:
-        if position != self._position:
-            self._position = position
-            self._watched_until_s = self._clock.now_s() + self._pace.attention_s
 
     def _take_midway(self, end: int) -> Optional[Callable[[], None]]:
         if 2 * end < self._plan.points:
