@@ -12,7 +12,7 @@ from vna_bench import Carriage, HandClock
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
-from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
+from gpr20_simulator.mid.sweep_plan import SweepFaults, SweepPace, SweepPlan
 from gpr20_simulator.mid.sweeper import Sweeper
 
 pytestmark = pytest.mark.real_time
@@ -188,7 +188,7 @@ def test_stale_trigger_is_complete_at_once_and_keeps_the_old_data(rig):
     rig.sweeper.trigger()
     rig.clock.advance(SWEEP_S)
     rig.wait_for_points(1, POINTS)
-    rig.sweeper.trigger(stale=True)
+    rig.sweeper.trigger(SweepFaults(stale=True))
     assert rig.sweeper.is_complete
     rig.clock.advance(SWEEP_S)
     wait_until(lambda: rig.sweeper.sweeps_completed == 2, "end of the sweep")

@@ -49,7 +49,7 @@ def test_later_is_as_good_as_at_once(seed, averages):
         for part in parts_of(number, cuts, float(draw.randrange(3))):
             share = share_of(number, averages)
             at_once.store(part, at_once.measured(part), share)
-            later.store_later(part, share)
+            later.store(part, None, share)
             if draw.random() < 0.1:
                 assert np.allclose(later.data(), at_once.data(), rtol=1e-6)
     assert np.allclose(later.data(), at_once.data(), rtol=1e-6)
@@ -60,7 +60,7 @@ def test_sweeps_that_nobody_sees_cost_nothing():
     one = memory(medium)
     for number in range(1, 1001):
         for part in parts_of(number, [7, 15]):
-            one.store_later(part, 1.0)
+            one.store(part, None, 1.0)
     assert medium.calls == 0
     assert set(one.data().real.astype(int)) == {1000}
     # The last sweep, in one piece, and the one before it.
@@ -74,7 +74,7 @@ def test_average_at_rest_is_that_of_the_place_where_the_antennas_are():
         one.store(part, one.measured(part), 1.0)
     for number in range(2, 2000):
         for part in parts_of(number, [], x_mm=100.0):
-            one.store_later(part, share_of(number, 50))
+            one.store(part, None, share_of(number, 50))
     assert one.data().imag == pytest.approx(100.0, abs=1e-3)
     assert medium.calls <= MOST_WAITING_SWEEPS + 2
 
@@ -82,7 +82,7 @@ def test_average_at_rest_is_that_of_the_place_where_the_antennas_are():
 def test_data_of_as_many_points_stay_when_the_frequencies_change():
     one = memory()
     for part in parts_of(3, []):
-        one.store_later(part, 1.0)
+        one.store(part, None, 1.0)
     one.set_frequencies(np.linspace(1e9, 3e9, POINTS))
     assert set(one.data().real.astype(int)) == {3}
     one.set_frequencies(np.linspace(1e9, 3e9, 5))

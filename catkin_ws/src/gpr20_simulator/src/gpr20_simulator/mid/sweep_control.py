@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid import scpi
 from gpr20_simulator.mid.front_panel import Change, hand_change
 from gpr20_simulator.mid.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.sweep_plan import SweepFaults
 from gpr20_simulator.mid.sweeper import Sweeper
 from gpr20_simulator.mid.vna_commands import SWEEP_TYPES, on_off
 from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
@@ -71,11 +73,12 @@ class SweepControl:
         )
         change = hand_change(self._faults)
         is_slow = self._faults.strikes(VnaFault.SLOW_POINTS)
-        self._sweeper.trigger(
+        sweep_faults = SweepFaults(
             stale=self._faults.strikes(VnaFault.STALE),
             slowest_point_s=self._description.slow_point_s if is_slow else 0.0,
-            midway=(lambda: self._by_hand(change)) if change else None,
+            midway=functools.partial(self._by_hand, change) if change else None,
         )
+        self._sweeper.trigger(sweep_faults)
 
     def set_continuous(self, settings: VnaSettings, argument: str) -> None:
         """Carry out `:INITiate:CONTinuous`."""

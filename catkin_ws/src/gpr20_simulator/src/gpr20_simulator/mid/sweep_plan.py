@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Callable, Optional
 
 import numpy as np
 
@@ -33,6 +34,24 @@ class SweepPlan:
     def frequency_hz(self) -> np.ndarray:
         """Return the frequencies [Hz]."""
         return np.linspace(self.start_hz, self.stop_hz, self.points)
+
+
+@dataclass(frozen=True)
+class SweepFaults:
+    """What goes wrong with a triggered sweep.
+
+    Attributes:
+        stale: It is reported as complete at once, and its data are thrown away.
+        slowest_point_s: No frequency takes less than this until the next trigger [s].
+        midway: Called once, from the sweeper's thread, when half of the sweep is done.
+    """
+
+    stale: bool = False
+    slowest_point_s: float = 0.0
+    midway: Optional[Callable[[], None]] = None
+
+
+NO_FAULTS = SweepFaults()
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.attention import Attention
 from gpr20_simulator.mid.medium import AntennaPosition, SweptMedium
-from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
+from gpr20_simulator.mid.sweep_plan import NO_FAULTS, SweepFaults, SweepPace, SweepPlan
 from gpr20_simulator.mid.trace_memory import SweepPart, TraceMemory
 
 IDLE_WAIT_S = 60.0
@@ -51,7 +51,7 @@ class Sweeper:
         self._single_shot = True
         self._discard = False
         self._midway: Optional[Callable[[], None]] = None
-        self._slowest_point_s = 0.0
+        self._faults = NO_FAULTS
         self._complete = False
         self._averaged = 0
         self._generation = 0
@@ -143,32 +143,21 @@ class Sweeper:
             self._memory.compute()
             self._averaged = 0
 
-    def trigger(
-        self,
-        stale: bool = False,
-        slowest_point_s: float = 0.0,
-        midway: Optional[Callable[[], None]] = None,
-    ) -> None:
+    def trigger(self, faults: SweepFaults = NO_FAULTS) -> None:
         """Run one sweep and hold again; a running series only restarts its sweep.
 
         If the plan waits for the average, that is as many new sweeps as are averaged.
-
-        Args:
-            stale: A fault: report the sweep as complete at once and throw its data away.
-            slowest_point_s: A fault: no frequency takes less than this until the next
-                trigger [s].
-            midway: Called once, from the sweeper's thread, when half of the sweep is done.
         """
         with self._lock:
             self._memory.compute()
             self._single_shot = not (self._continuous and self._running)
-            self._complete = stale
-            self._slowest_point_s = slowest_point_s
-            self._midway = midway
+            self._complete = faults.stale
+            self._faults = faults
+            self._midway = faults.midway
             if self._plan.waits_for_average:
                 self._averaged = 0
             self._begin_sweep()
-            self._discard = stale
+            self._discard = faults.stale
         self._wake.set()
 
     def set_continuous(self, continuous: bool) -> None:
@@ -243,7 +232,7 @@ class Sweeper:
         return max(1, int(self._look_s() / point_s)) if point_s > 0.0 else self._plan.points
 
     def _point_s(self) -> float:
-        return max(self._plan.seconds_per_point, self._slowest_point_s)
+        return max(self._plan.seconds_per_point, self._faults.slowest_point_s)
 
     def _look_s(self) -> float:
         """Return how long the antennas are taken to stay where they are [s]."""
@@ -284,11 +273,7 @@ class Sweeper:
 
     def _store(self, part: SweepPart, values: Optional[np.ndarray]) -> None:
         share = 1.0 / min(self._averaged + 1, self._plan.averages)
-        if self._discard:
-            pass
-        elif values is None:
-            self._memory.store_later(part, share)
-        else:
+        if not self._discard:
             self._memory.store(part, values, share)
         self._next_point = part.end
         if part.end == self._plan.points:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import Deque, List
+from typing import Deque, List, Optional
 
 import numpy as np
 
@@ -72,14 +72,26 @@ class TraceMemory:
         frequency_hz = self._frequency_hz[part.first : part.end]
         return self._medium.s21(frequency_hz, part.position, part.sweep_number, part.noise_gain)
 
-    def store(self, part: SweepPart, values: np.ndarray, share: float) -> None:
-        """Take the values of a part into the data, with a share of 1 instead of the old ones."""
+    def store(self, part: SweepPart, values: Optional[np.ndarray], share: float) -> None:
+        """Take a part into the data, with a share of 1 instead of what was there.
+
+        Args:
+            part: Which points.
+            values: What was measured; None: to be measured only when somebody looks at it.
+            share: Share of the average that it takes.
+        """
+        if values is None:
+            self._store_later(part, share)
+        else:
+            self.compute()
+            self._mix(part, values, share)
+
+    def _mix(self, part: SweepPart, values: np.ndarray, share: float) -> None:
         here = self._data[part.first : part.end]
         # Without averaging the value itself: the difference would lose bits of it.
         here[:] = values if share == 1.0 else here + (values - here) * share
 
-    def store_later(self, part: SweepPart, share: float) -> None:
-        """Store a part, to be measured only when somebody looks at it."""
+    def _store_later(self, part: SweepPart, share: float) -> None:
         if not self._waiting or self._waiting[-1].sweep_number != part.sweep_number:
             self._waiting.append(_WaitingSweep(part.sweep_number, share))
             self._forget_old()
@@ -94,7 +106,7 @@ class TraceMemory:
         while self._waiting:
             sweep = self._waiting.popleft()
             for part in sweep.parts:
-                self.store(part, self.measured(part), sweep.share)
+                self._mix(part, self.measured(part), sweep.share)
 
     def data(self) -> np.ndarray:
         """Return a copy of the data (complex64) as they are now."""
