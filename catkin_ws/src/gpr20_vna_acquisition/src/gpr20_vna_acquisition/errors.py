@@ -17,8 +17,16 @@ class VnaConnectionError(VnaError, OSError):
     """
 
 
+class VnaNoAnswerError(VnaConnectionError):
+    """A query got no answer in time."""
+
+
 class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
+
+
+class VnaReplacedError(VnaIdentityError):
+    """An instrument of the right kind answers, but not the one that was connected."""
 
 
 class VnaNotReadyError(VnaError, RuntimeError):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import struct
 import threading
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 
 IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
 EXCHANGE_S = 0.001
@@ -53,6 +53,8 @@ class FakeVna:
             ":SENS:TRACE1:SPAR": "S11",
             ":SENS:TRACE1:DOM": "TIME",
             ":SENS:AVER:COUN": "1",
+            ":SENS:SWE:IFBW": "10000",
+            ":SOUR:POW": "HIGH",
             ":FORM": "ASC",
         }
         self.refused: List[str] = []
@@ -61,6 +63,12 @@ class FakeVna:
         self.settling_s = 0.0
         self.sweep_s = 0.05
         self.stale_bit_s = 0.0
+        # Whether one trigger makes all sweeps of an average.
+        self.averages_at_once = False
+        self.averaged = 0
+        # Queries that get no answer.
+        self.unanswered: List[str] = []
+        self.local = False
         self.sweep_number = 0
         self.sweep_begun_s = -1.0
         self.calibration = "1"
@@ -74,17 +82,26 @@ class FakeVna:
         self._pending: Dict[str, tuple[float, str]] = {}
 
     def connect(self, address: str) -> FakeLink:
+        self.local = False
         self.links += 1
         self.open_links += 1
         return FakeLink(self)
 
     def take(self, command: str) -> None:
+        if ";" in command:
+            for one in command.split(";"):
+                self.take(one)
+            return
         header, _, value = command.partition(" ")
-        if header == ":INIT:IMM":
+        if header == ":SENS:AVER:CLE":
+            self.averaged = 0
+        elif header == ":INIT:IMM":
+            averages = int(self.settings[":SENS:AVER:COUN"])
+            self.averaged = averages if self.averages_at_once else min(self.averaged + 1, averages)
             self.sweep_number += 1
             self.sweep_begun_s = self.clock.time_s
         elif header in self.settings and header not in self.refused:
-            value = "0" if value == "OFF" else value
+            value = {"OFF": "0", "ON": "1"}.get(value, value)
             if header.endswith("STAR") and self._refuses_start(float(value)):
                 return
             self._pending[header] = (self.clock.time_s + self.settling_s, value)
@@ -107,6 +124,7 @@ class FakeVna:
             "*IDN": lambda: self.identity.encode(),
             ":STAT:OPER": lambda: b"256" if self._bit() else b"0",
             ":SENS:CORR:COLL:STAT:ACC": self.calibration.encode,
+            ":TRAC:PRE": lambda: b"#222X=1,AVERAGING_COUNT=%d" % self.averaged,
             ":SENSE1:FREQ:DATA": lambda: self.block(self._frequencies()),
             ":CALC1:DATA": lambda: self.spoil(self.block(self.points_data())),
         }
@@ -149,12 +167,17 @@ class FakeLink:
         self._exchange(command)
         self._vna.take(command)
 
-    def ask(self, query: str) -> str:
-        return self.ask_raw(query).decode("latin-1").strip()
-
-    def ask_raw(self, query: str) -> bytes:
+    def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
         self._exchange(query)
+        if query in self._vna.unanswered:
+            self._vna.clock.pass_s(5.0 if limit_s is None else limit_s)
+            self.close()
+            raise VnaNoAnswerError(Message("no answer in time"))
         return self._vna.answer(query)
+
+    def local(self) -> None:
+        self._exchange("<local>")
+        self._vna.local = True
 
     def clear(self) -> None:
         self._exchange("<clear>")

@@ -37,7 +37,7 @@ from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_N
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Reopening and closing read every file of a survey; opening a survey closes another one that is
@@ -118,9 +118,13 @@ class RosAnalyzer:
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,
+            **vars(settings.analyzer),
         )
         return SweepSettings(
-            accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
+            accepted.start_frequency_hz,
+            accepted.stop_frequency_hz,
+            accepted.points,
+            AnalyzerSettings(accepted.if_bandwidth_hz, accepted.averages, accepted.output_power),
         )
 
     def frequencies_hz(self) -> np.ndarray:
@@ -137,6 +141,7 @@ class RosAnalyzer:
             sweep_started_us=microseconds(data.sweep_started),
             sweep_ended_us=microseconds(data.sweep_ended),
             quality=tuple(data.quality),
+            analyzer=_analyzer_settings(data),
         )
 
 
@@ -222,3 +227,8 @@ class RosStorage:
             progress=progress,
             coverage=coverage,
         )
+
+
+def _analyzer_settings(data: Any) -> AnalyzerSettings:
+    """Return with what a sweep was measured."""
+    return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)
