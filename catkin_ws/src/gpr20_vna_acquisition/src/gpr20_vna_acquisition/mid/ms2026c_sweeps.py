@@ -11,7 +11,12 @@ from gpr20_common.message import Message
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import VnaDataError, VnaSettingError, VnaSweepError
+from gpr20_vna_acquisition.errors import (
+    VnaDataError,
+    VnaOldDataError,
+    VnaSettingError,
+    VnaSweepError,
+)
 from gpr20_vna_acquisition.mid.block_parser import parse_numbers, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -97,7 +102,8 @@ class Ms2026cSweeps:
 
         Raises:
             VnaSweepError: A sweep did not end in time.
-            VnaDataError: The data are not new, incomplete, or not finite.
+            VnaOldDataError: The data, or a part of them, are not new.
+            VnaDataError: The data are incomplete or not finite.
         """
         if self._timing is None:
             self.learn(settings)
@@ -110,7 +116,7 @@ class Ms2026cSweeps:
             # By the monotonic clock: the time of day may be corrected meanwhile.
             duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
             numbers = self._new_numbers(settings, end)
-        except (VnaDataError, VnaSweepError):
+        except (VnaOldDataError, VnaSweepError):
             # What was learned is in doubt too: the next sweep learns again.
             self._timing = None
             raise
@@ -193,7 +199,7 @@ class Ms2026cSweeps:
             if not steady:
                 self._deadline.pause_s(self._parameters.poll_interval_s)
         if not steady or has_old_points(numbers, before, to_the_last=not end.cleared):
-            raise VnaDataError(
+            raise VnaOldDataError(
                 Message("the VNA gave data of which a part is that of the previous sweep")
             )
         return numbers
