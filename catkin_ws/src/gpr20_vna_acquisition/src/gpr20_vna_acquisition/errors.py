@@ -55,3 +55,7 @@ class VnaClosedError(VnaError, RuntimeError):
 
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
+
+
+class VnaOldDataError(VnaDataError):
+    """Data, or a part of them, are those of a sweep before."""

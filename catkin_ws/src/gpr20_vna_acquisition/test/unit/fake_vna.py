@@ -39,10 +39,13 @@ class FakeVna:
     """The instrument: stores settings, sweeps in fake time, and can be made to misbehave.
 
     The real part of every point is the number of the sweep, the imaginary part that of the point.
+    Points that a sweep has not come to yet are those of the sweeps before.
     """
 
     def __init__(self, clock: FakeClock) -> None:
         self.clock = clock
+        # Time that each message takes.
+        self.exchange_s = EXCHANGE_S
         self.identity = f'"{IDENTITY}"'
         self.settings: Dict[str, str] = {
             ":INIT:CONT": "1",
@@ -70,6 +73,9 @@ class FakeVna:
         self.unanswered: List[str] = []
         self.local = False
         self.sweep_number = 0
+        # Duration of the last sweep, which began before `sweep_s` was changed.
+        self._running_s = 0.0
+        self._shown: List[float] = []
         self.sweep_begun_s = -1.0
         self.calibration = "1"
         # Called with each query or command; may change the fake or raise.
@@ -98,8 +104,10 @@ class FakeVna:
         elif header == ":INIT:IMM":
             averages = int(self.settings[":SENS:AVER:COUN"])
             self.averaged = averages if self.averages_at_once else min(self.averaged + 1, averages)
+            self._shown = self.points_data()[0::2]
             self.sweep_number += 1
             self.sweep_begun_s = self.clock.time_s
+            self._running_s = self.sweep_s
         elif header in self.settings and header not in self.refused:
             value = {"OFF": "0", "ON": "1"}.get(value, value)
             if header.endswith("STAR") and self._refuses_start(float(value)):
@@ -131,7 +139,7 @@ class FakeVna:
 
     def _bit(self) -> bool:
         elapsed_s = self.clock.time_s - self.sweep_begun_s
-        return elapsed_s < self.stale_bit_s or elapsed_s >= self.sweep_s
+        return elapsed_s < self.stale_bit_s or elapsed_s >= self._running_s
 
     def _frequencies(self) -> List[float]:
         start = float(self.settings[":SENS:FREQ:STAR"])
@@ -140,13 +148,13 @@ class FakeVna:
         return [start + i * (stop - start) / (points - 1) for i in range(points)]
 
     def points_data(self) -> List[float]:
-        data: List[float] = []
-        done = self.clock.time_s - self.sweep_begun_s >= self.sweep_s
-        for point in range(int(self.settings[":SENS:SWE:POIN"])):
-            # A sweep that still runs has the second half of the one before.
-            old = not done and point >= int(self.settings[":SENS:SWE:POIN"]) // 2
-            data += [float(self.sweep_number - old), float(point)]
-        return data
+        points = int(self.settings[":SENS:SWE:POIN"])
+        if len(self._shown) != points:
+            self._shown = [0.0] * points
+        elapsed_s = self.clock.time_s - self.sweep_begun_s
+        done = points if elapsed_s >= self._running_s else int(points * elapsed_s / self._running_s)
+        real = [float(self.sweep_number)] * done + self._shown[done:]
+        return [value for point, one in enumerate(real) for value in (one, float(point))]
 
     def block(self, numbers: List[float]) -> bytes:
         if self.settings[":FORM"] == "REAL,32":
@@ -191,7 +199,7 @@ class FakeLink:
         if not self._open:
             raise VnaConnectionError(Message("the link is dead"))
         self._vna.sent.append(message)
-        self._vna.clock.pass_s(EXCHANGE_S)
+        self._vna.clock.pass_s(self._vna.exchange_s)
         try:
             self._vna.before(message)
         except VnaConnectionError:
