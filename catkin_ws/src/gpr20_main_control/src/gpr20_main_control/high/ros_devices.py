@@ -43,6 +43,8 @@ from gpr20_survey.trace.trace import Trace
 # Reopening and closing read every file of a survey; opening a survey closes another one that is
 # still open [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
+# Services that are called for each trace; none of them moves anything.
+AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
 
 
 class DeviceService:
@@ -58,7 +60,7 @@ class DeviceService:
             time_limit_s: Time limit of a call [s].
         """
         self._device = device
-        self._client = ServiceClient(name, service_class)
+        self._client = ServiceClient(name, service_class, keep_open=name in AT_EVERY_POINT)
         self._time_limit_s = time_limit_s
 
     def __call__(self, *request: Any, **fields: Any) -> Any:
