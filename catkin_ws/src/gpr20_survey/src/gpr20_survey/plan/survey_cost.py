@@ -54,9 +54,9 @@ class MeasuringTimes:
 
     @property
     def total_s(self) -> float:
-        """Time at one point [s]; sweep and height are measured together."""
+        """Time at one point [s]; the height is measured while vibrations settle."""
         sweep_s = SECONDS_PER_FREQUENCY * self.frequency_points
-        return self.settle_s + max(sweep_s, self.height_s)
+        return max(self.settle_s, self.height_s) + sweep_s
 
 
 def survey_cost(
