@@ -79,7 +79,7 @@ class AnalyzerRecord:
             raise OtherAnalyzerError(
                 Message(
                     "the VNA is {present}, but the survey was measured with {former}; connect "
-                    "that one again, or resume the survey and accept the other VNA",
+                    "that VNA again, or accept the other one when you resume the survey",
                     present=identity,
                     former=former,
                 ),
