@@ -47,3 +47,7 @@ class VnaClosedError(VnaError, RuntimeError):
 
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
+
+
+class VnaLibraryError(VnaError, ImportError):
+    """A library that this kind of analyzer needs is not installed, or too old."""
