@@ -147,7 +147,15 @@ class FakeAnalyzer:
         settings = self.other_settings or self._settings
         values = np.full(settings.points, float(self.sweeps))
         began_us = FIRST_SWEEP_US + self.sweeps * 10
-        return Sweep(settings.frequencies_hz(), values, values, began_us, began_us + 5, ())
+        return Sweep(
+            settings.frequencies_hz(),
+            values,
+            values,
+            began_us,
+            began_us + 5,
+            (),
+            settings.analyzer,
+        )
 
 
 class FakeHeightSensor:

@@ -17,6 +17,10 @@ class VnaConnectionError(VnaError, OSError):
     """
 
 
+class VnaNoAnswerError(VnaConnectionError):
+    """A query got no answer in time."""
+
+
 class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
 

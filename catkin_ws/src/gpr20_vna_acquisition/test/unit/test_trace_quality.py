@@ -15,6 +15,7 @@ from hypothesis.extra import numpy as arrays
 from gpr20_common.message import Message, received_message, verbatim
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS, Sweep
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaConnectionError,
@@ -42,7 +43,7 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False, width=32)
 def sweep_of(real, imag, duration_s=0.1):
     frequency_hz = np.linspace(1e9, 2e9, len(real))
     ended_us = STARTED_US + round(duration_s * 1e6)
-    return Sweep(frequency_hz, real, imag, STARTED_US, ended_us, ())
+    return Sweep(frequency_hz, real, imag, STARTED_US, ended_us, (), AnalyzerSettings())
 
 
 def trace(level_db, points=POINTS, duration_s=0.1):

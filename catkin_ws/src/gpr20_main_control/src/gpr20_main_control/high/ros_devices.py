@@ -37,7 +37,7 @@ from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_N
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Reopening and closing read every file of a survey; opening a survey closes another one that is
@@ -137,6 +137,7 @@ class RosAnalyzer:
             sweep_started_us=microseconds(data.sweep_started),
             sweep_ended_us=microseconds(data.sweep_ended),
             quality=tuple(data.quality),
+            analyzer=_analyzer_settings(data),
         )
 
 
@@ -222,3 +223,8 @@ class RosStorage:
             progress=progress,
             coverage=coverage,
         )
+
+
+def _analyzer_settings(data: Any) -> AnalyzerSettings:
+    """Return with what a sweep was measured."""
+    return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)
