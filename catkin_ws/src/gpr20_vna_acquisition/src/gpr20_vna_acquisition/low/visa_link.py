@@ -26,7 +26,7 @@ PACKAGE = "skrf.vi.vna"
 INSTALL = "scripts/setup.sh --scikit-rf"
 # How many exchanges the constructors of scikit-rf make at most.
 CONSTRUCTOR_EXCHANGES = 5
-CLOSE_LIMIT_S = 1.0
+CLOSE_LIMIT_S, RELEASE_LIMIT_S = 1.0, 2.0
 # What scikit-rf and PyVISA raise for an answer that they do not understand.
 ANSWER_ERRORS = (
     ValueError,
@@ -219,11 +219,17 @@ class VisaLink:
         result: Result = self._run(what, timed, answer_s + self._limits.answer_s)
         return result
 
-    def go_local(self) -> None:
-        """Return the control to the front panel, where the kind of session can do that."""
-        resource = self._resources[0] if self._resources else None
-        what = Message("returning to the front panel")
-        self._run(what, lambda: self._library.go_local(resource), 2 * self._limits.answer_s)
+    def release(self, action: Callable[[Any], None]) -> None:
+        """Do something, then return the control to the front panel; no request limits it."""
+
+        def released() -> None:
+            self._vna.timeout = round(RELEASE_LIMIT_S * 1e3)
+            action(self._vna)
+            for resource in self._resources:
+                self._library.go_local(resource)
+
+        self._check = lambda: None
+        self._run(Message("returning to the front panel"), released, RELEASE_LIMIT_S)
 
     def close(self) -> None:
         """End the session. Never fails; ending a dead one does nothing."""

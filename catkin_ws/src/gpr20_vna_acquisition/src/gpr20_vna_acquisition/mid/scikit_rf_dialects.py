@@ -30,12 +30,14 @@ class Setting:
         value: The value wanted.
         read: Returns the present value from the object of scikit-rf.
         write: Sets the value.
+        matters_to_calibration: Whether a calibration made with another value may not apply.
     """
 
     name: Message
     value: Any
     read: Callable[[Any], Any]
     write: Callable[[Any], None]
+    matters_to_calibration: bool = False
 
 
 class Dialect:
@@ -86,6 +88,10 @@ class Dialect:
         """Return the IF bandwidth [Hz]."""
         return float(self.sweep_part(vna).if_bandwidth)
 
+    def set_if_bandwidth(self, vna: Any, bandwidth_hz: int) -> None:
+        """Set the IF bandwidth [Hz]."""
+        self.sweep_part(vna).if_bandwidth = bandwidth_hz
+
     def averages(self, vna: Any) -> int:
         """Return the number of sweeps that make one trace."""
         part = self.sweep_part(vna)
@@ -97,6 +103,10 @@ class Dialect:
         if averages > 1:
             part.averaging_count = averages
         part.averaging_on = averages > 1
+
+    def triggers(self, vna: Any, averages: int) -> int:
+        """Return how many sweeps must be triggered for one trace."""
+        return averages
 
     def clear_averages(self, vna: Any) -> None:
         """Begin a new average: nothing that was measured before may be in it."""
@@ -114,8 +124,15 @@ class Dialect:
             Setting(Message("the S-parameter"), S21, self.measured_parameter, self.select_s21),
         ]
         if wanted.if_bandwidth_hz:
-            name = Message("the IF bandwidth")
-            found.append(self._own(name, "if_bandwidth", wanted.if_bandwidth_hz))
+            found.append(
+                Setting(
+                    Message("the IF bandwidth"),
+                    wanted.if_bandwidth_hz,
+                    self.if_bandwidth_hz,
+                    lambda vna: self.set_if_bandwidth(vna, round(wanted.if_bandwidth_hz)),
+                    matters_to_calibration=True,
+                )
+            )
         if wanted.averages:
             found.append(
                 Setting(
@@ -134,6 +151,7 @@ class Dialect:
             whole,
             lambda vna: getattr(self.sweep_part(vna), attribute),
             lambda vna: setattr(self.sweep_part(vna), attribute, whole),
+            matters_to_calibration=True,
         )
 
     def _sweep_type(self) -> Optional[Setting]:
@@ -144,6 +162,7 @@ class Dialect:
             self.linear,
             lambda vna: self.sweep_part(vna).sweep_type.value,
             lambda vna: setattr(self.sweep_part(vna), "sweep_type", self.linear),
+            matters_to_calibration=True,
         )
 
 
@@ -202,6 +221,12 @@ class Pna(NamedMeasurements):
         )
         return [*super().settings(sweep), trigger]
 
+    def triggers(self, vna: Any, averages: int) -> int:
+        """Return how many sweeps must be triggered: one if each point is averaged by itself."""
+        if averages > 1 and self.sweep_part(vna).averaging_mode.value == "POIN":
+            return 1
+        return averages
+
     def trigger(self, vna: Any) -> None:
         """Trigger one sweep; do not wait."""
         self.sweep_part(vna).sweep_mode = "SING"
@@ -259,8 +284,17 @@ class FieldFox(Dialect):
         vna.active_trace = 1
         return super().data(vna)
 
-    # scikit-rf has no property for the averages. A trace must not contain sweeps from before a
-    # move, so they are asked with the commands of the analyzer itself.
+    # The IF bandwidths that scikit-rf knows lack some of this analyzer, 3 kHz among them, and it has
+    # no property for the averages; a trace must not contain sweeps from before a move. So both are
+    # set with the commands of the analyzer itself.
+
+    def if_bandwidth_hz(self, vna: Any) -> float:
+        """Return the IF bandwidth [Hz]."""
+        return float(vna.query("SENS:BWID?"))
+
+    def set_if_bandwidth(self, vna: Any, bandwidth_hz: int) -> None:
+        """Set the IF bandwidth [Hz]."""
+        vna.write(f"SENS:BWID {bandwidth_hz}")
 
     def averages(self, vna: Any) -> int:
         """Return the number of sweeps that make one trace."""
