@@ -5,12 +5,13 @@ The real part of each point is the number of its sweep; the imaginary part diffe
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import struct
 import threading
 import time
 from dataclasses import dataclass, field
-from typing import Callable, Dict, List, Optional, Set, Tuple
+from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class ScpiAnalyzer:
     maker, model = "", ""
     # Which command makes it sweep by itself, and with which value.
     continuous: Tuple[str, str] = ("", "")
-    settings: Dict[str, str] = {}
+    settings: ClassVar[Dict[str, str]] = {}
     points_header = ""
 
     def __init__(self, sweep_s: float = 0.02) -> None:
@@ -64,6 +65,11 @@ class ScpiAnalyzer:
         self.average_cleared_at = 0
         self._begun_s = time.monotonic() - 1e6
         self._selected = ""
+        self._stopped = threading.Event()
+
+    def stop(self) -> None:
+        """End a sweep that is waited for."""
+        self._stopped.set()
 
     @property
     def identity(self) -> str:
@@ -83,7 +89,12 @@ class ScpiAnalyzer:
 
     def execute(self, message: bytes) -> Optional[bytes]:
         """Carry out one message; return the answer, if there is one."""
-        text = message.decode("ascii").strip()
+        answer = None
+        for part in message.decode("ascii").strip().split(";"):
+            answer = self._execute(part.lstrip(":"))
+        return answer
+
+    def _execute(self, text: str) -> Optional[bytes]:
         if text == self.faults.drop_at:
             self.faults.drop_at = ""
             raise Dropped
@@ -99,9 +110,7 @@ class ScpiAnalyzer:
         return self.query(text)
 
     def command(self, header: str, value: str = "") -> None:
-        if header == "TRIGGER":
-            self.trigger()
-        elif header in self.values:
+        if header in self.values:
             self.values[header] = value
 
     def query(self, text: str) -> bytes:
@@ -109,7 +118,7 @@ class ScpiAnalyzer:
             return self.identity.encode() + b"\n"
         if text == "*OPC?":
             if not self.faults.early_end:
-                time.sleep(max(0.0, self._begun_s + self.sweep_s - time.monotonic()))
+                self._stopped.wait(max(0.0, self._begun_s + self.sweep_s - time.monotonic()))
             return b"+1\n"
         return self.values[text.rstrip("?")].encode() + b"\n"
 
@@ -136,7 +145,7 @@ class PnaAnalyzer(ScpiAnalyzer):
     maker, model = "Agilent Technologies", "N5222A"
     continuous = ("SENS1:SWE:MODE", "CONT")
     points_header = "SENS1:SWE:POIN"
-    settings = {
+    settings: ClassVar[Dict[str, str]] = {
         "SENS1:FREQ:STAR": "+1.000000000000E+007",
         "SENS1:FREQ:STOP": "+2.650000000000E+010",
         "SENS1:SWE:POIN": "201",
@@ -200,7 +209,7 @@ class ZvaAnalyzer(PnaAnalyzer):
 
     maker, model = "Rohde-Schwarz", "ZVA24-2Port"
     continuous = ("INIT1:CONT", "1")
-    settings = {
+    settings: ClassVar[Dict[str, str]] = {
         **{key: text for key, text in PnaAnalyzer.settings.items() if "MODE" not in key},
         "INST:NSEL": "1",
         "FORM": "ASC,0",
@@ -221,7 +230,7 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
     maker, model = "Keysight Technologies", "N9916A"
     continuous = ("INIT:CONT", "1")
     points_header = "SENS:SWE:POIN"
-    settings = {
+    settings: ClassVar[Dict[str, str]] = {
         "SENS:FREQ:STAR": "30000",
         "SENS:FREQ:STOP": "1.4E+10",
         "SENS:SWE:POIN": "201",
@@ -235,7 +244,7 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
     }
 
     def command(self, header: str, value: str = "") -> None:
-        if header == "INIT":
+        if header == "INIT:IMM":
             self.trigger()
         elif header == "SENS:AVER:CLE":
             self.average_cleared_at = self.sweeps
@@ -268,6 +277,7 @@ class ScpiServer:
 
     def stop(self) -> None:
         """Drop everybody and wait for the threads."""
+        self.analyzer.stop()
         _shut(self._listener)
         self.drop_all()
         for thread in self._threads:
@@ -299,10 +309,8 @@ class ScpiServer:
 
 
 def _shut(connection: socket.socket) -> None:
-    try:
+    with contextlib.suppress(OSError):
         connection.shutdown(socket.SHUT_RDWR)
-    except OSError:
-        pass
     connection.close()
 
 

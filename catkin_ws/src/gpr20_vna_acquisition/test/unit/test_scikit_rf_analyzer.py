@@ -38,7 +38,8 @@ pytestmark = pytest.mark.real_time
 SWEEP = SweepSettings(600_000_000.0, 6_000_000_000.0, 51)
 # The first scikit-rf for Python 3.8 has no class of Rohde & Schwarz that works.
 HAS_ROHDE_SCHWARZ = importlib.util.find_spec("skrf.vi.vna.rohde_schwarz.rs_vna") is not None
-CLASSES = [one for one in ANALYZERS if HAS_ROHDE_SCHWARZ or not one.startswith("rohde")]
+# The class ZNA differs from ZVA in its name alone.
+CLASSES = ["keysight.PNA", "keysight.FieldFox", *["rohde_schwarz.ZVA"] * HAS_ROHDE_SCHWARZ]
 
 
 class Bench:
@@ -186,7 +187,7 @@ def test_release_leaves_it_sweeping_by_itself_also_after_a_shutdown(bench):
     assert not bench.vna.is_continuous
     bench.deadline.close()
     bench.analyzer.release()
-    assert bench.vna.is_continuous
+    assert_released(bench)
 
 
 def test_its_calibration_is_not_reported(bench):
@@ -285,6 +286,14 @@ def test_nothing_at_the_address_is_an_error(pna):
         pna.configured()
 
 
+def assert_released(bench: Bench) -> None:
+    # A last command has no answer.
+    deadline_s = time.monotonic() + 2.0
+    while not bench.vna.is_continuous and time.monotonic() < deadline_s:
+        time.sleep(0.001)
+    assert bench.vna.is_continuous
+
+
 def data_query(bench: Bench) -> str:
     return "CALC:DATA:SDATA?" if "FieldFox" in str(bench.parameters) else "CALC1:DATA? SDATA"
 
@@ -359,14 +368,15 @@ def test_the_driver_takes_confirmed_traces(bench):
     assert bench.driver.confirm(number) == ()
     assert not any("does not report" in remark for remark in sweep.quality)
     bench.driver.disconnect_from_vna()
-    assert bench.vna.is_continuous
+    assert_released(bench)
 
 
 def test_the_driver_repeats_a_sweep_over_a_new_link(bench):
     bench.driver.connect_to_vna(bench.address)
     bench.driver.set_frequency_sweep(SWEEP)
     bench.driver.get_trace()
-    bench.vna.faults.drop_at = data_query(bench)
+    # In the middle of the sweep.
+    bench.vna.faults.drop_at = "*OPC?"
     sweep = bench.driver.get_trace()
     assert any("repeated once" in remark for remark in sweep.quality)
     assert sweep.s21_real[0] == bench.vna.sweeps

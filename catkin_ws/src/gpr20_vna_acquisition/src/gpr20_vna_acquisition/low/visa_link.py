@@ -5,6 +5,7 @@ scikit-rf and PyVISA are imported only when a `VisaLibrary` is made.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import threading
 from dataclasses import dataclass
@@ -240,10 +241,9 @@ class VisaLink:
             # A read that never ends holds the thread; it ends when its session is closed.
             threading.Thread(target=self._close_session, daemon=True).start()
         else:
-            try:
+            # One that does not end is left to its thread.
+            with contextlib.suppress(TimeoutError):
                 thread.run(self._close_session, CLOSE_LIMIT_S, lambda: None)
-            except TimeoutError:
-                pass  # the session is left to its thread
         thread.end()
 
     def _run(self, what: Message, action: Callable[[], Any], limit_s: float) -> Any:
@@ -263,11 +263,9 @@ class VisaLink:
 
     def _close_session(self) -> None:
         for resource in self._resources:
-            try:
+            # The session is dead, and nobody uses it again, whatever a library says of it.
+            with contextlib.suppress(Exception):
                 resource.close()
-            # The session is dead, and nobody uses it again.
-            except Exception:  # noqa: S110, PERF203
-                pass
 
 
 def _missing(class_name: str, error: Exception) -> Message:

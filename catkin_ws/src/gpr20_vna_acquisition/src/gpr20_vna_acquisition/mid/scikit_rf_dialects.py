@@ -45,6 +45,8 @@ class Dialect:
 
     # Module that an old scikit-rf does not have.
     needs = ""
+    # The command that triggers one sweep.
+    trigger = ""
     # What the class calls a linear sweep; empty if it cannot say how it sweeps.
     linear = ""
 
@@ -72,9 +74,10 @@ class Dialect:
         """Select how numbers are transferred; both ends must agree on it."""
         raise NotImplementedError
 
-    def trigger(self, vna: Any) -> None:
-        """Trigger one sweep; do not wait."""
-        raise NotImplementedError
+    def sweep(self, vna: Any) -> str:
+        """Trigger one sweep and return what the analyzer answers to `*OPC?` when it has ended."""
+        # In one message: two small ones wait for each other in some networks.
+        return str(vna.query(f"{self.trigger};*OPC?")).strip()
 
     def data(self, vna: Any) -> np.ndarray:
         """Return the data of the trace."""
@@ -210,6 +213,7 @@ class Pna(NamedMeasurements):
     """Keysight PNA, PNA-L and PNA-X."""
 
     held, continuous = "HOLD", "CONT"
+    trigger = "SENS1:SWE:MODE SING"
 
     def settings(self, sweep: SweepSettings) -> List[Setting]:
         """Return everything that the data depend on; what `sweep` leaves open is not in it."""
@@ -227,24 +231,19 @@ class Pna(NamedMeasurements):
             return 1
         return averages
 
-    def trigger(self, vna: Any) -> None:
-        """Trigger one sweep; do not wait."""
-        self.sweep_part(vna).sweep_mode = "SING"
-
 
 class Zva(NamedMeasurements):
     """Rohde & Schwarz ZVA and ZNA."""
 
     needs = "skrf.vi.vna.rohde_schwarz.rs_vna"
     held, continuous = "0", "1"
-
-    def trigger(self, vna: Any) -> None:
-        """Trigger one sweep; do not wait."""
-        vna.write("INIT1:IMM")
+    trigger = "INIT1:IMM"
 
 
 class FieldFox(Dialect):
     """Keysight FieldFox in its network analyzer mode; its trace 1 is used."""
+
+    trigger = "INIT:IMM"
 
     def sweep_part(self, vna: Any) -> Any:
         """Return the object itself: this analyzer has no channels."""
@@ -275,18 +274,14 @@ class FieldFox(Dialect):
         """Select text: scikit-rf does not set the byte order of numbers for this analyzer."""
         vna.query_format = type(vna.query_format).ASCII
 
-    def trigger(self, vna: Any) -> None:
-        """Trigger one sweep; do not wait."""
-        vna.write("INIT")
-
     def data(self, vna: Any) -> np.ndarray:
-        """Return the data of trace 1."""
-        vna.active_trace = 1
-        return super().data(vna)
+        """Return the data of trace 1, which is selected in the same message."""
+        numbers = vna.query_values("CALC:PAR1:SEL;:CALC:DATA:SDATA?", complex_values=True)
+        return np.asarray(numbers, dtype=np.complex128)
 
-    # The IF bandwidths that scikit-rf knows lack some of this analyzer, 3 kHz among them, and it has
-    # no property for the averages; a trace must not contain sweeps from before a move. So both are
-    # set with the commands of the analyzer itself.
+    # scikit-rf does not know all IF bandwidths of this analyzer (3 kHz is missing), and has no
+    # property for the averages; a trace must not contain sweeps from before a move. Both are set
+    # with the commands of the analyzer itself.
 
     def if_bandwidth_hz(self, vna: Any) -> float:
         """Return the IF bandwidth [Hz]."""

@@ -154,11 +154,8 @@ class ScikitRfSweeps:
     def _sweep_once(self, settings: SweepSettings, limit_s: float) -> float:
         """Take one sweep and return how long it took [s]."""
         begun_s = self._deadline.now_s()
-        self._call(Message("the trigger"), self._dialect.trigger)
         try:
-            answer = self._call(
-                Message("the end of the sweep"), lambda vna: vna.wait_for_complete(), limit_s
-            )
+            answer = self._call(Message("the sweep"), self._dialect.sweep, limit_s)
         except VnaConnectionError as error:
             if self._deadline.now_s() - begun_s < limit_s:
                 raise
@@ -170,11 +167,11 @@ class ScikitRfSweeps:
                     limit_s=limit_s,
                 )
             ) from error
-        if str(answer).strip() not in COMPLETE:
+        if answer not in COMPLETE:
             raise VnaDataError(
                 Message(
                     "the VNA answers {answer} instead of 1 at the end of a sweep",
-                    answer=repr(str(answer)[:40]),
+                    answer=repr(answer[:40]),
                     details="*OPC?",
                 )
             )

@@ -252,7 +252,9 @@ class VnaParameters:
         """Return how long a trace may be expected to take before it is measured [s]."""
         bandwidth_hz = settings.analyzer.if_bandwidth_hz or NARROWEST_IF_BANDWIDTH_HZ
         # A filter needs about the inverse of its bandwidth to settle.
-        point_s = self.seconds_per_point + max(0.0, 1.0 / bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ)
+        point_s = self.seconds_per_point + max(
+            0.0, 1.0 / bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ
+        )
         return settings.points * point_s * max(1, settings.analyzer.averages)
 
     def sweep_limit_s(self, duration_s: float) -> float:
