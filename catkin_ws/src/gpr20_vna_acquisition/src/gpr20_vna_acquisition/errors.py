@@ -25,6 +25,10 @@ class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
 
 
+class VnaReplacedError(VnaIdentityError):
+    """An instrument of the right kind answers, but not the one that was connected."""
+
+
 class VnaNotReadyError(VnaError, RuntimeError):
     """The request needs a connection or a configuration first."""
 
@@ -51,6 +55,10 @@ class VnaClosedError(VnaError, RuntimeError):
 
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
+
+
+class VnaOldDataError(VnaDataError):
+    """Data, or a part of them, are those of a sweep before."""
 
 
 class VnaLibraryError(VnaError, ImportError):

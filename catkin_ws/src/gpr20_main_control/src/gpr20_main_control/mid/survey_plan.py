@@ -89,7 +89,7 @@ def plan_survey(
     """
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
-    durations_s = planned_durations_s(points, parameters.frequency_points, config, settings)
+    durations_s = planned_durations_s(points, parameters.sweep_settings, config, settings)
     return SurveyPlan(parameters, config, settings, points, durations_s)
 
 

@@ -47,9 +47,7 @@ class Transport(Protocol):
 class Exchanges:
     """Sends commands and queries, and remembers which queries this instrument does not answer."""
 
-    def __init__(
-        self, connector: Callable[[str], Transport], deadline: RequestDeadline
-    ) -> None:
+    def __init__(self, connector: Callable[[str], Transport], deadline: RequestDeadline) -> None:
         """Begin without a link.
 
         Args:

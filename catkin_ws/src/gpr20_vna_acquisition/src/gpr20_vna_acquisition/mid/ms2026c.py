@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -104,10 +104,8 @@ class Ms2026c:
     def configure(self, sweep: SweepSettings) -> SweepSettings:
         """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
         self._accepted = None
-        transfer = self._parameters.transfer_format
-        wanted = settings.wanted_settings(sweep, transfer, self._has_time_domain)
         calibration = self.calibration()
-        written, answers = self._apply(wanted)
+        written, answers = self._apply(self._settings(sweep))
         self._check_calibration_kept(calibration, written)
         start, stop, points = (answers[header] for header in settings.FREQUENCY_HEADERS)
         accepted = SweepSettings(
@@ -124,8 +122,7 @@ class Ms2026c:
 
     def confirm(self) -> None:
         """Return if every setting that the data depend on is still that of `configure`."""
-        watched = settings.watched_settings(self._configured(), self._has_time_domain)
-        changed = _differing(self._answers(watched))
+        changed = _differing(self._answers(self._settings(self._configured())))
         if changed:
             raise VnaSettingError(
                 Message(
@@ -170,14 +167,17 @@ class Ms2026c:
             FREQUENCIES_QUERY: Message("the list of frequencies"),
         }
         return [
-            Message("the VNA does not report {setting}; it is not checked", setting=name, details=query)
+            Message(
+                "the VNA does not report {setting}; it is not checked", setting=name, details=query
+            )
             for query, name in optional.items()
             if self._exchanges.never_answered(query)
         ]
 
-    @property
-    def _has_time_domain(self) -> bool:
-        return TIME_DOMAIN_OPTION in self._identity.split(",")[1].split("/")[1:]
+    def _settings(self, sweep: SweepSettings) -> List[Setting]:
+        options = self._identity.split(",")[1].split("/")[1:]
+        transfer = self._parameters.transfer_format
+        return settings.trace_settings(sweep, transfer, TIME_DOMAIN_OPTION in options)
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:
@@ -251,7 +251,7 @@ class Ms2026c:
             Message(
                 "the VNA lost its calibration when {settings} was set; calibrate it now, with "
                 "these settings, and resume: they are not written again",
-                settings=settings.named(written),
+                settings=in_a_row(setting.name for setting in written),
             )
         )
 

@@ -11,7 +11,12 @@ from gpr20_common.message import Message
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import VnaDataError, VnaSettingError, VnaSweepError
+from gpr20_vna_acquisition.errors import (
+    VnaDataError,
+    VnaOldDataError,
+    VnaSettingError,
+    VnaSweepError,
+)
 from gpr20_vna_acquisition.mid.block_parser import parse_numbers, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -62,13 +67,14 @@ class Ms2026cSweeps:
         self._utc_now_us = utc_now_us
         self._timing: Optional[SweepTiming] = None
         self._triggers = 1
+        self._trace_duration_s: Optional[float] = None
         # The last data that were read, of whatever sweep.
         self._shown: Optional[np.ndarray] = None
 
     @property
     def trace_duration_s(self) -> Optional[float]:
         """How long one trace takes [s]; None before `learn`."""
-        return None if self._timing is None else self._triggers * self._timing.expected_s
+        return self._trace_duration_s
 
     def learn(self, settings: SweepSettings) -> None:
         """Measure how long a sweep takes; the instrument must be set up and held.
@@ -89,22 +95,32 @@ class Ms2026cSweeps:
         timing = SweepTiming(ends)
         self._triggers = self._triggers_per_trace(settings, timing)
         self._timing = timing
+        self._trace_duration_s = self._triggers * timing.expected_s
 
     def take(self, settings: SweepSettings) -> Sweep:
         """Return the data of a trace that is triggered now.
 
         Raises:
             VnaSweepError: A sweep did not end in time.
-            VnaDataError: The data are not new, incomplete, or not finite.
+            VnaOldDataError: The data, or a part of them, are not new.
+            VnaDataError: The data are incomplete or not finite.
         """
+        if self._timing is None:
+            self.learn(settings)
         timing = self._timing
         assert timing is not None
         started_us, started_s = self._utc_now_us(), self._deadline.now_s()
-        for number in range(self._triggers):
-            end = self._sweep_once(settings, timing, new_average=number == 0)
-        # By the monotonic clock: the time of day may be corrected meanwhile.
-        duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
-        numbers = self._new_numbers(settings, end)
+        try:
+            for number in range(self._triggers):
+                end = self._sweep_once(settings, timing, new_average=number == 0)
+            # By the monotonic clock: the time of day may be corrected meanwhile.
+            duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
+            numbers = self._new_numbers(settings, end)
+        except (VnaOldDataError, VnaSweepError):
+            # What was learned is in doubt too: the next sweep learns again.
+            self._timing = None
+            raise
+        self._trace_duration_s = self._triggers * timing.expected_s
         return Sweep(
             frequency_hz=settings.frequencies_hz(),
             s21_real=numbers[0::2].copy(),
@@ -166,7 +182,7 @@ class Ms2026cSweeps:
         if self._shown is None:
             return False
         numbers = self._read(settings)
-        if has_old_points(numbers, self._shown):
+        if has_old_points(numbers, self._shown, to_the_last=True):
             return False
         return np.array_equal(numbers, self._read(settings))
 
@@ -175,16 +191,15 @@ class Ms2026cSweeps:
         before = self._shown
         self._shown = numbers = self._read(settings)
         limit_s = self._deadline.now_s() + self._parameters.settle_s
-        while not end.cleared:
+        steady = end.cleared
+        while not steady and self._deadline.now_s() < limit_s:
             self._shown = again = self._read(settings)
-            if np.array_equal(numbers, again) and not has_old_points(again, before):
-                break
-            if self._deadline.now_s() > limit_s:
-                break
+            steady = np.array_equal(numbers, again) and not has_old_points(again, before, True)
             numbers = again
-            self._deadline.pause_s(self._parameters.poll_interval_s)
-        if has_old_points(numbers, before):
-            raise VnaDataError(
+            if not steady:
+                self._deadline.pause_s(self._parameters.poll_interval_s)
+        if not steady or has_old_points(numbers, before, to_the_last=not end.cleared):
+            raise VnaOldDataError(
                 Message("the VNA gave data of which a part is that of the previous sweep")
             )
         return numbers

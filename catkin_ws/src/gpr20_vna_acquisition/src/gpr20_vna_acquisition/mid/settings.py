@@ -97,7 +97,7 @@ ONE_TRACE = replace(
 )
 
 
-def wanted_settings(
+def trace_settings(
     sweep: SweepSettings, transfer: TransferFormat, has_time_domain: bool
 ) -> List[Setting]:
     """Return all settings for one trace of S21 over frequency, in the order in which they are sent.
@@ -108,26 +108,16 @@ def wanted_settings(
         has_time_domain: Whether the instrument has the option that transforms traces.
     """
     return [
-        *watched_settings(sweep, has_time_domain),
-        number_setting(Message("the number of points"), POINTS, sweep.points),
-        ONE_TRACE,
-        word_setting(Message("the transfer format"), ":FORM", transfer.value),
-    ]
-
-
-def watched_settings(sweep: SweepSettings, has_time_domain: bool) -> List[Setting]:
-    """Return the settings that are checked after each sweep: an operator may change them.
-
-    A changed number of points or transfer format is visible in the data themselves.
-    """
-    return [
         HOLD,
         _frequency(Message("the start frequency"), START, sweep.start_frequency_hz),
         _frequency(Message("the stop frequency"), STOP, sweep.stop_frequency_hz),
+        number_setting(Message("the number of points"), POINTS, sweep.points),
+        ONE_TRACE,
         S21,
         # Without the option the instrument does not know the command and would not answer.
         *([FREQUENCY_DOMAIN] if has_time_domain else []),
         *_analyzer_settings(sweep.analyzer),
+        word_setting(Message("the transfer format"), ":FORM", transfer.value),
     ]
 
 

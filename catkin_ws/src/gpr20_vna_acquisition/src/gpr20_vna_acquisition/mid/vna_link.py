@@ -14,8 +14,8 @@ from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaDataError,
     VnaError,
-    VnaIdentityError,
     VnaNotReadyError,
+    VnaReplacedError,
     VnaSettingError,
     VnaSweepError,
     VnaTimeoutError,
@@ -26,7 +26,7 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")
 # Failures that another attempt cannot undo.
-ALWAYS_FINAL = (VnaIdentityError, VnaCalibrationError)
+ALWAYS_FINAL = (VnaReplacedError, VnaCalibrationError)
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class VnaLink:
         identity = self._open(state.address)
         try:
             if identity != state.identity:
-                raise VnaIdentityError(
+                raise VnaReplacedError(
                     Message(
                         "the VNA at {address} is now '{identity}' and was '{former}'; connect to "
                         "it again",

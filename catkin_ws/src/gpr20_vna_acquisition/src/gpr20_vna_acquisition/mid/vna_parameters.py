@@ -217,8 +217,8 @@ class VnaParameters:
         if spacing_hz < LEAST_SPACING_HZ:
             raise InvalidValueError(
                 Message(
-                    "{points} points from {start:.12g} to {stop:.12g} Hz are {spacing:.3g} Hz apart; "
-                    "they must be at least {least:g} Hz apart",
+                    "{points} points from {start:.12g} to {stop:.12g} Hz are {spacing:.3g} Hz "
+                    "apart; they must be at least {least:g} Hz apart",
                     points=settings.points,
                     start=start_hz,
                     stop=stop_hz,
