@@ -18,7 +18,7 @@ from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.medium import probed_rotation_deg
 
 # Between two presses of a key [s]; a survey takes a few seconds.
-PRESS_S = 0.7
+PRESS_S = 0.4
 
 
 class FrontPanel:
