@@ -118,9 +118,13 @@ class RosAnalyzer:
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,
+            **vars(settings.analyzer),
         )
         return SweepSettings(
-            accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
+            accepted.start_frequency_hz,
+            accepted.stop_frequency_hz,
+            accepted.points,
+            AnalyzerSettings(accepted.if_bandwidth_hz, accepted.averages, accepted.output_power),
         )
 
     def frequencies_hz(self) -> np.ndarray:

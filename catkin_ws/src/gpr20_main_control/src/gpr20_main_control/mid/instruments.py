@@ -126,7 +126,7 @@ class Instruments:
         self._robot.description.check_identity(identity, self._plan.config)
         calibration = calls.call(analyzer.calibration, check)
         accepted = calls.call(lambda: analyzer.configure(wanted), check)
-        if accepted != wanted:
+        if not accepted.fulfils(wanted):
             raise DeviceError(
                 Message(
                     "the VNA accepted {accepted} instead of {wanted}",
