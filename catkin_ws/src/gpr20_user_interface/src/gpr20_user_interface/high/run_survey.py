@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import sys
-from typing import Callable, Dict
+from typing import Callable, Dict, Tuple
 
 import rospy
 
@@ -19,6 +20,7 @@ from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefuse
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.low import terminal_question
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay, terminal_line
@@ -80,34 +82,59 @@ def _follow(
     options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue
 ) -> int:
     client = ControlClient(router.take)
-    requests: Dict[Request, Callable[[], None]] = {
-        Request.START: lambda: client.start_survey(options.parameters, options.annotation),
-        Request.STOP: client.stop_survey,
-        Request.RESUME: lambda: client.resume_survey(options.resume_id),
-    }
-    limits = Limits(wait_s=options.wait_s)
-    robot = SurveyFollower(options.mode, options.on_pause, limits, Clock())
-    display = _display(options.bar, catalogue)
     client.listen()
-    follower: Follower = robot
-    events = router.robot
-    if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
-        if options.mode is not Mode.ATTACH:
-            client.close()
-            print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
-            return ExitStatus.REFUSED
-        follower, events = ReplayFollower(), router.replay
-    session = SurveySession(follower, events, lambda request: requests[request](), display)
+    is_replay = router.wait_for_replay(options.wait_s, lambda: signals.received, Clock())
+    if is_replay and options.mode is not Mode.ATTACH:
+        client.close()
+        print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
+        return ExitStatus.REFUSED
     keeper, link = ConnectionKeeper(), LinkWatch(router.take)
-    outcome = session.run()
+    status, other_analyzer = _run_session(options, client, router, is_replay, catalogue)
+    if other_analyzer and _accepts(other_analyzer, signals, catalogue):
+        accepted = dataclasses.replace(options, accept_analyzer=other_analyzer)
+        status, _other = _run_session(accepted, client, router, is_replay, catalogue)
     link.close()
     keeper.close()
     client.close()
+    return status
+
+
+def _run_session(
+    options: Options,
+    client: ControlClient,
+    router: EventRouter,
+    is_replay: bool,
+    catalogue: Catalogue,
+) -> Tuple[ExitStatus, str]:
+    """Follow a survey to its end; return how it ended, and another analyzer to be accepted."""
+    requests: Dict[Request, Callable[[], None]] = {
+        Request.START: lambda: client.start_survey(options.parameters, options.annotation),
+        Request.STOP: client.stop_survey,
+        Request.RESUME: lambda: client.resume_survey(options.resume_id, options.accept_analyzer),
+    }
+    follower: Follower
+    if is_replay:
+        follower, events = ReplayFollower(), router.replay
+    else:
+        limits = Limits(wait_s=options.wait_s)
+        follower = SurveyFollower(options.mode, options.on_pause, limits, Clock())
+        events = router.robot
+    display = _display(options.bar, catalogue)
+    session = SurveySession(follower, events, lambda request: requests[request](), display)
+    outcome = session.run()
     messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
     lines = [terminal_line(message, catalogue) for message in messages]
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
-    return outcome.status
+    return outcome.status, outcome.other_analyzer
+
+
+def _accepts(analyzer: str, signals: StopSignals, catalogue: Catalogue) -> bool:
+    """Ask whether the survey is continued with another analyzer, if somebody can answer."""
+    if not terminal_question.can_ask():
+        return False
+    question = catalogue.tr("Continue with the VNA {identity}? [y/N]", identity=analyzer)
+    return terminal_question.is_confirmed(question, lambda: signals.received)
 
 
 def _display(bar: Bar, catalogue: Catalogue) -> Display:
