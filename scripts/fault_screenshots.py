@@ -22,7 +22,8 @@ from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.low.shared_state import AdcFault
-from gpr20_simulator.mid.faults import ADC, VNA, VnaFault
+from gpr20_simulator.mid.faults import ADC, VNA
+from gpr20_simulator.mid.vna_faults import VnaFault
 from gpr20_simulator.srv import SetFault
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName
@@ -51,17 +52,16 @@ class Case:
     drops: bool = False
 
 
+# Settings that stay as they are cannot be refused.
+OF_SETTINGS = (VnaFault.REFUSE_SETTINGS, VnaFault.LOSES_CALIBRATION)
+OF_IDENTITY = (VnaFault.WRONG_IDENTITY, VnaFault.OTHER_SERIAL)
 # Of the endstops first: an axis is homed once, by the first survey that does not fail at it.
 CASES = (
     *(Case(f"endstop_{axis}", "STUCK_OPEN", at_start=True) for axis in "xy"),
     Case("endstop_y", "STUCK_CLOSED", at_start=True),
     Case("endstop_x", "STUCK_CLOSED"),
     *(Case(ADC, one.name) for one in AdcFault if one is not AdcFault.NONE),
-    # Settings that stay as they are cannot be refused.
-    *(
-        Case(VNA, one.value, one is VnaFault.REFUSE_SETTINGS, one is VnaFault.WRONG_IDENTITY)
-        for one in VnaFault
-    ),
+    *(Case(VNA, one.value, one in OF_SETTINGS, one in OF_IDENTITY) for one in VnaFault),
 )
 
 
