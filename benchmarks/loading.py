@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, Dict
 
-import recorded_survey
+import recorded_survey_kit
 
 from gpr20_analysis.formats.merged_hdf5 import write_merged
 from gpr20_analysis.read.load import load_survey
@@ -68,7 +68,7 @@ def main() -> int:
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=chosen.folder) as temporary:
         folder = Path(temporary) / "survey"
-        traces = recorded_survey.make(folder, chosen.x_points, chosen.y_points)
+        traces = recorded_survey_kit.make(folder, chosen.x_points, chosen.y_points)
         merged = Path(temporary) / "merged.h5"
         write_merged(load_survey(folder / "survey.mcap"), merged, "benchmark")
         paths = {

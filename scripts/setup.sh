@@ -4,6 +4,7 @@
 #   scripts/setup.sh           what a survey needs
 #   scripts/setup.sh --dev     what the tests need as well
 #   scripts/setup.sh --robot   on the Raspberry Pi: what its pins and its SPI bus need as well
+#   scripts/setup.sh --check   install nothing; end with status 1 if something is missing
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -16,13 +17,14 @@ DEBIAN_PACKAGES=(
 )
 DEBIAN_DEV_PACKAGES=(gettext iproute2 nftables procps python3-psutil xvfb)
 
-dev=no robot=no
+dev=no robot=no check=no
 for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
+        --check) check=yes ;;
         *)
-            echo "setup.sh: unknown argument '$argument'; allowed: --dev and --robot" >&2
+            echo "setup.sh: unknown argument '$argument'; allowed: --dev, --robot and --check" >&2
             exit 2
             ;;
     esac
@@ -41,6 +43,13 @@ as_root() {
     if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
 }
 
+# With --check, say what would be done and end.
+refuse_if_checking() {
+    [ "$check" = yes ] || return 0
+    echo "the environment is not set up ($1); run scripts/setup.sh first" >&2
+    exit 1
+}
+
 install_debian_packages() {
     local missing=() package
     for package in "${DEBIAN_PACKAGES[@]}"; do
@@ -48,6 +57,7 @@ install_debian_packages() {
             grep -q 'ok installed' || missing+=("$package")
     done
     [ ${#missing[@]} -gt 0 ] || return 0
+    refuse_if_checking "missing Debian packages: ${missing[*]}"
     echo "installing Debian packages: ${missing[*]}"
     as_root apt-get update -qq
     as_root env DEBIAN_FRONTEND=noninteractive \
@@ -68,6 +78,7 @@ install_python_packages() {
     # Its programs name its folder, so it is made again after the checkout was moved.
     if [ ! -x "$GPR20_VENV/bin/python" ] ||
         ! grep -qsE "VIRTUAL_ENV=[\"']?$GPR20_VENV[\"']?\$" "$GPR20_VENV/bin/activate"; then
+        refuse_if_checking "missing: $GPR20_VENV"
         rm -rf "$GPR20_VENV"
         echo "making the virtual environment $GPR20_VENV"
         /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
@@ -83,6 +94,7 @@ install_python_packages() {
         inputs+=("$list")
     fi
     [ ${#arguments[@]} -gt 0 ] || return 0
+    refuse_if_checking "missing Python packages of: ${inputs[*]##*/}"
     echo "installing the Python packages of: ${inputs[*]##*/}"
     "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
         --constraint "$pins" "${arguments[@]}"
@@ -112,6 +124,7 @@ build_workspace() {
     local stamp="$GPR20_WORKSPACE/build/inputs.sha256" inputs log
     inputs="$(build_inputs)"
     if [ -f "$stamp" ] && [ "$inputs" = "$(cat "$stamp")" ]; then return 0; fi
+    refuse_if_checking "the catkin workspace is not built from these sources"
     echo "building the catkin workspace"
     # The build names its folder too.
     grep -qsxF "CMAKE_HOME_DIRECTORY:INTERNAL=$GPR20_WORKSPACE/src" \

@@ -24,7 +24,7 @@ def test_the_example_of_the_document_runs(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / re.search(r'"~/(.*)"', example())[1]
-    importlib.import_module("recorded_survey").make(folder, 3, 4, 101)
+    importlib.import_module("recorded_survey_kit").make(folder, 3, 4, 101)
     names = {}
     exec(example(), names)  # noqa: S102
     assert str(names["verdict"]).startswith("complete and intact")

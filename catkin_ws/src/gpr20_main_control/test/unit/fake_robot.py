@@ -158,7 +158,15 @@ class FakeAnalyzer:
         settings = self.other_settings or self._settings
         values = np.full(settings.points, float(self.sweeps))
         began_us = FIRST_SWEEP_US + self.sweeps * 10
-        sweep = Sweep(settings.frequencies_hz(), values, values, began_us, began_us + 5, ())
+        sweep = Sweep(
+            settings.frequencies_hz(),
+            values,
+            values,
+            began_us,
+            began_us + 5,
+            (),
+            settings.analyzer,
+        )
         return UnconfirmedSweep(self.sweeps, sweep)
 
     def confirm(self, number):

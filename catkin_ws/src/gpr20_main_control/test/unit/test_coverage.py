@@ -15,6 +15,7 @@ from gpr20_main_control.mid.repeat_measurement import compare
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 MOMENT_US = 1_800_000_000_000_000
@@ -30,6 +31,7 @@ def numbers(real, imag):
         "sweep_started_us": MOMENT_US,
         "sweep_ended_us": MOMENT_US,
         "quality": (),
+        "analyzer": AnalyzerSettings(),
     }
 
 

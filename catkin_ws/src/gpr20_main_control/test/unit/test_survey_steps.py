@@ -25,6 +25,7 @@ from gpr20_main_control.mid.survey_steps import (
 )
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 CONFIG = RobotConfig(AXES, simulated=True)
@@ -40,6 +41,7 @@ def trace_of(index):
         sweep_started_us=1_800_000_000_000_000,
         sweep_ended_us=1_800_000_000_000_000,
         quality=(),
+        analyzer=AnalyzerSettings(),
         survey_id="5ec1a5d2-0000-4000-8000-000000000000",
         sample_id="1",
         index=index,

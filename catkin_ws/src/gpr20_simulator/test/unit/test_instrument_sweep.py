@@ -15,8 +15,8 @@ from vna_bench import (
     swept,
 )
 
-from gpr20_simulator.low.vxi11_core import NetworkFault
-from gpr20_simulator.mid.medium import probed_sweep
+from gpr20_simulator.low.message_device import NetworkFault
+from gpr20_simulator.mid.medium import PositionProbe, probed_sweep
 
 
 def test_triggered_sweep_gives_points_of_one_new_sweep(bench):
@@ -136,3 +136,29 @@ def test_data_replies_are_captured_byte_by_byte(bench):
     bench.ask("*IDN?")
     frequencies = bench.send("FREQ:DATA?").answer
     assert bench.captured == [("sdat", data), ("freq", frequencies)]
+
+
+@pytest.mark.parametrize(
+    ("commands", "gain"),
+    [
+        ("", 1.0),
+        (":SWE:IFBW 100", 0.1),
+        (":SWE:IFBW 100000", 10.0**0.5),
+        (":SOUR:POW LOW", 10.0),
+        (":SOUR:POW LOW;:SWE:IFBW 100", 1.0),
+    ],
+)
+def test_noise_follows_bandwidth_and_power(request, commands, gain):
+    gains = set()
+
+    class GainProbe(PositionProbe):
+        def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
+            gains.add(noise_gain)
+            return super().s21(frequency_hz, position, sweep_number, noise_gain)
+
+    bench = new_bench(request, medium=GainProbe())
+    bench.send(":INIT:CONT OFF")
+    bench.send(commands)
+    gains.clear()
+    swept(bench)
+    assert list(gains) == pytest.approx([gain])

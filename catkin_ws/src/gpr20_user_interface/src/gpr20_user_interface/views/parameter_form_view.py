@@ -16,7 +16,12 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_user_interface.mid.parameter_form import ADDRESS, FIELDS, ROTATIONS
+from gpr20_user_interface.mid.parameter_form import (
+    ADDRESS,
+    ANALYZER_FIELDS,
+    FIELDS,
+    ROTATIONS,
+)
 from gpr20_user_interface.views.style import TOUCH_PX, set_look
 from gpr20_user_interface.views.translation import TranslatedWidget
 
@@ -104,6 +109,7 @@ class ParameterFormView(TranslatedWidget):
         self._row_titles = [QLabel() for _ in range(1 + len(ROWS))]
         self._column_titles = [QLabel() for _ in ROWS[0]]
         self._rotation_title = QLabel()
+        self._analyzer_titles = [QLabel() for _ in ANALYZER_FIELDS]
         self._lay_out()
         for field in FIELDS:
             self.show_text(field.name, field.default)
@@ -120,6 +126,10 @@ class ParameterFormView(TranslatedWidget):
         for label, title in zip(self._column_titles, columns):
             label.setText(title)
         self._rotation_title.setText(self.tr("Antennas °"))
+        settings = (self.tr("IF bandwidth Hz"), self.tr("Averages"), self.tr("Output power"))
+        for label, name, title in zip(self._analyzer_titles, ANALYZER_FIELDS, settings):
+            label.setText(title)
+            self._edits[name].setPlaceholderText(self.tr("as set"))
 
     def texts(self) -> Dict[str, str]:
         """Return the text of every field by the name of its parameter."""
@@ -174,17 +184,28 @@ class ParameterFormView(TranslatedWidget):
     def _lay_out(self) -> None:
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(4)
+        grid.setHorizontalSpacing(4)
+        # Two rows of titles and five of fields, with the figures below, in 480 pixels.
+        grid.setVerticalSpacing(2)
         grid.addWidget(self._row_titles[0], 0, 0)
         grid.addLayout(self._address_and_rotations(), 0, 1, 1, len(ROWS[0]))
-        for column, label in enumerate(self._column_titles, 1):
+        self._add_row(grid, 1, self._analyzer_titles, ANALYZER_FIELDS)
+        self._add_row(grid, 3, self._column_titles, ROWS[0])
+        for row, names in enumerate(ROWS[1:], 5):
+            self._add_row(grid, row, (), names)
+        for row, title in enumerate(self._row_titles[1:], 4):
+            grid.addWidget(title, row, 0)
+
+    def _add_row(
+        self, grid: QGridLayout, row: int, titles: Sequence[QLabel], names: Sequence[str]
+    ) -> None:
+        """Add fields, below a row of titles if there are any."""
+        for column, label in enumerate(titles, 1):
             label.setObjectName("quiet")
-            grid.addWidget(label, 1, column)
+            grid.addWidget(label, row, column)
             grid.setColumnStretch(column, 1)
-        for row, names in enumerate(ROWS):
-            grid.addWidget(self._row_titles[row + 1], row + 2, 0)
-            for column, name in enumerate(names, 1):
-                grid.addWidget(self._number_field(name), row + 2, column)
+        for column, name in enumerate(names, 1):
+            grid.addWidget(self._number_field(name), row + bool(titles), column)
 
     def _address_and_rotations(self) -> QHBoxLayout:
         row = QHBoxLayout()

@@ -172,21 +172,17 @@ class TraceQuality:
         self._parameters = parameters
         self._durations_s: Deque[float] = deque(maxlen=MOST_SWEEPS)
 
-    def remarks(
-        self, sweep: Sweep, calibration: CalibrationStatus, failures: Sequence[VnaError]
-    ) -> Tuple[Message, ...]:
+    def remarks(self, sweep: Sweep, failures: Sequence[VnaError]) -> Tuple[Message, ...]:
         """Return the remarks on a sweep, and remember how long it took.
 
         Args:
             sweep: The sweep.
-            calibration: State of the calibration right after it.
             failures: Why it had to be repeated, one error each time.
         """
         remarks = (
             level_remarks(sweep, self._parameters)
             + flat_remarks(sweep, self._parameters)
             + duration_remarks(sweep.duration_s, self._usual_s(), self._parameters)
-            + calibration_remarks(calibration)
             + retry_remarks(failures)
         )
         self._durations_s.append(sweep.duration_s)

@@ -16,9 +16,21 @@ from gpr20_survey.plan.survey_parameters import (
     MIN_FREQUENCY_POINTS,
 )
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
+# IF bandwidths of the MS20xxC [Hz] (programming manual, [:SENSe]:SWEep:IFBW), widest first.
+IF_BANDWIDTHS_HZ = (
+    *(100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000),
+    *(500, 200, 100, 50, 20, 10),
+)
+NARROWEST_IF_BANDWIDTH_HZ = 10.0
+# With which `seconds_per_point` was stated.
+USUAL_IF_BANDWIDTH_HZ = 10_000.0
+MAX_AVERAGES = 65_535
+OUTPUT_POWERS = ("LOW", "HIGH")
+# Closer frequencies could be one to the instrument's synthesizer [Hz].
+LEAST_SPACING_HZ = 1.0
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
 # Range of time limits and periods [s]: a socket refuses far longer ones.
@@ -42,13 +54,15 @@ class VnaParameters:
             contain the late answer to a query of the previous one.
         settle_s: How long a setting may take until it can be read back [s]; up to 2 s
             according to the manual of the MS20xxC.
-        poll_interval_s: Longest pause between two polls of a sweep [s].
-        seconds_per_point: Nominal duration of a sweep per point [s]; 350 us is what the
-            robot's group states for its unit.
-        sweep_timeout_s: Time limit of a sweep beyond ten times its nominal duration [s].
+        poll_interval_s: Longest pause between two polls of a sweep that should have ended [s].
+        seconds_per_point: Duration of a sweep per point [s] until it is measured; 350 us is
+            what the robot's group states for its unit.
+        sweep_timeout_s: Time limit of a sweep beyond ten times its usual duration [s].
         request_timeout_s: Time limit of a whole request with its retries, beyond ten
-            times the nominal duration of a sweep [s].
-        attempts: Number of attempts before an action fails; no caller retries it.
+            times the usual duration of a sweep [s]; a link that is lost for less than this
+            does not fail the request.
+        attempts: Number of attempts before an action fails, not counting those without a link;
+            no caller retries it.
         retry_pause_s: Pause before each retry [s].
         link_check_s: How long the instrument may be unused until its link is checked [s].
         transfer_format: How the numbers are transferred.
@@ -140,6 +154,7 @@ class VnaParameters:
             MIN_FREQUENCY_POINTS,
             MAX_FREQUENCY_POINTS,
         )
+        self._check_analyzer_settings(settings.analyzer)
         if not start_hz < stop_hz:
             raise InvalidValueError(
                 Message(
@@ -152,15 +167,61 @@ class VnaParameters:
                     unit="Hz",
                 )
             )
+        spacing_hz = (stop_hz - start_hz) / (settings.points - 1)
+        if spacing_hz < LEAST_SPACING_HZ:
+            raise InvalidValueError(
+                Message(
+                    "{points} points from {start:.12g} to {stop:.12g} Hz are {spacing:.3g} Hz "
+                    "apart; they must be at least {least:g} Hz apart",
+                    points=settings.points,
+                    start=start_hz,
+                    stop=stop_hz,
+                    spacing=spacing_hz,
+                    least=LEAST_SPACING_HZ,
+                )
+            )
 
-    def nominal_sweep_s(self, points: int) -> float:
-        """Return how long a sweep takes [s]."""
-        return points * self.seconds_per_point
+    def _check_analyzer_settings(self, wanted: AnalyzerSettings) -> None:
+        if wanted.if_bandwidth_hz not in (0.0, *IF_BANDWIDTHS_HZ):
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place=Message("the IF bandwidth [Hz]"),
+                    value=f"{wanted.if_bandwidth_hz:.12g}",
+                    allowed=", ".join(map(str, (0, *IF_BANDWIDTHS_HZ))),
+                )
+            )
+        number_between(Message("the number of averages"), wanted.averages, 0, MAX_AVERAGES)
+        if wanted.output_power not in ("", *OUTPUT_POWERS):
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place=Message("the output power"),
+                    value=repr(wanted.output_power[:40]),
+                    allowed=", ".join(OUTPUT_POWERS),
+                )
+            )
 
-    def sweep_limit_s(self, points: int) -> float:
-        """Return how long a sweep may take [s]."""
-        return self.sweep_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)
+    def nominal_trace_s(self, settings: SweepSettings) -> float:
+        """Return how long a trace may be expected to take before it is measured [s]."""
+        bandwidth_hz = settings.analyzer.if_bandwidth_hz or NARROWEST_IF_BANDWIDTH_HZ
+        # A filter needs about the inverse of its bandwidth to settle.
+        point_s = self.seconds_per_point + max(
+            0.0, 1.0 / bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ
+        )
+        return settings.points * point_s * max(1, settings.analyzer.averages)
 
-    def request_limit_s(self, points: int = 0) -> float:
-        """Return how long a request with a sweep of this many points may take [s]."""
-        return self.request_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)
+    def sweep_limit_s(self, duration_s: float) -> float:
+        """Return how long a sweep may take that is expected to take `duration_s` [s]."""
+        return self.sweep_timeout_s + SLOWEST_SWEEP_FACTOR * duration_s
+
+    def request_limit_s(self, duration_s: float = 0.0) -> float:
+        """Return how long a request with a trace of `duration_s` may take [s]."""
+        return self.request_timeout_s + SLOWEST_SWEEP_FACTOR * duration_s
+
+    def answered_within_s(self, duration_s: float) -> float:
+        """Return when such a request is answered at the latest, whatever the instrument does [s].
+
+        The time limit of a request is checked before each exchange.
+        """
+        return self.request_limit_s(duration_s) + self.answer_timeout_s + self.connect_timeout_s

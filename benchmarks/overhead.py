@@ -1,0 +1,142 @@
+"""What the software adds to each sample, by stage, when physics takes no time.
+
+    scripts/bench.sh overhead [--workspace DIR --workspace DIR] [--rounds N] [--json FILE]
+
+Launches the simulated robot 2,000 times as fast as the real one, with sweeps of 501 points that
+take no time and moves of ten steps (0.1 mm), and runs one survey of it through the terminal client:
+every trace is stored durably in all three forms, and all topics are recorded. Printed are the time
+from the start of one sweep to the start of the next, and its stages.
+
+On the way from one sweep to the next: `sweep`, from the trigger to its end; `get_data`, from there
+to the answer at the main control; `next goal`, from there to the first goal of the next move;
+`goal to result` of the axes; `settle`, from there to the request of the sweep; `request`, from
+there to the trigger. Beside it: `height`, `confirm` and `store`, each from request to answer, and
+`write`, the part of `store` that writes and flushes the files.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+from typing import Dict, List, Sequence, Tuple
+
+from graph_kit import (
+    Event,
+    Sample,
+    arguments,
+    events,
+    finish,
+    intervals,
+    launched,
+    median,
+    print_table,
+    run_survey,
+    samples,
+    workspaces,
+)
+
+LAUNCH = ("time_scale:=2000", "seconds_per_point:=0")
+STEP_MM = 0.1
+ROWS = 3
+# The first samples fill caches.
+WARM_UP = 20
+ON_THE_WAY = ("sweep", "get_data", "next goal", "goal to result", "settle", "request")
+BESIDE = ("height", "confirm", "store", "write")
+Stages = Dict[str, List[float]]
+
+
+def between(spans: Sequence[Tuple[float, float]], begin_s: float, end_s: float) -> List[float]:
+    """Return how long the spans took that began within a time [s]."""
+    return [end - begin for begin, end in spans if begin_s <= begin < end_s]
+
+
+def stages(noted: Sequence[Event], taken: Sequence[Sample]) -> Stages:
+    """Return the times of each stage [s]."""
+    # The traces have the time of day, the events the monotonic clock.
+    offset_s = time.time() - time.monotonic()
+    calls = intervals(noted, "call", "get_data")
+    goals = intervals(noted, "goal", "")
+    found: Stages = {name: [] for name in (*ON_THE_WAY, *BESIDE, "sample")}
+    spans = {
+        "height": intervals(noted, "call", "get_height"),
+        "confirm": intervals(noted, "call", "confirm_data"),
+        "store": intervals(noted, "call", "store_data"),
+        "write": intervals(noted, "write", "trace"),
+    }
+    for (asked_s, answered_s), (next_s, _), before, after in zip(
+        calls[WARM_UP:], calls[WARM_UP + 1 :], taken[WARM_UP:], taken[WARM_UP + 1 :]
+    ):
+        started_s = before.started_us * 1e-6 - offset_s
+        ended_s = before.ended_us * 1e-6 - offset_s
+        moves = [one for one in goals if answered_s <= one[0] < next_s]
+        if not moves:
+            continue
+        first_s, last_s = min(moves)[0], max(end for _begin, end in moves)
+        times = {
+            "sample": 1e-6 * (after.started_us - before.started_us),
+            "request": started_s - asked_s,
+            "sweep": ended_s - started_s,
+            "get_data": answered_s - ended_s,
+            "next goal": first_s - answered_s,
+            "goal to result": last_s - first_s,
+            "settle": next_s - last_s,
+        }
+        for name, one_s in times.items():
+            found[name].append(one_s)
+        for name, some in spans.items():
+            found[name] += between(some, asked_s, next_s)
+    return found
+
+
+def measure(root: Path, columns: int) -> Stages:
+    """Run one survey and return the times of its stages [s]."""
+    with launched(root, *LAUNCH, tap=True) as robot:
+        stop_mm = 100.0 + STEP_MM * (columns - 1)
+        survey = run_survey(
+            robot,
+            *("--x-start-mm=100", f"--x-stop-mm={stop_mm:g}", f"--x-points={columns}"),
+            *("--y-start-mm=100", f"--y-stop-mm={100 + STEP_MM * (ROWS - 1):g}"),
+            *(f"--y-points={ROWS}", "--polarizations-deg=0", "--frequency-points=501"),
+        )
+        return stages(events(robot), samples(survey))
+
+
+def row(label: str, found: Stages) -> List[str]:
+    names = ("sample", *ON_THE_WAY, *BESIDE)
+    return [label, *(f"{1e3 * median(found[name]):.1f}" for name in names)]
+
+
+def run(chosen: argparse.Namespace) -> Dict[str, Stages]:
+    roots = workspaces(chosen)
+    merged: Dict[str, Stages] = {}
+    for number in range(chosen.rounds):
+        for root in roots:
+            found = measure(root, chosen.columns)
+            print(f"round {number + 1}: {root}: {1e3 * median(found['sample']):.2f} ms", flush=True)
+            total = merged.setdefault(str(root), {name: [] for name in found})
+            for name, values in found.items():
+                total[name] += values
+    return merged
+
+
+def main() -> None:
+    parser = arguments(__doc__ or "")
+    parser.add_argument("--columns", type=int, default=100, help="stops of each of 3 rows (100)")
+    chosen = parser.parse_args()
+    merged = run(chosen)
+    print(
+        "\nmedians [ms]; the stages of the first group follow each other, the others are beside it"
+    )
+    names = ["sample", *ON_THE_WAY, *BESIDE]
+    print_table(["checkout", *names], [row(label, found) for label, found in merged.items()])
+    figures = {
+        label: {name: 1e3 * median(values) for name, values in found.items()}
+        | {"samples": len(found["sample"])}
+        for label, found in merged.items()
+    }
+    finish(chosen, {"benchmark": "overhead", "unit": "ms", "figures": figures})
+
+
+if __name__ == "__main__":
+    main()

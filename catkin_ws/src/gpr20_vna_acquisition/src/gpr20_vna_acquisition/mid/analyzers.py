@@ -1,0 +1,24 @@
+"""The kinds of network analyzers that the driver can use."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.exchanges import Transport
+from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+
+def make_analyzer(
+    parameters: VnaParameters, connect_vxi11: Callable[[str], Transport], deadline: RequestDeadline
+) -> Analyzer:
+    """Return the analyzer that a robot is configured for.
+
+    Args:
+        parameters: The configuration.
+        connect_vxi11: Opens a VXI-11 link to an address.
+        deadline: Ends a request that takes too long.
+    """
+    return Ms2026c(connect_vxi11, parameters, deadline)
