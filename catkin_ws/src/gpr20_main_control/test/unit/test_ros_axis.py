@@ -28,9 +28,9 @@ def graph(monkeypatch):
     """Services whose nodes are away, and what was called once they were back."""
     graph = Graph()
     monkeypatch.setattr(
-        service_client, "ServiceConnection", lambda name, _class: Connection(graph, name)
+        service_client, "ServiceConnection", lambda name, *_others: Connection(graph, name)
     )
-    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda _client, _attempt: "")
+    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
     monkeypatch.setattr(ros_axis.actionlib, "ActionClient", lambda *_arguments: None)
     yield graph
@@ -54,15 +54,18 @@ class Connection:
     def __init__(self, graph, name):
         self.graph, self.name = graph, name
 
-    def connect(self, _address, _timeout_s):
+    def connect(self, _address, _timeout_s, _answer_timeout_s):
         if self.name == self.graph.away:
             self.graph.waiting.set()
             self.graph.node_is_back.wait(LIMIT_S)
 
-    def call(self):
+    def call(self, _request, _timeout_s):
         return self.graph.call(self.name)
 
     def abort(self):
+        pass
+
+    def close(self):
         pass
 
 

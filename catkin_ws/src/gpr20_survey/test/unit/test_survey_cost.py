@@ -42,14 +42,6 @@ def test_more_settling_costs_its_time_at_every_trace():
     assert settled.duration_s - cost.duration_s == pytest.approx(50 * 3.0)
 
 
-def test_the_height_is_measured_while_vibrations_settle():
-    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.4))
-    quick = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.0))
-    slow = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.7))
-    assert quick.duration_s == cost.duration_s
-    assert slow.duration_s - cost.duration_s == pytest.approx(50 * 0.2)
-
-
 @pytest.mark.parametrize(
     ("analyzer", "expected_s"),
     [
@@ -72,8 +64,16 @@ def test_the_estimate_of_a_survey_follows_the_settings_of_the_analyzer():
         replace(PARAMETERS, if_bandwidth_hz=20.0, averages=2), CONFIG, SurveySettings()
     )
     longer_s = slow.duration_s - usual.duration_s
-    assert longer_s == pytest.approx(50 * 501 * (2 * (0.05 - 1e-4) + 350e-6))
+    assert longer_s == pytest.approx(50 * 2 * 501 * 0.05, rel=0.02)
     assert slow.size_bytes > usual.size_bytes
+
+
+def test_the_height_is_measured_while_vibrations_settle():
+    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.4))
+    quick = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.0))
+    slow = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.7))
+    assert quick.duration_s == cost.duration_s
+    assert slow.duration_s - cost.duration_s == pytest.approx(50 * 0.2)
 
 
 @settings(max_examples=50)

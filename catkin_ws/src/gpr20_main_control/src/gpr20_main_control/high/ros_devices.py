@@ -51,6 +51,8 @@ from gpr20_survey.trace.trace import Trace
 # Reopening and closing read every file of a survey; opening a survey closes another one that is
 # still open [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
+# Services that are called for each trace; none of them moves anything.
+AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
 # The analyzer is set up with a sweep, which takes minutes with a narrow IF bandwidth and many
 # averages [s].
 SETUP_LIMIT_S = 900.0
@@ -75,7 +77,7 @@ class DeviceService:
             time_limit_s: Time limit of a call [s].
         """
         self._device = device
-        self._client = ServiceClient(name, service_class)
+        self._client = ServiceClient(name, service_class, keep_open=name in AT_EVERY_POINT)
         self.time_limit_s = time_limit_s
 
     def __call__(self, *request: Any, **fields: Any) -> Any:
