@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any, Tuple
 
 import numpy as np
@@ -165,18 +164,17 @@ class RosAnalyzer:
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,
-            **asdict(settings.analyzer),
+            **vars(settings.analyzer),
         )
-        accepted = AnalyzerSettings(answer.if_bandwidth_hz, answer.averages, answer.output_power)
         limit_s = answer.request_limit_s + MARGIN_S
         self._data.time_limit_s = self._confirmation.time_limit_s = limit_s
-        return AnalyzerSetup(
-            SweepSettings(
-                answer.start_frequency_hz, answer.stop_frequency_hz, answer.points, accepted
-            ),
-            answer.sweep_duration_s,
-            limit_s,
+        accepted = SweepSettings(
+            answer.start_frequency_hz,
+            answer.stop_frequency_hz,
+            answer.points,
+            _analyzer_settings(answer),
         )
+        return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
 
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
@@ -289,5 +287,5 @@ class RosStorage:
 
 
 def _analyzer_settings(data: Any) -> AnalyzerSettings:
-    """Return with what a sweep was measured."""
+    """Return with what a sweep is measured."""
     return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)
