@@ -117,7 +117,7 @@ def test_each_sweep_was_triggered_after_the_request(bench):
         assert set(sweep.s21_real) == {before + 1} and bench.vna.sweeps == before + 1
         np.testing.assert_array_equal(sweep.frequency_hz, SWEEP.frequencies_hz())
         assert sweep.duration_s >= bench.vna.sweep_s
-    assert bench.analyzer.trace_duration_s == pytest.approx(bench.vna.sweep_s, abs=0.05)
+    assert bench.analyzer.trace_duration_s >= bench.vna.sweep_s
 
 
 def test_only_settings_that_differ_are_written(bench):
