@@ -13,6 +13,8 @@ from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
+from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
@@ -400,6 +402,53 @@ def test_without_leave_of_the_configuration_no_trace_is_taken():
             bench.driver.get_trace()
     finally:
         bench.stop()
+
+
+# Another kind of session.
+
+
+class Vxi11Device:
+    """The analyzer behind the simulator's VXI-11 server."""
+
+    def __init__(self, vna: ScpiAnalyzer, clear_support: ClearSupport) -> None:
+        self._vna = vna
+        self._clear_support = clear_support
+        self.cleared = 0
+
+    def is_reachable(self) -> bool:
+        return True
+
+    def opened(self) -> NetworkFault:
+        return NetworkFault.NONE
+
+    def execute(self, message: bytes) -> Outcome:
+        return Outcome(self._vna.execute(message) or b"")
+
+    def clear(self) -> ClearSupport:
+        self.cleared += 1
+        return self._clear_support
+
+    def set_remote(self, remote: bool) -> None:
+        pass
+
+
+@pytest.mark.parametrize("support", [ClearSupport.FULL, ClearSupport.ERROR_8])
+def test_a_session_over_vxi11_begins_with_empty_buffers(support):
+    bench = Bench("keysight.PNA", clear_on_connect=True)
+    device = Vxi11Device(bench.vna, support)
+    server = Vxi11Server(device)
+    server.start()
+    bench.address = f"TCPIP0::127.0.0.1,{server.port}::inst0::INSTR"
+    try:
+        bench.configured()
+        assert device.cleared == 1
+        assert bench.analyzer.sweep().s21_real[0] == bench.vna.sweeps
+        bench.analyzer.confirm()
+        bench.analyzer.release()
+        assert_released(bench)
+    finally:
+        bench.stop()
+        server.stop()
 
 
 # The libraries.
