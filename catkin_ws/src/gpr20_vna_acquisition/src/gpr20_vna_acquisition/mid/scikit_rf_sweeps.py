@@ -78,7 +78,7 @@ class ScikitRfSweeps:
         """
         self._sweep_s = None
         self._triggers = self._call(
-            Message("the averages"),
+            Message("the number of averages"),
             lambda vna: self._dialect.triggers(vna, settings.analyzer.averages),
         )
         claimed_s = self._call(Message("the sweep time"), self._dialect.sweep_time_s)
