@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gpr20_common.message import Message
+
 
 @dataclass(frozen=True)
 class AnalyzerSettings:
@@ -28,6 +30,17 @@ class AnalyzerSettings:
     def is_known(self) -> bool:
         """Whether any of the three has a value."""
         return self != AnalyzerSettings()
+
+    @property
+    def message(self) -> Message:
+        """The three values, for people."""
+        unknown = Message("unknown")
+        return Message(
+            "IF bandwidth {bandwidth}, averages {averages}, output power {power}",
+            bandwidth=f"{self.if_bandwidth_hz:.12g} Hz" if self.if_bandwidth_hz else unknown,
+            averages=self.averages or unknown,
+            power=self.output_power or unknown,
+        )
 
     def fulfils(self, wanted: AnalyzerSettings) -> bool:
         """Return whether these settings, as read back, are the wanted ones.
