@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import subprocess
+import sys
 import threading
 import time
 from typing import Iterator
@@ -29,6 +32,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSweepError,
     VnaTimeoutError,
 )
+from gpr20_vna_acquisition.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -454,10 +458,38 @@ def test_a_session_over_vxi11_begins_with_empty_buffers(support):
 # The libraries.
 
 
+def test_a_robot_with_an_ms2026c_imports_none_of_them():
+    program = """
+import sys
+from gpr20_common.low.clock import Clock
+from gpr20_vna_acquisition.mid.analyzers import make_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+make_analyzer(VnaParameters(), None, RequestDeadline(Clock()))
+print(*{"skrf", "pyvisa", "pyvisa_py"} & set(sys.modules))
+"""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    ended = subprocess.run(
+        [sys.executable, "-c", program],
+        env=environment,
+        stdout=subprocess.PIPE,
+        timeout=60.0,
+        check=True,
+    )
+    assert ended.stdout == b"\n"
+
+
 def test_a_missing_library_says_what_to_install(pna, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "pyvisa", None)
+    monkeypatch.setitem(sys.modules, "pyvisa", None)
     with pytest.raises(VnaLibraryError, match=r"setup.sh --scikit-rf"):
         make_analyzer(pna.parameters, _no_vxi11, pna.deadline)
+
+
+def test_a_class_that_the_installed_scikit_rf_does_not_have_is_an_error():
+    limits = VisaLimits(1.0, 1.0, clear=False)
+    for name, needs in (("keysight.PNA", "skrf.vi.vna.of_tomorrow"), ("keysight.None", "")):
+        with pytest.raises(VnaLibraryError, match="install a newer version"):
+            VisaLibrary(name, "@py", limits, needs)
 
 
 def test_a_missing_visa_library_is_an_error():
