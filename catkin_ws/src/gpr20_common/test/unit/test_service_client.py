@@ -1,8 +1,12 @@
-"""Service calls over real sockets: answered, too late, given up, and their late delivery."""
+"""Service calls over real sockets: answered, too late, given up, and over connections kept open."""
 
+import os
+import random
 import socket
+import struct
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -11,13 +15,21 @@ pytest.importorskip("gpr20_msgs.srv")
 
 from rosgraph.network import encode_ros_handshake_header
 
+from gpr20_common.high import service_client
+from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_msgs.srv import Command
+from gpr20_msgs.srv import (
+    Command,
+    ReportSurvey,
+    ReportSurveyRequest,
+    ReportSurveyResponse,
+)
 
 pytestmark = pytest.mark.real_time
 
 LIMIT_S = 20.0
 SHORT_S = 0.3
+DRAWS = int(os.environ.get("GPR20_SERVICE_DRAWS", "8"))
 
 
 class Service:
@@ -26,18 +38,23 @@ class Service:
     def __init__(self):
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.uri = f"rosrpc://127.0.0.1:{self.listener.getsockname()[1]}"
-        self.answer_header = True
+        self.answer_header = threading.Event()
+        self.answer_header.set()
         self.received = []
         self.ended = threading.Event()
         threading.Thread(target=self._serve, daemon=True).start()
 
     def _serve(self):
-        connection, _address = self.listener.accept()
+        try:
+            connection, _address = self.listener.accept()
+        except OSError:
+            # The test ended without a call.
+            return
         with connection:
             connection.settimeout(LIMIT_S)
             try:
                 self.received.append(connection.recv(4096))
-                if self.answer_header:
+                if self.answer_header.wait(SHORT_S * 2):
                     fields = {"md5sum": Command._md5sum, "type": Command._type}
                     connection.sendall(encode_ros_handshake_header(fields))
                 while self.received[-1]:
@@ -50,7 +67,7 @@ class Service:
 @pytest.fixture
 def service(monkeypatch):
     service = Service()
-    monkeypatch.setattr(ServiceClient, "_look_up", lambda _client, _attempt: service.uri)
+    monkeypatch.setattr(ServiceClient, "_look_up", lambda *_arguments: service.uri)
     yield service
     service.listener.close()
 
@@ -65,7 +82,7 @@ def test_a_call_that_is_not_answered_in_time_ends_and_so_does_its_connection(ser
 
 
 def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(service):
-    service.answer_header = False
+    service.answer_header.clear()
     client = ServiceClient("homing", Command)
     with pytest.raises(ServiceUnavailableError):
         client.call(SHORT_S)
@@ -84,9 +101,199 @@ def test_a_call_whose_delivery_counts_more_than_its_answer_is_not_given_up(servi
     service.listener.close()
 
 
+def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(service):
+    service.answer_header.clear()
+    client = ServiceClient("stop_survey", Command, discard_late=False)
+    with pytest.raises(ServiceUnavailableError, match="did not answer"):
+        client.call(SHORT_S / 3)
+    service.answer_header.set()
+    deadline_s = time.monotonic() + LIMIT_S
+    while len(service.received) < 2 and time.monotonic() < deadline_s:
+        time.sleep(0.01)
+    assert service.received[1] == struct.pack("<I", 0)
+
+
 def test_a_service_that_refuses_connections_is_told_within_the_limit(service):
     service.listener.close()
     begun_s = time.monotonic()
     with pytest.raises(ServiceUnavailableError, match="could not be called|did not answer"):
         ServiceClient("get_height", Command).call(SHORT_S)
     assert time.monotonic() - begun_s < LIMIT_S
+
+
+class Node:
+    """A node that answers each request with its name and the request's survey_id.
+
+    It may misbehave, as `fault` draws: close the connection before or within an answer, or answer
+    when the client has given up.
+    """
+
+    def __init__(self, name="node", fault=lambda: ""):
+        self.name = name
+        self.fault = fault
+        self.listener = socket.create_server(("127.0.0.1", 0), backlog=64)
+        self.uri = f"rosrpc://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.answering = threading.Event()
+        self.answering.set()
+        self.connections = []
+        self.requests = []
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def end(self):
+        """End as a process does: the system closes everything."""
+        self.listener.close()
+        for one in self.connections:
+            one.shutdown(socket.SHUT_RDWR)
+
+    def _accept(self):
+        while True:
+            try:
+                connection, _address = self.listener.accept()
+            except OSError:
+                return
+            self.connections.append(connection)
+            threading.Thread(target=self._serve, args=(connection,), daemon=True).start()
+
+    def _serve(self, connection):
+        with connection, connection.makefile("rb") as stream:
+            try:
+                header = stream.read(*struct.unpack("<I", stream.read(4)))
+                fields = {"md5sum": ReportSurvey._md5sum, "type": ReportSurvey._type}
+                connection.sendall(encode_ros_handshake_header(fields))
+                while self._answer(connection, stream) and b"persistent=1" in header:
+                    pass
+            except (OSError, struct.error, ValueError):
+                return
+
+    def _answer(self, connection, stream):
+        data = stream.read(*struct.unpack("<I", stream.read(4)))
+        request = deserialized(ReportSurveyRequest, data)
+        self.requests.append(request.survey_id)
+        text = f"{self.name} {request.survey_id}"
+        answer = serialized(ReportSurveyResponse(success=True, message=text))
+        answer = struct.pack("<?I", True, len(answer)) + answer
+        fault = self.fault()
+        self.answering.wait(LIMIT_S)
+        if fault == "late":
+            time.sleep(1.5 * SHORT_S)
+        elif fault == "close":
+            return False
+        elif fault == "cut":
+            connection.sendall(answer[:-3])
+            return False
+        elif fault == "pieces":
+            for one in answer:
+                connection.sendall(bytes([one]))
+            return True
+        connection.sendall(answer)
+        return True
+
+
+class Graph:
+    """Which node offers the service now, as the master knows it."""
+
+    def __init__(self, monkeypatch):
+        self.node = Node()
+        self.lookups = 0
+        monkeypatch.setattr(ServiceClient, "_look_up", lambda *_arguments: self._look_up())
+
+    def _look_up(self):
+        self.lookups += 1
+        return self.node.uri
+
+    def replace(self, name="other"):
+        former, self.node = self.node, Node(name)
+        return former
+
+
+@pytest.fixture
+def graph(monkeypatch):
+    return Graph(monkeypatch)
+
+
+def call(client, survey_id, limit_s=LIMIT_S):
+    return client.call(limit_s, survey_id=survey_id).message
+
+
+def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    threads = threading.active_count()
+    assert [call(client, str(number)) for number in range(50)] == [
+        f"node {number}" for number in range(50)
+    ]
+    assert (len(graph.node.connections), graph.lookups) == (1, 1)
+    # Those of the node.
+    assert threading.active_count() <= threads + 1
+
+
+def test_a_client_that_keeps_nothing_open_connects_for_each_call(graph):
+    client = ServiceClient("homing", ReportSurvey)
+    assert [call(client, "a"), call(client, "b")] == ["node a", "node b"]
+    assert (len(graph.node.connections), graph.lookups) == (2, 2)
+
+
+def test_a_node_that_was_started_again_is_found(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    call(client, "a")
+    graph.replace().end()
+    assert call(client, "b") == "other b"
+
+
+def test_a_node_that_was_replaced_is_not_called_again_though_its_process_lives(graph, monkeypatch):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    call(client, "a")
+    former = graph.replace()
+    # As if the time had passed within which no node can take the name of another.
+    monkeypatch.setattr(service_client, "REUSE_S", 0.0)
+    assert call(client, "b") == "other b"
+    assert former.requests == ["a"]
+
+
+def test_a_connection_without_an_answer_in_time_is_not_used_again(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    call(client, "a")
+    graph.node.answering.clear()
+    with pytest.raises(ServiceUnavailableError, match="did not answer"):
+        call(client, "b", SHORT_S)
+    hung = graph.replace()
+    # The late answer to `b` is not taken for that to `c`.
+    hung.answering.set()
+    assert call(client, "c") == "other c"
+
+
+def test_calls_in_parallel_do_not_wait_for_each_other(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    graph.node.answering.clear()
+    with ThreadPoolExecutor(2) as pool:
+        waiting = pool.submit(call, client, "a", LIMIT_S)
+        while not graph.node.requests:
+            time.sleep(0.001)
+        former = graph.replace()
+        assert call(client, "b") == "other b"
+        former.end()
+        with pytest.raises(ServiceUnavailableError):
+            waiting.result(LIMIT_S)
+
+
+@pytest.mark.parametrize("seed", range(DRAWS))
+def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(graph, seed):
+    chance = random.Random(seed)
+    faults = ["", "", "", "pieces", "close", "cut", "late"]
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    graph.node.fault = lambda: chance.choice(faults)
+
+    def calls(name):
+        answered = 0
+        for number in range(6):
+            try:
+                answer = call(client, f"{name}.{number}", SHORT_S)
+            except ServiceUnavailableError:
+                continue
+            assert answer == f"node {name}.{number}", f"seed {seed}"
+            answered += 1
+        return answered
+
+    with ThreadPoolExecutor(4) as pool:
+        assert sum(pool.map(calls, "abcd")) > 0
+    # No request was made twice.
+    assert len(set(graph.node.requests)) == len(graph.node.requests)

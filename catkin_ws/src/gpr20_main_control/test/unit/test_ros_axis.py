@@ -16,7 +16,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
-from gpr20_main_control.mid.serial_calls import in_background
+from gpr20_main_control.mid.workers import Workers
 from gpr20_msgs.msg import AxisResult
 from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
@@ -28,9 +28,9 @@ def graph(monkeypatch):
     """Services whose nodes are away, and what was called once they were back."""
     graph = Graph()
     monkeypatch.setattr(
-        service_client, "ServiceConnection", lambda name, _class: Connection(graph, name)
+        service_client, "ServiceConnection", lambda name, *_others: Connection(graph, name)
     )
-    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda _client, _attempt: "")
+    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
     monkeypatch.setattr(ros_axis.actionlib, "ActionClient", lambda *_arguments: None)
     yield graph
@@ -54,22 +54,25 @@ class Connection:
     def __init__(self, graph, name):
         self.graph, self.name = graph, name
 
-    def connect(self, _address, _timeout_s):
+    def connect(self, _address, _timeout_s, _answer_timeout_s):
         if self.name == self.graph.away:
             self.graph.waiting.set()
             self.graph.node_is_back.wait(LIMIT_S)
 
-    def call(self):
+    def call(self, _request, _timeout_s):
         return self.graph.call(self.name)
 
     def abort(self):
+        pass
+
+    def close(self):
         pass
 
 
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     graph.away = "x_axis/homing"
     axis = ros_axis.RosAxis(AxisId.X, Clock())
-    homing = in_background(lambda: axis.home(LIMIT_S))
+    homing = Workers().begin(lambda: axis.home(LIMIT_S))
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
     graph.node_is_back.set()
@@ -85,7 +88,7 @@ def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     axis = ros_axis.RosAxis(AxisId.X, Clock())
     axis.stop()
     assert graph.waiting.wait(LIMIT_S)
-    homing = in_background(lambda: axis.home(LIMIT_S))
+    homing = Workers().begin(lambda: axis.home(LIMIT_S))
     graph.node_is_back.set()
     homing.result(LIMIT_S)
     assert graph.called == ["x_axis/stop", "x_axis/homing"]

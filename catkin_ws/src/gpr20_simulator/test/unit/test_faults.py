@@ -37,6 +37,38 @@ def test_none_switches_all_faults_of_the_analyzer_off(switch, board):
     assert board.names() == ""
 
 
+def test_timed_fault_lasts_as_many_seconds_as_counted(state):
+    now_s = [100.0]
+    board = FaultBoard(lambda: now_s[0])
+    told = []
+    board.on_set(told.append)
+    message = FaultSwitch(state, board).set("vna", "link_gone", 20)
+    assert str(message) == "SIMULATED vna: fault LINK_GONE for 20 s"
+    assert told == [VnaFault.LINK_GONE]
+    now_s[0] += 19.9
+    # However often it strikes meanwhile.
+    assert all(board.is_on(VnaFault.LINK_GONE) for _ in range(100))
+    now_s[0] += 0.2
+    assert not board.is_on(VnaFault.LINK_GONE)
+    assert board.names() == ""
+    board.set("LINK_GONE", 0)
+    now_s[0] += 1e6
+    assert board.is_on(VnaFault.LINK_GONE)
+    board.clear()
+    assert not board.is_on(VnaFault.LINK_GONE)
+
+
+def test_damage_lasts_longer_than_the_fault_until_it_is_cleared(board):
+    board.set("LOSES_CALIBRATION", 1)
+    assert not board.has_damaged(VnaFault.LOSES_CALIBRATION)
+    assert board.damages(VnaFault.LOSES_CALIBRATION)
+    assert not board.damages(VnaFault.LOSES_CALIBRATION)
+    assert board.has_damaged(VnaFault.LOSES_CALIBRATION)
+    assert board.names() == "LOSES_CALIBRATION"
+    board.clear()
+    assert not board.has_damaged(VnaFault.LOSES_CALIBRATION)
+
+
 @pytest.mark.parametrize(("device", "axis"), [("endstop_x", AxisId.X), ("endstop_y", AxisId.Y)])
 def test_fault_of_an_endstop_reaches_the_state(switch, state, device, axis):
     switch.set(device, "stuck_closed", 0)

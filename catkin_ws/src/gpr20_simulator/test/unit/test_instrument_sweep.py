@@ -162,3 +162,17 @@ def test_noise_follows_bandwidth_and_power(request, commands, gain):
     gains.clear()
     swept(bench)
     assert list(gains) == pytest.approx([gain])
+
+
+def test_end_of_a_hold_is_a_trigger_with_its_faults(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
+    bench.send(":INIT:CONT OFF;:INIT:IMM")
+    clock.advance(1.0)
+    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
+    bench.faults.set("LATE_BIT", 1)
+    bench.send(":INIT:HOLD OFF")
+    assert bench.ask(":STAT:OPER?") == "256"
+    clock.advance(0.31)
+    bench.send(":INIT:HOLD ON;:INIT:HOLD OFF")
+    assert bench.ask(":STAT:OPER?") == "0"

@@ -37,8 +37,8 @@ def test_a_robot_that_runs_faster_needs_less_time_and_fewer_messages():
 
 
 def test_more_settling_costs_its_time_at_every_trace():
-    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.0))
-    settled = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=3.0))
+    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5))
+    settled = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=3.5))
     assert settled.duration_s - cost.duration_s == pytest.approx(50 * 3.0)
 
 
@@ -64,9 +64,16 @@ def test_the_estimate_of_a_survey_follows_the_settings_of_the_analyzer():
         replace(PARAMETERS, if_bandwidth_hz=20.0, averages=2), CONFIG, SurveySettings()
     )
     longer_s = slow.duration_s - usual.duration_s
-    # The sweep of 0.175 s is shorter than the measurement of the height beside it.
     assert longer_s == pytest.approx(50 * 2 * 501 * 0.05, rel=0.02)
     assert slow.size_bytes > usual.size_bytes
+
+
+def test_the_height_is_measured_while_vibrations_settle():
+    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.4))
+    quick = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.0))
+    slow = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.7))
+    assert quick.duration_s == cost.duration_s
+    assert slow.duration_s - cost.duration_s == pytest.approx(50 * 0.2)
 
 
 @settings(max_examples=50)

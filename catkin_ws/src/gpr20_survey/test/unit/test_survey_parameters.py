@@ -38,6 +38,7 @@ def test_start_and_stop_may_be_in_either_order():
         ("vna_address", "192.168.1.1.1", "four numbers"),
         ("vna_address", "vna.local", "four numbers"),
         ("vna_address", "1.2.3.٤", "four numbers"),
+        ("vna_address", "GPIB0::16::INSTR\n", "the name of a VISA resource"),
         ("start_frequency_hz", 0.0, "start frequency is 0 Hz; it must lie between 5000 and"),
         ("start_frequency_hz", math.nan, "start frequency is nan"),
         ("start_frequency_hz", -1.0, "start frequency is -1"),
@@ -133,3 +134,7 @@ def test_any_numbers_give_sentences_and_never_an_exception(start, stop, points, 
         polarizations_deg=tuple(rotations),
     )
     assert all(isinstance(one, Message) for one in problems(wild, TRAVEL))
+
+
+def test_the_address_may_be_the_name_of_a_visa_resource():
+    check(replace(PARAMETERS, vna_address="TCPIP0::192.168.1.5::inst0::INSTR"), TRAVEL)

@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import pytest
+from PyQt5.QtWidgets import QLabel
 from window_helpers import application, click, enter, show, snapshot, window, wishes
 
 from gpr20_survey.plan.site import Site
@@ -243,3 +244,16 @@ def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses
     window.control.form.show_text("vna_address", "10.0.0.7")
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults("192.168.1.11", Site())))
     assert window.control.form.texts()["vna_address"] == "10.0.0.7"
+
+
+def test_a_visa_resource_of_the_configuration_is_shown_and_used(window):
+    resource = "GPIB0::16::INSTR"
+    show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults(resource, Site())))
+    form = window.control.form
+    assert form.texts()["vna_address"] == resource
+    assert not form.octet(0).isVisible()
+    assert resource in [label.text() for label in form.findChildren(QLabel) if label.isVisible()]
+    assert window.control.parameters.vna_address == resource
+    # Parameters of a survey of a robot with an MS2026C.
+    form.show_text("vna_address", "10.0.0.7")
+    assert form.texts()["vna_address"] == "10.0.0.7" and form.octet(0).isVisible()

@@ -59,3 +59,7 @@ class VnaDataError(VnaError, ValueError):
 
 class VnaOldDataError(VnaDataError):
     """Data, or a part of them, are those of a sweep before."""
+
+
+class VnaLibraryError(VnaError, ImportError):
+    """A library that this kind of analyzer needs is not installed, or too old."""

@@ -4,66 +4,87 @@ from __future__ import annotations
 
 import itertools
 import queue
+import socket
 import threading
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Tuple
+from typing import Any, List, Optional
 
+import genpy
 import rosgraph
 import rospy
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.service_connection import ServiceConnection
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.message import Message
 
 # A node that is being started again offers its services within this time [s].
 START_LIMIT_S = 10.0
 RETRY_S = 0.3
+# A connection is used again for so long after an answer [s]. A node that takes the name of one that
+# hangs waits for longer before it starts (`node.ANSWER_LIMIT_S`), so the process that answered is
+# still the one that offers the service; after that the master is asked.
+REUSE_S = 0.8
+# A request whose delivery counts more than its answer waits for so long for a node that hangs [s].
+LATE_LIMIT_S = 900.0
 
 
 class ServiceUnavailableError(Gpr20Error, OSError):
     """A service is not there, died while it was asked, or did not answer in time."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Call:
     """One call of a service.
 
     Attributes:
-        request: The request, if its fields are not given.
-        fields: Fields of the request.
-        deadline_s: When it must have ended [s].
-        connection: Its connection.
+        deadline_s: When it must be made [s].
+        answer_deadline_s: When the answer must have come [s].
         given_up: Set when it must not be made any more.
     """
 
-    request: Tuple[Any, ...]
-    fields: Dict[str, Any]
     deadline_s: float
-    connection: ServiceConnection
+    answer_deadline_s: float
     given_up: threading.Event = field(default_factory=threading.Event)
+
+
+@dataclass(frozen=True)
+class _KeptConnection:
+    """A connection that waits for the next call, and when its last answer came [s]."""
+
+    connection: ServiceConnection
+    answered_s: float
 
 
 class ServiceClient:
     """One service of another node; every call has a time limit.
 
-    `rospy.ServiceProxy` has none: a node that hangs would hang its caller.
+    `rospy.ServiceProxy` has none: a node that hangs would hang its caller. Calls are made in the
+    thread of the caller, in parallel if several threads call.
     """
 
-    def __init__(self, name: str, service_class: Any, discard_late: bool = True) -> None:
+    def __init__(
+        self, name: str, service_class: Any, discard_late: bool = True, keep_open: bool = False
+    ) -> None:
         """Connect to nothing yet.
 
         Args:
             name: Name of the service, relative to this node's namespace.
             service_class: Its generated class.
             discard_late: Whether a request that is not delivered in time is discarded.
+            keep_open: Whether a connection is used for calls that soon follow each other. A node
+                that hangs may carry out such a request when it no longer does, because it need
+                not accept a connection first: not for requests that move anything.
         """
         self._discard_late = discard_late
+        self._keep_open = keep_open
         self._name = name
         self._service_class = service_class
         self._clock = Clock()
         self._lock = threading.Lock()
         self._calls: List[Call] = []
+        self._kept: List[_KeptConnection] = []
 
     @property
     def name(self) -> str:
@@ -81,20 +102,16 @@ class ServiceClient:
         Raises:
             ServiceUnavailableError: No answer came; the message says why.
         """
-        answers: queue.Queue = queue.Queue(maxsize=1)
-        deadline_s = self._clock.now_s() + timeout_s
-        connection = ServiceConnection(self._name, self._service_class)
-        call = Call(request, fields, deadline_s, connection)
-        with self._lock:
-            self._calls.append(call)
-        # Being a daemon the thread ends with the node, whatever it waits for.
-        threading.Thread(target=self._answer, args=(call, answers), daemon=True).start()
+        message = rospy.msg.args_kwds_to_message(
+            self._service_class._request_class, request, fields
+        )
         try:
-            answer = answers.get(timeout=timeout_s)
-        except queue.Empty:
-            if self._discard_late:
-                call.given_up.set()
-                connection.abort()
+            return (
+                self._make(message, timeout_s)
+                if self._discard_late
+                else self._deliver(message, timeout_s)
+            )
+        except socket.timeout as error:
             raise ServiceUnavailableError(
                 Message(
                     "the service {service} did not answer within {limit_s:g} s; check that its "
@@ -102,19 +119,20 @@ class ServiceClient:
                     service=self._name,
                     limit_s=timeout_s,
                 )
-            ) from None
-        finally:
-            with self._lock:
-                self._calls.remove(call)
-        if isinstance(answer, Exception):
+            ) from error
+        except (
+            rospy.ROSException,
+            rospy.ServiceException,
+            genpy.MessageException,
+            OSError,
+        ) as error:
             raise ServiceUnavailableError(
                 Message(
                     "the service {service} could not be called; check that its node is running",
                     service=self._name,
-                    details=answer,
+                    details=error,
                 )
-            ) from answer
-        return answer
+            ) from error
 
     def give_up(self) -> None:
         """Let calls that wait for the service's node never be made; one that was made continues."""
@@ -122,33 +140,100 @@ class ServiceClient:
             for call in self._calls:
                 call.given_up.set()
 
-    def _answer(self, call: Call, answers: queue.Queue) -> None:
-        try:
-            self._connect(call)
-            if call.given_up.is_set():
-                call.connection.abort()
-                raise rospy.ROSException("the call was given up")
-            answers.put(call.connection.call(*call.request, **call.fields))
-        except (rospy.ROSException, rospy.ServiceException, OSError) as error:
-            answers.put(error)
+    def _deliver(self, request: genpy.Message, timeout_s: float) -> Any:
+        """Make a call that continues in a thread of its own when its time limit is over."""
+        answers: queue.Queue = queue.Queue(maxsize=1)
 
-    def _connect(self, call: Call) -> None:
+        def make() -> None:
+            try:
+                answers.put(self._make(request, timeout_s, LATE_LIMIT_S))
+            except Exception as error:  # raised again below
+                answers.put(error)
+
+        # Being a daemon it ends with the node, whatever it waits for.
+        threading.Thread(target=make, daemon=True).start()
+        try:
+            answer = answers.get(timeout=timeout_s)
+        except queue.Empty:
+            raise socket.timeout("timed out") from None
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def _make(self, request: genpy.Message, timeout_s: float, late_s: float = 0.0) -> Any:
+        deadline_s = self._clock.now_s() + timeout_s
+        call = Call(deadline_s, deadline_s + late_s)
+        with self._lock:
+            self._calls.append(call)
+        try:
+            connection = self._take_kept() or self._connect(call)
+            return self._call_over(connection, call, request)
+        finally:
+            with self._lock:
+                self._calls.remove(call)
+
+    def _call_over(self, connection: ServiceConnection, call: Call, request: genpy.Message) -> Any:
+        try:
+            if call.given_up.is_set():
+                raise rospy.ROSException("the call was given up")
+            response = connection.call(request, self._remaining_s(call.answer_deadline_s))
+        except BaseException:
+            connection.abort()
+            raise
+        if self._keep_open:
+            with self._lock:
+                self._kept.append(_KeptConnection(connection, self._clock.now_s()))
+        else:
+            connection.close()
+        return response
+
+    def _take_kept(self) -> Optional[ServiceConnection]:
+        """Return a connection over which an answer came just now; None if there is none."""
+        while True:
+            with self._lock:
+                if not self._kept:
+                    return None
+                kept = self._kept.pop()
+            recent = self._clock.now_s() - kept.answered_s < REUSE_S
+            if recent and kept.connection.is_open():
+                return kept.connection
+            kept.connection.close()
+
+    def _connect(self, call: Call) -> ServiceConnection:
         """Connect to the service; its node may be starting."""
         begun_s = self._clock.now_s()
         for attempt in itertools.count():
+            connection = ServiceConnection(self._name, self._service_class, self._keep_open)
             try:
-                remaining_s = call.deadline_s - self._clock.now_s()
-                call.connection.connect(self._look_up(attempt), max(remaining_s, RETRY_S))
-                return
-            except (rosgraph.MasterException, rospy.ROSException, OSError) as error:
+                uri = self._look_up(attempt, self._remaining_s(call.deadline_s))
+                answer_limit_s = self._remaining_s(call.answer_deadline_s)
+                connection.connect(uri, self._remaining_s(call.deadline_s), answer_limit_s)
+                return connection
+            except (*NO_ANSWER, rospy.ROSException) as error:
+                connection.abort()
                 failure = error
             if call.given_up.is_set() or rospy.is_shutdown():
                 raise rospy.ROSException("the call was given up") from failure
+            if isinstance(failure, socket.timeout) and self._clock.now_s() >= call.deadline_s:
+                raise failure
             if self._clock.now_s() + RETRY_S > min(call.deadline_s, begun_s + START_LIMIT_S):
                 raise rospy.ROSException(str(failure)) from failure
             self._clock.wait_s(call.given_up, RETRY_S)
+        raise AssertionError("numbers do not end")
 
-    def _look_up(self, _attempt: int) -> str:
+    def _remaining_s(self, deadline_s: float) -> float:
+        """Return the time that is left [s].
+
+        Raises:
+            socket.timeout: None is.
+        """
+        remaining_s = deadline_s - self._clock.now_s()
+        if remaining_s <= 0.0:
+            raise socket.timeout("timed out")
+        return remaining_s
+
+    def _look_up(self, _attempt: int, limit_s: float) -> str:
         """Return the address of the service, as the master knows it now."""
-        master = rosgraph.Master(rospy.get_name())
-        return str(master.lookupService(rospy.resolve_name(self._name)))
+        master = limited_server(rosgraph.get_master_uri(), limit_s)
+        name = rospy.resolve_name(self._name)
+        return str(value_of(master.lookupService(rospy.get_caller_id(), name)))

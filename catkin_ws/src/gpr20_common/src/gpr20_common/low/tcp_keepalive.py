@@ -51,6 +51,15 @@ def send_at_once(connection: socket.socket) -> None:
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
+def acknowledge_at_once(connection: socket.socket) -> None:
+    """Acknowledge what comes next without waiting for more; the kernel forgets this soon.
+
+    Raises:
+        OSError: The connection is closed.
+    """
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+
+
 def silence_s(connection: socket.socket) -> float:
     """Return how long ago anything came from the other end [s].
 

@@ -269,7 +269,7 @@ class SimulatedVna:
         rules: Tuple[Tuple[str, Action], ...] = (
             (":INITiate[:IMMediate]", lambda _a: control.trigger(self._settings)),
             (":INITiate:CONTinuous", lambda a: control.set_continuous(self._settings, a)),
-            (":INITiate:HOLD", lambda a: self._sweeper.hold(scpi.switch(a))),
+            (":INITiate:HOLD", lambda a: control.hold(self._settings, a)),
             ("[:SENSe]:SWEep:TYPE", lambda a: control.set_sweep_type(self._settings, a)),
             ("[:SENSe]:AVERage:CLEar", lambda _a: self._sweeper.restart_average()),
             ("[:SENSe]:CORRection[:STATe]", self._set_correction),

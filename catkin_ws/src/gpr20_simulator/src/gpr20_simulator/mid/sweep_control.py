@@ -86,6 +86,14 @@ class SweepControl:
         settings.is_external = False
         self._sweeper.set_continuous(continuous)
 
+    def hold(self, settings: VnaSettings, argument: str) -> None:
+        """Carry out `:INITiate:HOLD`; its end resumes a series, or else runs one sweep."""
+        held = scpi.switch(argument)
+        if held or self._sweeper.is_continuous:
+            self._sweeper.hold(held)
+        else:
+            self.trigger(settings)
+
     def set_sweep_type(self, settings: VnaSettings, argument: str) -> None:
         """Carry out `:SWEep:TYPE`."""
         sweep_type = scpi.chosen_keyword(argument, SWEEP_TYPES)

@@ -56,9 +56,8 @@ class MeasuringTimes:
 
     @property
     def total_s(self) -> float:
-        """Time at one point [s]; sweep and height are measured together."""
-        sweep_s = sweep_duration_s(self.sweep)
-        return self.settle_s + max(sweep_s, self.height_s)
+        """Time at one point [s]; the height is measured while vibrations settle."""
+        return max(self.settle_s, self.height_s) + sweep_duration_s(self.sweep)
 
 
 def sweep_duration_s(sweep: SweepSettings) -> float:

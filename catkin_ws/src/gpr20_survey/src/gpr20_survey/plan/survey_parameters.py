@@ -10,7 +10,7 @@ from typing import Callable, Iterable, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.checks import ipv4_address, number_between
+from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 # Range of the MS2026C (Anritsu 10580-00306, [SENSe]:FREQuency:STARt).
@@ -196,8 +196,11 @@ def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Pro
 
 
 def _address(address: str) -> None:
-    # Empty: that of the robot's configuration.
-    if address:
+    # Empty: that of the robot's configuration. Which of the two forms it must have is known to the
+    # driver alone.
+    if "::" in address:
+        visa_resource_name(Message("VNA address"), address)
+    elif address:
         ipv4_address(Message("VNA address"), address)
 
 

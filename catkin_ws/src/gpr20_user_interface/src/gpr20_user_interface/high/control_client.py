@@ -81,11 +81,11 @@ class DirectServiceClient(ServiceClient):
             # There is no such service now.
             return
 
-    def _look_up(self, attempt: int) -> str:
+    def _look_up(self, attempt: int, limit_s: float) -> str:
         # After a failure the master is asked: the service may have another address now.
         if attempt == 0 and self._address:
             return self._address
-        return super()._look_up(attempt)
+        return super()._look_up(attempt, limit_s)
 
 
 class ControlClient(RosEvents):

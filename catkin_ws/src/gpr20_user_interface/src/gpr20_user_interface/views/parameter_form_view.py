@@ -30,6 +30,7 @@ MAX_LENGTH = 40
 REPEAT_DELAY_MS = 400
 REPEAT_MS = 120
 OCTETS = 4
+VISA_SEPARATOR = "::"
 ROWS = (
     ("start_frequency_hz", "stop_frequency_hz", "frequency_points"),
     ("x_start_mm", "x_stop_mm", "x_points"),
@@ -104,6 +105,9 @@ class ParameterFormView(TranslatedWidget):
     def __init__(self) -> None:
         super().__init__()
         self._octets: List[TouchEdit] = []
+        self._dots: List[QLabel] = []
+        # The name of a VISA resource: it cannot be entered here and comes from the configuration.
+        self._resource = QLabel()
         self._edits: Dict[str, TouchEdit] = {}
         self._fields: Dict[str, NumberField] = {}
         self._row_titles = [QLabel() for _ in range(1 + len(ROWS))]
@@ -134,7 +138,8 @@ class ParameterFormView(TranslatedWidget):
     def texts(self) -> Dict[str, str]:
         """Return the text of every field by the name of its parameter."""
         found = {name: edit.text() for name, edit in self._edits.items()}
-        found[ADDRESS] = _address([octet.text() for octet in self._octets])
+        octets = [octet.text() for octet in self._octets]
+        found[ADDRESS] = self._resource.text() or _address(octets)
         return found
 
     def texts_with(self, edit: TouchEdit, text: str) -> Dict[str, str]:
@@ -152,7 +157,13 @@ class ParameterFormView(TranslatedWidget):
         if name != ADDRESS:
             self._edits[name].setText(text)
             return
-        parts = text.split(".", OCTETS - 1)
+        is_resource = VISA_SEPARATOR in text
+        self._resource.setText(text if is_resource else "")
+        self._resource.setToolTip(self._resource.text())
+        self._resource.setVisible(is_resource)
+        for widget in (*self._octets, *self._dots):
+            widget.setVisible(not is_resource)
+        parts = [] if is_resource else text.split(".", OCTETS - 1)
         for octet, part in zip(self._octets, parts + [""] * OCTETS):
             octet.setText(part)
 
@@ -212,10 +223,13 @@ class ParameterFormView(TranslatedWidget):
         row.setSpacing(2)
         for number in range(OCTETS):
             if number:
-                row.addWidget(QLabel("."))
+                self._dots.append(QLabel("."))
+                row.addWidget(self._dots[-1])
             octet = self._touch_edit(f"octet{number}")
             self._octets.append(octet)
             row.addWidget(octet, 2)
+        self._resource.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        row.addWidget(self._resource, OCTETS * 2)
         row.addSpacing(12)
         row.addWidget(self._rotation_title)
         self._edits[ROTATIONS] = self._touch_edit(ROTATIONS)

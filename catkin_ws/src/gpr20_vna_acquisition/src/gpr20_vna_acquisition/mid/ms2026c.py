@@ -135,14 +135,13 @@ class Ms2026c:
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration."""
         status = whole_number(self._exchanges.ask(CALIBRATION_QUERY))
-        try:
-            return CalibrationStatus(status)
-        except ValueError as error:
+        if not CalibrationStatus.NONE <= status <= CalibrationStatus.LOW:
             raise VnaDataError(
                 Message(
                     "the VNA reports calibration status {status}; expected 0 to 4", status=status
                 )
-            ) from error
+            )
+        return CalibrationStatus(status)
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself, with its front panel usable."""

@@ -67,7 +67,9 @@ def enough_learned(ends: Sequence[SweepEnd]) -> bool:
     return len(ends) >= MOST_LEARNED or sum(end.duration_s for end in ends) >= LEARNING_S
 
 
-def has_old_points(numbers: np.ndarray, before: Optional[np.ndarray], to_the_last: bool) -> bool:
+def has_old_points(
+    numbers: np.ndarray, before: Optional[np.ndarray], to_the_last: bool = False
+) -> bool:
     """Return whether a part of the data is that of the sweep before, to the last bit.
 
     An instrument that is read before a sweep has ended answers with new points up to some

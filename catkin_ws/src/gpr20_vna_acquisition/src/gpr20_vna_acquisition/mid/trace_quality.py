@@ -60,6 +60,13 @@ def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) ->
     if status in parameters.accepted_calibrations:
         return None
     listed = ", ".join(str(int(one)) for one in parameters.accepted_calibrations)
+    if status is CalibrationStatus.NOT_REPORTED:
+        return Message(
+            "the VNA does not report its calibration; to measure with what the operator "
+            "calibrated, add {status} to accepted_calibrations (now {accepted})",
+            status=int(status),
+            accepted=listed,
+        )
     return Message(
         "the VNA's calibration status is {status} ({meaning}); calibrate it, or change "
         "accepted_calibrations (now {accepted})",
@@ -141,8 +148,8 @@ def duration_remarks(
 
 
 def calibration_remarks(status: CalibrationStatus) -> Tuple[Message, ...]:
-    """Return a remark unless the calibration's accuracy is high."""
-    return () if status is CalibrationStatus.HIGH else (CALIBRATION_REMARKS[status],)
+    """Return a remark unless the calibration's accuracy is high, or never known."""
+    return (CALIBRATION_REMARKS[status],) if status in CALIBRATION_REMARKS else ()
 
 
 def retry_remarks(failures: Sequence[VnaError]) -> Tuple[Message, ...]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import ipv4_address, number_between
+from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
 from gpr20_common.mid.records import bounded
 from gpr20_survey.plan.survey_parameters import (
     MAX_FREQUENCY_HZ,
@@ -17,6 +17,7 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
 # IF bandwidths of the MS20xxC [Hz] (programming manual, [:SENSe]:SWEep:IFBW), widest first.
@@ -44,10 +45,19 @@ class VnaParameters:
     """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
-        address: Address of the instrument, which clients offer as the default.
+        analyzer: The kind of analyzer: ms2026c, or scikit_rf for those that the Python library
+            scikit-rf can control (docs/another_analyzer.md).
+        scikit_rf_class: Only for scikit_rf: which of its classes controls the instrument.
+        visa_library: Only for scikit_rf: VISA library of PyVISA: "@py" is PyVISA-py, "@ivi" that
+            of the instrument's maker.
+        correction_query: Only for scikit_rf: a query that this instrument answers with 1 while
+            its calibration corrects the data, otherwise with 0. Empty: its calibration is not
+            reported (status 5).
+        address: Address of the instrument, which clients offer as the default: four numbers for
+            ms2026c, the name of a VISA resource for scikit_rf.
         maker: First field of the identification.
         model: Second field of the identification, without the options after its slash.
-        vxi11_port: TCP port of the VXI-11 core channel; 0 asks the portmapper.
+        vxi11_port: Only for ms2026c: TCP port of the VXI-11 core channel; 0 asks the portmapper.
         connect_timeout_s: Time limit for each step of connecting [s].
         answer_timeout_s: Time limit for one command or answer [s].
         clear_on_connect: Empty the instrument's buffers on each new link, because they may
@@ -65,11 +75,11 @@ class VnaParameters:
             no caller retries it.
         retry_pause_s: Pause before each retry [s].
         link_check_s: How long the instrument may be unused until its link is checked [s].
-        transfer_format: How the numbers are transferred.
+        transfer_format: Only for ms2026c: how the numbers are transferred.
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
         accepted_calibrations: Calibration statuses, on the instrument's scale, with which
-            sweeps are made: 0 none, 1 high, 2 and 3 moderate, 4 low.
+            sweeps are made: 0 none, 1 high, 2 and 3 moderate, 4 low, 5 not reported.
         min_level_db: Least median magnitude of S21 without a remark [dB]. Not the maker's
             figure: well below the level of two antennas over the ground, well above that of a
             receiver with nothing connected; measure both on the robot and choose a value between.
@@ -80,6 +90,10 @@ class VnaParameters:
             take without a remark; allows for a busy computer and network.
     """
 
+    analyzer: AnalyzerKind = AnalyzerKind.MS2026C
+    scikit_rf_class: Optional[ScikitRfClass] = None
+    visa_library: str = "@py"
+    correction_query: str = ""
     address: str = "127.0.0.1"
     maker: str = "Anritsu"
     model: str = "MS2026C"
@@ -109,7 +123,10 @@ class VnaParameters:
     duration_tolerance_s: float = bounded(0.0, 60.0, 0.25)
 
     def __post_init__(self) -> None:
-        ipv4_address("address", self.address)
+        if self.analyzer is AnalyzerKind.SCIKIT_RF:
+            self._check_scikit_rf()
+        else:
+            ipv4_address("address", self.address)
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(
@@ -138,6 +155,34 @@ class VnaParameters:
                     )
                 )
 
+    def _check_scikit_rf(self) -> None:
+        if self.scikit_rf_class is None:
+            raise InvalidValueError(
+                Message(
+                    "scikit_rf_class is missing; it must be one of {allowed}",
+                    allowed=", ".join(one.value for one in ScikitRfClass),
+                )
+            )
+        visa_resource_name("address", self.address)
+        for name in ("maker", "model"):
+            if getattr(self, name) == getattr(VnaParameters, name):
+                raise InvalidValueError(
+                    Message(
+                        "{name} is {value}, which is no analyzer of scikit_rf; it must be as in "
+                        "the VNA's identification",
+                        name=name,
+                        value=getattr(self, name),
+                        details="the answer to *IDN?",
+                    )
+                )
+        if not self.correction_query.isascii() or "\n" in self.correction_query:
+            raise InvalidValueError(
+                Message(
+                    "correction_query is {query}; it must be one line of ASCII characters",
+                    query=repr(self.correction_query[:64]),
+                )
+            )
+
     def check_sweep(self, settings: SweepSettings) -> None:
         """Refuse a sweep that the instrument cannot make.
 
@@ -154,7 +199,8 @@ class VnaParameters:
             MIN_FREQUENCY_POINTS,
             MAX_FREQUENCY_POINTS,
         )
-        self._check_analyzer_settings(settings.analyzer)
+        if self.analyzer is AnalyzerKind.MS2026C:
+            self._check_analyzer_settings(settings.analyzer)
         if not start_hz < stop_hz:
             raise InvalidValueError(
                 Message(
