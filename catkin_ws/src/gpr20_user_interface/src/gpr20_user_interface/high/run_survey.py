@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import queue
 import sys
-from typing import Callable, Dict, Tuple
+from typing import Callable, Dict
 
 import rospy
 
@@ -35,7 +36,7 @@ from gpr20_user_interface.mid.survey_arguments import (
     terminal_language,
 )
 from gpr20_user_interface.mid.survey_follower import Limits, Mode, SurveyFollower
-from gpr20_user_interface.mid.survey_outcome import ExitStatus
+from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 from gpr20_user_interface.mid.survey_session import Follower, SurveySession, outcome_lines
 
 
@@ -82,43 +83,46 @@ def _follow(
     options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue
 ) -> int:
     client = ControlClient(router.take)
+    follower: Follower = _survey_follower(options)
+    events = router.robot
     client.listen()
-    is_replay = router.wait_for_replay(options.wait_s, lambda: signals.received, Clock())
-    if is_replay and options.mode is not Mode.ATTACH:
-        client.close()
-        print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
-        return ExitStatus.REFUSED
+    if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
+        if options.mode is not Mode.ATTACH:
+            client.close()
+            print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
+            return ExitStatus.REFUSED
+        follower, events = ReplayFollower(), router.replay
     keeper, link = ConnectionKeeper(), LinkWatch(router.take)
-    status, other_analyzer = _run_session(options, client, router, is_replay, catalogue)
-    if other_analyzer and _accepts(other_analyzer, signals, catalogue):
-        accepted = dataclasses.replace(options, accept_analyzer=other_analyzer)
-        status, _other = _run_session(accepted, client, router, is_replay, catalogue)
+    outcome = _run_session(options, client, follower, events, catalogue)
+    if outcome.other_analyzer and _accepts(outcome.other_analyzer, signals, catalogue):
+        options = dataclasses.replace(options, accept_analyzer=outcome.other_analyzer)
+        follower = _survey_follower(options)
+        outcome = _run_session(options, client, follower, events, catalogue)
     link.close()
     keeper.close()
     client.close()
-    return status
+    if outcome.other_analyzer and signals.received:
+        return ExitStatus.STOPPED
+    return outcome.status
+
+
+def _survey_follower(options: Options) -> SurveyFollower:
+    return SurveyFollower(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
 
 
 def _run_session(
     options: Options,
     client: ControlClient,
-    router: EventRouter,
-    is_replay: bool,
+    follower: Follower,
+    events: queue.SimpleQueue,
     catalogue: Catalogue,
-) -> Tuple[ExitStatus, str]:
-    """Follow a survey to its end; return how it ended, and another analyzer to be accepted."""
+) -> Outcome:
+    """Follow a survey to its end, and print how it ended."""
     requests: Dict[Request, Callable[[], None]] = {
         Request.START: lambda: client.start_survey(options.parameters, options.annotation),
         Request.STOP: client.stop_survey,
         Request.RESUME: lambda: client.resume_survey(options.resume_id, options.accept_analyzer),
     }
-    follower: Follower
-    if is_replay:
-        follower, events = ReplayFollower(), router.replay
-    else:
-        limits = Limits(wait_s=options.wait_s)
-        follower = SurveyFollower(options.mode, options.on_pause, limits, Clock())
-        events = router.robot
     display = _display(options.bar, catalogue)
     session = SurveySession(follower, events, lambda request: requests[request](), display)
     outcome = session.run()
@@ -126,7 +130,7 @@ def _run_session(
     lines = [terminal_line(message, catalogue) for message in messages]
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
-    return outcome.status, outcome.other_analyzer
+    return outcome
 
 
 def _accepts(analyzer: str, signals: StopSignals, catalogue: Catalogue) -> bool:
