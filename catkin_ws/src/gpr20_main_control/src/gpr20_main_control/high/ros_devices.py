@@ -53,6 +53,8 @@ from gpr20_survey.trace.trace import Trace
 WHOLE_SURVEY_LIMIT_S = 620.0
 # Services that are called for each trace; none of them moves anything.
 AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
+# Services that are called for each trace; none of them moves anything.
+AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
 # The analyzer is set up with a sweep, which takes minutes with a narrow IF bandwidth and many
 # averages [s].
 SETUP_LIMIT_S = 900.0
