@@ -19,6 +19,7 @@ from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
@@ -58,7 +59,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
         moment_us = STARTED_US + 10**6 * (point.index + 1)
         real, imag = noise.standard_normal((2, frequency_points)) * 1e-3
         trace = Trace(
-            frequency_hz, real, imag, moment_us - 500_000, moment_us - 1000, (),
+            frequency_hz, real, imag, moment_us - 500_000, moment_us - 1000, (), AnalyzerSettings(),
             SURVEY_ID, f"sample-{point.index}", point.index, moment_us,
             point.x_mm, point.y_mm, point.z_deg, 0.2,
         )  # fmt: skip

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from typing import List
 
-from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.medium import AntennaPosition
 from gpr20_simulator.mid.scene import Scene
 from gpr20_simulator.mid.simulated_analyzer import (
@@ -54,13 +54,14 @@ class Case:
         parameters = VnaParameters(transfer_format=self.transfer, seconds_per_point=0.0)
         deadline = RequestDeadline(Clock())
         deadline.begin(LONGEST_RUN_S)
-        instrument = Ms2026c(link, parameters, deadline, time_of_day_us)
+        instrument = Ms2026c(lambda _address: link, parameters, deadline)
+        instrument.connect(HOST)
         instrument.identify()
-        sweep = instrument.set_frequency_sweep(SweepSettings(600e6, 6e9, self.points))
-        instrument.set_trace()
+        instrument.configure(SweepSettings(600e6, 6e9, self.points))
         for _ in range(rounds):
             begun_s = time.perf_counter()
-            instrument.sweep(sweep)
+            instrument.sweep()
+            instrument.confirm()
             asked_s = time.perf_counter()
             answer = link.ask_raw(QUERY)
             answered_s = time.perf_counter()

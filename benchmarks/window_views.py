@@ -20,6 +20,7 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import resident_mib
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop, SurveyGrid
@@ -69,6 +70,7 @@ def make_trace(grid: SurveyGrid, index: int) -> Trace:
         sweep_started_us=NOW_US - 200_000,
         sweep_ended_us=NOW_US,
         quality=(),
+        analyzer=AnalyzerSettings(),
     )
 
 

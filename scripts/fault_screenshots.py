@@ -22,7 +22,8 @@ from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.low.shared_state import AdcFault
-from gpr20_simulator.mid.faults import ADC, VNA, VnaFault
+from gpr20_simulator.mid.faults import ADC, VNA
+from gpr20_simulator.mid.vna_faults import VnaFault
 from gpr20_simulator.srv import SetFault
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName

@@ -8,7 +8,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 cd "$GPR20_ROOT/requirements"
 
-common=(nodes.in test.in ../catkin_ws/src/gpr20_analysis/pyproject.toml --extra all)
+common=(nodes.in test.in scikit_rf.in ../catkin_ws/src/gpr20_analysis/pyproject.toml --extra all)
 
 pin() {
     local python="$1" arguments=("${@:2}")

@@ -4,6 +4,7 @@
 #   scripts/setup.sh           what a survey needs
 #   scripts/setup.sh --dev     what the tests need as well
 #   scripts/setup.sh --robot   on the Raspberry Pi: what its pins and its SPI bus need as well
+#   scripts/setup.sh --scikit-rf   what another VNA needs as well (docs/another_analyzer.md)
 #   scripts/setup.sh --check   install nothing; end with status 1 if something is missing
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -17,14 +18,16 @@ DEBIAN_PACKAGES=(
 )
 DEBIAN_DEV_PACKAGES=(gettext iproute2 nftables procps python3-psutil xvfb)
 
-dev=no robot=no check=no
+dev=no robot=no scikit_rf=no check=no
 for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
+        --scikit-rf) scikit_rf=yes ;;
         --check) check=yes ;;
         *)
-            echo "setup.sh: unknown argument '$argument'; allowed: --dev, --robot and --check" >&2
+            echo "setup.sh: unknown argument '$argument';" \
+                "allowed: --dev, --robot, --scikit-rf and --check" >&2
             exit 2
             ;;
     esac
@@ -67,7 +70,8 @@ install_debian_packages() {
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
     local lists=(nodes.in) arguments=() inputs=() version pins list
-    [ "$dev" = no ] || lists+=(test.in lint.in)
+    [ "$dev" = no ] || lists+=(test.in lint.in scikit_rf.in)
+    [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
     version="$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"

@@ -24,6 +24,7 @@ from gpr20_survey.recording.survey_topics import (
     TEXT_TYPE,
     SurveyTopics,
 )
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
@@ -73,6 +74,7 @@ def planned_trace(index: int, **changes: Any) -> Trace:
         "sweep_started_us": STARTED_US + 1,
         "sweep_ended_us": STARTED_US + 1_000_001,
         "quality": (),
+        "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
     }
     return Trace(**{**fields, **changes})
 

@@ -13,6 +13,9 @@ from survey_kit import PARAMETERS, POINTS, make_survey, planned_trace
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+
+NO_SETTINGS = AnalyzerSettings()
 
 FOLDER_MODULES = ("rospy", "rosbag", "genpy", "roslib", "rospkg")
 SCRIPT = Path(__file__).resolve().parents[5] / "scripts" / "verify.sh"
@@ -198,6 +201,53 @@ def test_a_trace_with_other_frequencies_than_planned_is_named(tmp_path):
     misplaced = {5: {"frequency_hz": short, "s21_real": short, "s21_imag": short}}
     folder = make_survey(tmp_path, 18, "stopped", misplaced=misplaced)
     assert texts(verify_survey(folder).faults) == ["trace 5 has 4 frequencies instead of 5"]
+
+
+RECORDED = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
+
+
+@pytest.mark.parametrize(
+    ("recorded", "wanted"),
+    [
+        ({}, {"if_bandwidth_hz": 1000.0}),
+        ({}, {"averages": 4}),
+        ({}, {"output_power": "HIGH"}),
+        (RECORDED, {}),
+        ({"averages": 4}, {}),
+        (RECORDED, RECORDED),
+    ],
+)
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (AnalyzerSettings(500.0, 1, "LOW"), "IF bandwidth 500 Hz, averages 1, output power LOW"),
+        (AnalyzerSettings(), "IF bandwidth unknown, averages unknown, output power unknown"),
+    ],
+)
+def test_a_trace_with_other_settings_of_the_vna_is_named(tmp_path, recorded, wanted, other, words):
+    more = {
+        "instrument": {"identity": "MS2026C", "sweep": {"points": 5, **recorded}},
+        "parameters": {**PARAMETERS, **wanted},
+    }
+    folder = make_survey(tmp_path, 18, "stopped", misplaced={5: {"analyzer": other}}, more=more)
+    (fault,) = texts(verify_survey(folder).faults)
+    assert fault.startswith(f"trace 5 was measured with other settings of the VNA: {words} instead")
+
+
+@pytest.mark.parametrize(
+    "instrument",
+    [
+        {},
+        None,
+        {"sweep": None},
+        {"sweep": {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""}},
+        {"sweep": {"if_bandwidth_hz": "x", "averages": 4.5, "output_power": None}},
+    ],
+)
+def test_settings_of_the_vna_that_are_not_recorded_are_not_compared(tmp_path, instrument):
+    other = {5: {"analyzer": AnalyzerSettings(500.0, 1, "LOW")}, 6: {"analyzer": NO_SETTINGS}}
+    folder = make_survey(tmp_path, 18, "finished", misplaced=other, more={"instrument": instrument})
+    assert texts(verify_survey(folder).faults) == []
 
 
 @pytest.mark.parametrize(

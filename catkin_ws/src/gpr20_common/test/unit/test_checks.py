@@ -7,7 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
-from gpr20_common.mid.checks import ipv4_address, number_between, positive_number
+from gpr20_common.mid.checks import (
+    ipv4_address,
+    number_between,
+    positive_number,
+    visa_resource_name,
+)
 
 
 @pytest.mark.parametrize("value", [0.0, 5.0, 10.0])
@@ -59,3 +64,27 @@ def test_every_error_is_one_of_ours_and_a_builtin():
     assert issubclass(InvalidValueError, (Gpr20Error,)) and issubclass(
         InvalidValueError, ValueError
     )
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "TCPIP0::192.168.1.5::inst0::INSTR",
+        "TCPIP0::192.168.1.5::hislip0,4880::INSTR",
+        "TCPIP::192.168.1.5::5025::SOCKET",
+        "GPIB0::16::INSTR",
+        "USB0::0x2A8D::0x5D18::MY12345678::INSTR",
+        "ASRL/dev/ttyACM0::INSTR",
+    ],
+)
+def test_names_of_visa_resources_are_accepted(address):
+    assert visa_resource_name("address", address) == address
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["", "192.168.1.5", "::", "GPIB0::", "::INSTR", "A::b c", "A::\n", "A::ñ", "A::" + "b" * 126],
+)
+def test_other_texts_are_no_visa_resources(address):
+    with pytest.raises(InvalidValueError, match="must be the name of a VISA resource, such as"):
+        visa_resource_name("address", address)

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.mid.records import record_from
 from gpr20_launch.mid.launch_request import LaunchRequest
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PACKAGES = Path(__file__).resolve().parents[3]
 AXES = PACKAGES / "gpr20_launch" / "config" / "axes.yaml"
@@ -48,6 +50,24 @@ def test_the_simulated_robot_never_gets_the_address_of_the_real_instrument(home)
     assert simulated == {"address": "127.0.0.1", "settle_s": 1.5}
     real = request(robot="gpr20", config=str(config)).sections(AXES)["vna_acquisition"]
     assert real["address"] == "192.168.1.10"
+
+
+def test_the_simulated_robot_has_its_own_analyzer_whatever_the_real_one_is(home):
+    config = home / "robot"
+    config.mkdir()
+    text = (
+        "analyzer: scikit_rf\nscikit_rf_class: keysight.PNA\naddress: GPIB0::16::INSTR\n"
+        "maker: Agilent\nmodel: N5222A\naccepted_calibrations: [5]\nsettle_s: 1.5"
+    )
+    (config / "analyzer.yaml").write_text(text)
+    simulated = request(config=str(config)).sections(AXES)["vna_acquisition"]
+    parameters = record_from(VnaParameters, simulated, "vna_acquisition")
+    default = VnaParameters()
+    for name in ("analyzer", "maker", "model", "accepted_calibrations", "address"):
+        assert getattr(parameters, name) == getattr(default, name)
+    assert parameters.settle_s == 1.5
+    real = request(robot="gpr20", config=str(config)).sections(AXES)["vna_acquisition"]
+    assert real["analyzer"] == "scikit_rf" and real["address"] == "GPIB0::16::INSTR"
 
 
 def test_the_rotation_of_the_real_robot_outlives_the_power(home):

@@ -12,8 +12,21 @@ from gpr20_common.mid.records import record_from
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 AXES = Path(__file__).resolve().parents[2] / "config" / "axes.yaml"
+
+# Another analyzer than the usual one.
+SCIKIT_RF = """\
+analyzer: scikit_rf
+scikit_rf_class: keysight.PNA
+address: GPIB0::16::INSTR
+maker: Agilent
+model: N5222A
+accepted_calibrations: [5]
+"""
 
 
 def read(folder, **texts):
@@ -69,6 +82,21 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ),
         ("analyzer", "address: vna.local", "address is 'vna.local'; it must be four numbers"),
         ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations[1] is 9"),
+        ("analyzer", "analyzer: hp8753", "analyzer is 'hp8753'; it must be one of ms2026c, scikit"),
+        (
+            "analyzer",
+            "analyzer: scikit_rf",
+            "scikit_rf_class is missing; it must be one of keysigh",
+        ),
+        (
+            "analyzer",
+            "analyzer: scikit_rf\nscikit_rf_class: nanovna.NanoVNAv2",
+            "scikit_rf_class is 'nanovna.NanoVNAv2'; it must be one of keysight.PNA, keysight.Fiel",
+        ),
+        ("analyzer", SCIKIT_RF.replace("GPIB0::16::INSTR", "1.2.3.4"), "name of a VISA resource"),
+        ("analyzer", SCIKIT_RF.replace("model: N5222A", ""), "model is MS2026C, which is no analy"),
+        ("analyzer", SCIKIT_RF.replace("maker: Agilent", ""), "maker is Anritsu, which is no anal"),
+        ("analyzer", SCIKIT_RF + "correction_query: ¿", "must be one line of ASCII characters"),
         ("survey", "settle_s: -1", "settle_s is -1 s; it must lie between 0 and 60 s"),
         ("survey", "settle_s: 1\nsettle_s: 2", "the key settle_s is there twice, again in line 2"),
         ("survey", "on_height_failure: guess", "it must be one of pause, store_without"),
@@ -157,3 +185,11 @@ def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, va
         read_configuration(folder, AXES)
     except ConfigurationError as error:
         assert name in str(error)
+
+
+def test_another_analyzer_can_be_configured(tmp_path):
+    sections = read(tmp_path, analyzer=SCIKIT_RF)
+    parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
+    assert parameters.analyzer is AnalyzerKind.SCIKIT_RF
+    assert parameters.scikit_rf_class is ScikitRfClass.PNA
+    assert parameters.accepted_calibrations == (CalibrationStatus.NOT_REPORTED,)

@@ -25,6 +25,30 @@ class NodeLostError(DeviceError):
     """There is no contact with a node, or it was restarted; the survey waits until it is back."""
 
 
+class UnconfirmedError(DeviceError):
+    """A sweep could not be confirmed: it is not stored.
+
+    Attributes:
+        repeat: Whether the same point should be measured again at once.
+    """
+
+    def __init__(self, message: Message, repeat: bool) -> None:
+        super().__init__(message)
+        self.repeat = repeat
+
+
+class OtherAnalyzerError(DeviceError):
+    """The analyzer is not the one that the survey was measured with.
+
+    Attributes:
+        identity: That of the present analyzer, if the survey was measured with another one.
+    """
+
+    def __init__(self, message: Message, identity: str) -> None:
+        super().__init__(message)
+        self.identity = identity
+
+
 class StopRequested(SurveyError):
     """A stop of the survey was requested."""
 

@@ -17,11 +17,13 @@ from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.robot import (
+    AnalyzerSetup,
     AxisReading,
     MoveOutcome,
     OpenedSurvey,
     ReopenedSurvey,
     Robot,
+    UnconfirmedSweep,
 )
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_main_control.mid.time_limits import TimeLimits
@@ -114,13 +116,21 @@ class FakeAnalyzer:
         self.sweeps = 0
         self.failures = 0
         self.on_sweep = lambda: None
+        self.on_confirm = lambda number: ()
         self.accept = lambda settings: settings
         self.other_settings = None
+        self.identity = "Anritsu,MS2026C/2,SIMULATED,1.0"
+        self.sweep_duration_s = 0.0
+        self.releases = 0
+        self.requested = []
         self._settings = None
 
     def connect(self, address):
         self.connections.append(address)
-        return "Anritsu,MS2026C/2,SIMULATED,1.0"
+        return self.identity
+
+    def release(self):
+        self.releases += 1
 
     def calibration(self):
         self._check_calibration()
@@ -131,8 +141,9 @@ class FakeAnalyzer:
             raise DeviceError(verbatim(self.calibration_refusal))
 
     def configure(self, settings):
+        self.requested.append(settings)
         self._settings = self.accept(settings)
-        return self._settings
+        return AnalyzerSetup(self._settings, self.sweep_duration_s, 40.0)
 
     def frequencies_hz(self):
         return self._settings.frequencies_hz()
@@ -147,7 +158,20 @@ class FakeAnalyzer:
         settings = self.other_settings or self._settings
         values = np.full(settings.points, float(self.sweeps))
         began_us = FIRST_SWEEP_US + self.sweeps * 10
-        return Sweep(settings.frequencies_hz(), values, values, began_us, began_us + 5, ())
+        sweep = Sweep(
+            settings.frequencies_hz(),
+            values,
+            values,
+            began_us,
+            began_us + 5,
+            (),
+            settings.analyzer,
+        )
+        return UnconfirmedSweep(self.sweeps, sweep)
+
+    def confirm(self, number):
+        assert number == self.sweeps, "another sweep was taken before this one was confirmed"
+        return self.on_confirm(number)
 
 
 class FakeHeightSensor:
@@ -264,15 +288,16 @@ class Bench:
         clock = self.clock = clock or FastClock()
         self.nodes = HandNotedNodes(clock, self.board.set_missing)
         self.description = described_robot(time_scale)
+        self.robot = Robot(
+            dict(zip(AxisId, self.axes)),
+            self.analyzer,
+            self.height,
+            self.storage,
+            self.nodes,
+            self.description,
+        )
         self.control = MainControl(
-            Robot(
-                dict(zip(AxisId, self.axes)),
-                self.analyzer,
-                self.height,
-                self.storage,
-                self.nodes,
-                self.description,
-            ),
+            self.robot,
             SurveySettings(**{"settle_s": 0.0, **settings}),
             self.board,
             clock,
@@ -316,6 +341,11 @@ class Bench:
     def resume_to_the_end(self):
         self.control.resume("")
         self.complete()
+
+    def wait_until(self, condition):
+        """Wait for a condition that is true after some change of the status."""
+        with self._changed:
+            assert self._changed.wait_for(condition, LIMIT_S), f"still {self.board.status}"
 
     def wait_for_visited(self, points, limit_s=LIMIT_S):
         """Wait until a number of points is stored."""

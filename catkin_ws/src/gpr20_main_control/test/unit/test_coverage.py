@@ -10,14 +10,17 @@ from hypothesis import strategies as st
 
 from gpr20_common.message import Message, received_message
 from gpr20_main_control.errors import SurveyError
+from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
 from gpr20_main_control.mid.repeat_measurement import compare
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 MOMENT_US = 1_800_000_000_000_000
 NO_ANSWER = Message("no answer")
+NONE = AnalyzerRecord(())
 
 
 def numbers(real, imag):
@@ -28,6 +31,7 @@ def numbers(real, imag):
         "sweep_started_us": MOMENT_US,
         "sweep_ended_us": MOMENT_US,
         "quality": (),
+        "analyzer": AnalyzerSettings(),
     }
 
 
@@ -108,9 +112,9 @@ def test_a_control_measurement_without_height_tells_none():
 
 
 def test_a_report_goes_on_where_the_former_one_ended():
-    first = SurveyReport(Coverage(9, [7]))
+    first = SurveyReport(Coverage(9, [7]), NONE)
     first.note_repeat(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
-    second = SurveyReport(Coverage(9, [7]), first.to_json())
+    second = SurveyReport(Coverage(9, [7]), NONE, first.to_json())
     assert second.coverage.states[7] is SampleState.REMEASURED
     assert second.to_json() == first.to_json()
 
@@ -119,7 +123,7 @@ def test_a_report_has_its_sentences_as_text_and_as_template_with_values():
     coverage = Coverage(2, [0])
     reason = Message("{points} points instead of 51", points=50)
     coverage.note_failed(1, reason)
-    report = json.loads(SurveyReport(coverage).to_json())
+    report = json.loads(SurveyReport(coverage, NONE).to_json())
     verdict = coverage.verdict().message
     assert report["verdict"] == str(verdict)
     assert received_message("", json.dumps(report["verdict_message"])) == verdict
@@ -132,7 +136,7 @@ def test_a_report_has_its_sentences_as_text_and_as_template_with_values():
 def test_a_reason_with_a_number_that_is_not_finite_leaves_the_report_strict_json(number):
     coverage = Coverage(1)
     coverage.note_failed(0, Message("the level is {level_db:.1f} dB", level_db=number))
-    report = json.loads(SurveyReport(coverage).to_json())
+    report = json.loads(SurveyReport(coverage, NONE).to_json())
     json.dumps(report, allow_nan=False)
     (failed,) = report["failed"]
     restored = received_message("", json.dumps(failed["reason_message"]))
@@ -157,4 +161,4 @@ def test_every_change_of_the_coverage_is_announced_once():
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
     with pytest.raises(SurveyError, match="survey.json cannot be read"):
-        SurveyReport(Coverage(1), former)
+        SurveyReport(Coverage(1), NONE, former)

@@ -8,7 +8,7 @@ from fake_robot import LIMIT_S, Bench, FakeAnalyzer, FakeStorage
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.serial_calls import SerialCalls
+from gpr20_main_control.mid.workers import SerialCalls
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"

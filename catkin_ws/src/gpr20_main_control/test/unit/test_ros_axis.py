@@ -16,7 +16,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
-from gpr20_main_control.mid.serial_calls import in_background
+from gpr20_main_control.mid.workers import Workers
 from gpr20_msgs.msg import AxisResult
 from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
@@ -72,7 +72,7 @@ class Connection:
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     graph.away = "x_axis/homing"
     axis = ros_axis.RosAxis(AxisId.X, Clock())
-    homing = in_background(lambda: axis.home(LIMIT_S))
+    homing = Workers().begin(lambda: axis.home(LIMIT_S))
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
     graph.node_is_back.set()
@@ -88,7 +88,7 @@ def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     axis = ros_axis.RosAxis(AxisId.X, Clock())
     axis.stop()
     assert graph.waiting.wait(LIMIT_S)
-    homing = in_background(lambda: axis.home(LIMIT_S))
+    homing = Workers().begin(lambda: axis.home(LIMIT_S))
     graph.node_is_back.set()
     homing.result(LIMIT_S)
     assert graph.called == ["x_axis/stop", "x_axis/homing"]

@@ -11,6 +11,7 @@ from survey_examples import AXES, PARAMETERS
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, SurveyError
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 
@@ -60,6 +61,7 @@ def stored_trace(index):
         sweep_started_us=FIRST_SWEEP_US,
         sweep_ended_us=FIRST_SWEEP_US,
         quality=(),
+        analyzer=AnalyzerSettings(),
         survey_id="5ec1a5d2-0000-4000-8000-000000000000",
         sample_id="1",
         index=index,

@@ -12,18 +12,20 @@ from gpr20_main_control.mid.survey_plan import plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_steps import (
     Check,
     Checkpoint,
+    Confirm,
     Finish,
     Home,
-    Measure,
     Move,
     Open,
     Repeat,
-    Store,
+    Settle,
     SurveyProgress,
+    Sweep,
     survey_steps,
 )
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 CONFIG = RobotConfig(AXES, simulated=True)
@@ -39,6 +41,7 @@ def trace_of(index):
         sweep_started_us=1_800_000_000_000_000,
         sweep_ended_us=1_800_000_000_000_000,
         quality=(),
+        analyzer=AnalyzerSettings(),
         survey_id="5ec1a5d2-0000-4000-8000-000000000000",
         sample_id="1",
         index=index,
@@ -67,8 +70,21 @@ def resumed_plan(stored):
     return plan_resumption(reopened, CONFIG, SurveySettings())
 
 
+def run(plan, progress=None, confirms=lambda point: True):
+    """Yield the steps, executing them in name: each sweep is confirmed, or not."""
+    progress = progress or SurveyProgress(plan)
+    for step in survey_steps(plan, progress):
+        yield step
+        if isinstance(step, Sweep):
+            progress.note_swept()
+        elif isinstance(step, Confirm) and confirms(step.point):
+            progress.note_confirmed(trace_of(step.point.index))
+        elif isinstance(step, Confirm):
+            progress.note_rejected()
+
+
 def steps_of(plan, progress=None):
-    return list(survey_steps(plan, progress or SurveyProgress.at_start(plan)))
+    return list(run(plan, progress))
 
 
 def indices(steps, kind):
@@ -82,17 +98,44 @@ def test_a_survey_checks_and_homes_before_anything_moves_and_finishes_at_its_end
     assert steps.count(Check()) == steps.count(Open()) == steps.count(Finish()) == 1
 
 
-def test_each_point_is_moved_to_measured_and_stored_in_the_order_of_the_plan():
-    points = steps_of(PLAN)[3:-1]
+def test_each_point_is_moved_to_and_measured_in_the_order_of_the_plan():
+    points = [step for step in steps_of(PLAN)[3:-1] if not isinstance(step, Confirm)]
     assert points == [
         step
         for point in PLAN.points
-        for step in (Checkpoint(), Move(point), Measure(point), Store(point))
+        for step in (Checkpoint(), Move(point), Settle(point), Sweep(point))
     ]
 
 
+def test_a_sweep_is_confirmed_after_the_next_move_and_before_the_next_sweep():
+    steps = steps_of(PLAN)[3:-1]
+    assert indices(steps, Confirm) == list(range(TOTAL))
+    for before, step, after in zip(steps, steps[1:], steps[2:]):
+        if isinstance(step, Confirm):
+            assert isinstance(before, Settle) and before.point.index == step.point.index + 1
+            assert after == Sweep(before.point)
+    assert steps[-1] == Confirm(PLAN.points[-1])
+
+
+def test_a_point_whose_sweep_is_not_confirmed_is_the_next_to_be_measured():
+    refused = [0, 7, 7, TOTAL - 1]
+
+    def confirms(point):
+        if point.index in refused:
+            refused.remove(point.index)
+            return False
+        return True
+
+    steps = list(run(PLAN, confirms=confirms))
+    swept = [step for step in steps if isinstance(step, (Sweep, Confirm))]
+    # Every sweep is confirmed, or refused, before the next.
+    assert indices(swept, Sweep) == indices(swept, Confirm)
+    assert indices(steps, Sweep) == [0, *range(8), 7, 7, *range(8, TOTAL), TOTAL - 1]
+    assert steps[-1] == Finish()
+
+
 def test_the_antennas_rotate_once_at_each_stop():
-    rotations = [step.point.z_deg for step in steps_of(PLAN) if isinstance(step, Measure)]
+    rotations = [step.point.z_deg for step in steps_of(PLAN) if isinstance(step, Sweep)]
     assert rotations == [0.0, 90.0, 90.0, 0.0] * (TOTAL // 4)
 
 
@@ -100,7 +143,7 @@ def test_every_third_polarization_is_visited_too():
     plan = plan_survey(
         replace(PARAMETERS, polarizations_deg=(0.0, 45.0, 90.0)), CONFIG, SurveySettings()
     )
-    rotations = [step.point.z_deg for step in steps_of(plan) if isinstance(step, Measure)]
+    rotations = [step.point.z_deg for step in steps_of(plan) if isinstance(step, Sweep)]
     assert rotations[:6] == [0.0, 45.0, 90.0, 90.0, 45.0, 0.0]
 
 
@@ -114,33 +157,33 @@ def test_a_survey_from_the_disk_repeats_its_last_point_first_and_then_measures_w
     assert indices(steps, Repeat) == ([max(stored)] if stored else [])
     if stored:
         assert isinstance(steps[3], Repeat)
-    for kind in (Move, Measure, Store):
+    for kind in (Move, Settle, Sweep, Confirm):
         assert indices(steps, kind) == missing
 
 
 def test_an_interrupted_survey_continues_where_it_was_and_measures_nothing_twice():
-    progress = SurveyProgress.at_start(PLAN)
+    progress = SurveyProgress(PLAN)
     progress.note_homed(any_axis=True)
     measured = []
-    for step in survey_steps(PLAN, progress):
-        if isinstance(step, Store):
-            progress.note_measured(trace_of(step.point.index))
-            measured.append(step.point.index)
+    for step in run(PLAN, progress):
         if len(measured) == 7:
             break
+        if isinstance(step, Confirm):
+            measured.append(step.point.index)
     rest = steps_of(PLAN, progress)
     assert rest[:4] == [Check(), Open(), Home(every_axis=False), Checkpoint()]
-    assert measured + indices(rest, Store) == list(range(TOTAL))
+    assert measured + indices(rest, Confirm) == list(range(TOTAL))
 
 
 @pytest.mark.parametrize("homed", [False, True])
 def test_the_last_point_is_repeated_only_if_an_axis_had_to_be_homed(homed):
-    progress = SurveyProgress.at_start(PLAN)
-    progress.note_measured(trace_of(0))
+    progress = SurveyProgress(PLAN)
+    progress.note_swept()
+    progress.note_confirmed(trace_of(0))
     steps = []
-    for step in survey_steps(PLAN, progress):
+    for step in run(PLAN, progress):
         steps.append(step)
         if isinstance(step, Home):
             progress.note_homed(any_axis=homed)
     assert indices(steps, Repeat) == ([0] if homed else [])
-    assert indices(steps, Measure) == list(range(1, TOTAL))
+    assert indices(steps, Sweep) == list(range(1, TOTAL))

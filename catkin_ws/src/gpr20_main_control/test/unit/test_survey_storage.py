@@ -8,7 +8,7 @@ from fake_robot import LIMIT_S, PARAMETERS, Bench, FakeStorage
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid import engine, instruments
+from gpr20_main_control.mid import sampling, survey_ending
 from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.coverage import SampleState
@@ -147,7 +147,7 @@ def test_a_finished_survey_is_complete_and_only_then_that_word_appears(bench):
 
 
 def test_a_trace_that_is_refused_pauses_the_survey(bench, monkeypatch):
-    monkeypatch.setattr(instruments, "time_of_day_us", lambda: 1)
+    monkeypatch.setattr(sampling, "time_of_day_us", lambda: 1)
     bench.start()
     status = bench.wait_for(State.PAUSED, State.FAILED)
     assert status.state is State.PAUSED and "set the computer's clock" in str(status.message)
@@ -170,7 +170,7 @@ def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench, m
 def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
     bench, monkeypatch
 ):
-    monkeypatch.setattr(engine, "STOPPING_LIMIT_S", 0.1)
+    monkeypatch.setattr(survey_ending, "STOPPING_LIMIT_S", 0.1)
     begun, go_on, stored = threading.Event(), threading.Event(), threading.Event()
 
     def store_late(_trace):
@@ -199,14 +199,14 @@ def test_a_trace_that_is_stored_at_the_last_moment_is_not_called_missing(bench):
     queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
     bench.start()
     bench.wait_for(State.FINISHED)
-    queue.put(bench.storage.samples[0], lambda: None)
+    queue.add(bench.storage.samples[0])
     threading.Timer(0.06, storage.free.set).start()
     # It waits 0.1 s at a time.
     queue.drain_within(0.03)
     queue.close()
     storage.free.clear()
     queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
-    queue.put(bench.storage.samples[0], lambda: None)
+    queue.add(bench.storage.samples[0])
     with pytest.raises(DeviceError, match="1 traces were not stored within 0.03 s"):
         queue.drain_within(0.03)
     queue.close()

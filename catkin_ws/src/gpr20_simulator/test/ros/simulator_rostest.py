@@ -14,6 +14,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
 from gpr20_simulator.mid.medium import probed_position_mm, probed_rotation_deg, probed_sweep
+from gpr20_simulator.mid.vna_faults import VnaFault
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 
@@ -22,14 +23,26 @@ STEPS_PER_MM = 100
 DEG_PER_STEP = 1.8
 
 
+def connected(port):
+    """Return a client of the instrument."""
+    instrument = vxi11.Instrument("127.0.0.1")
+    instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", port)
+    return instrument
+
+
+def control_of(status):
+    """Return whether the instrument is remote and whether it sweeps, as the diagnostics say."""
+    values = {one.key: one.value for one in status.values}
+    return values["vna_is_remote"], values["vna_is_continuous"]
+
+
 class SimulatorTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.wait_for_service("simulator/set_fault", LIMIT_S)
         cls.set_fault = staticmethod(rospy.ServiceProxy("simulator/set_fault", SetFault))
         cls.state = open_shared_state(shared_state_path("/robot1/"))
-        cls.instrument = vxi11.Instrument("127.0.0.1")
-        cls.instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", cls.state.vna_port)
+        cls.instrument = connected(cls.state.vna_port)
 
     @classmethod
     def tearDownClass(cls):
@@ -89,6 +102,30 @@ class SimulatorTest(unittest.TestCase):
         self.wait_for_state(lambda one: one.level == 1 and b"WRONG" in one.message.encode())
         self.assertNotIn("Anritsu", self.instrument.ask("*IDN?"))
         self.assertIn("Anritsu", self.instrument.ask("*IDN?"))
+
+    def test_a_gone_link_comes_back_after_as_many_seconds_as_counted(self):
+        self.assertIn("for 2 s", self.set_fault("vna", "link_gone", 2).message)
+        started_s = time.monotonic()
+        with self.assertRaises((EOFError, OSError)):
+            self.instrument.ask("*IDN?")
+        self.wait_for_state(lambda one: one.level == 1 and "LINK_GONE" in one.message)
+        self.wait_for_state(lambda one: one.level == 0)
+        self.assertGreaterEqual(time.monotonic() - started_s, 2.0)
+        type(self).instrument = connected(self.state.vna_port)
+        self.assertIn("SIMULATED", self.instrument.ask("*IDN?"))
+
+    def test_every_fault_of_the_instrument_can_be_switched(self):
+        for fault in VnaFault:
+            if fault is not VnaFault.LINK_GONE:
+                self.assertTrue(self.set_fault("vna", fault.value, 0).success)
+        self.wait_for_state(lambda one: all(fault in one.message for fault in ("NO_CLEAR", "NAN")))
+
+    def test_diagnostics_show_who_has_control_and_whether_sweeps_run(self):
+        self.instrument.write(":INIT:CONT OFF")
+        self.wait_for_state(lambda one: control_of(one) == ("True", "False"))
+        self.instrument.write(":INIT:CONT ON")
+        self.instrument.local()
+        self.wait_for_state(lambda one: control_of(one) == ("False", "True"))
 
     def test_faults_of_other_devices_reach_the_state(self):
         self.assertTrue(self.set_fault("endstop_y", "stuck_closed", 0).success)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_simulator.mid.scene import InstrumentScene
+from gpr20_simulator.mid.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.scpi import short_form
 from gpr20_simulator.mid.trace_formats import display_data, interleaved
 from gpr20_simulator.mid.trace_reader import INTEGER_STEPS_PER_UNIT, block_header, payload

@@ -5,7 +5,8 @@ import pytest
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
-from gpr20_simulator.mid.faults import FaultBoard, FaultSwitch, VnaFault
+from gpr20_simulator.mid.faults import FaultSwitch
+from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_survey.axes.axis_id import AxisId
 
 
@@ -34,6 +35,38 @@ def test_none_switches_all_faults_of_the_analyzer_off(switch, board):
     switch.set("vna", "NAN", 0)
     switch.set("vna", "none", 0)
     assert board.names() == ""
+
+
+def test_timed_fault_lasts_as_many_seconds_as_counted(state):
+    now_s = [100.0]
+    board = FaultBoard(lambda: now_s[0])
+    told = []
+    board.on_set(told.append)
+    message = FaultSwitch(state, board).set("vna", "link_gone", 20)
+    assert str(message) == "SIMULATED vna: fault LINK_GONE for 20 s"
+    assert told == [VnaFault.LINK_GONE]
+    now_s[0] += 19.9
+    # However often it strikes meanwhile.
+    assert all(board.is_on(VnaFault.LINK_GONE) for _ in range(100))
+    now_s[0] += 0.2
+    assert not board.is_on(VnaFault.LINK_GONE)
+    assert board.names() == ""
+    board.set("LINK_GONE", 0)
+    now_s[0] += 1e6
+    assert board.is_on(VnaFault.LINK_GONE)
+    board.clear()
+    assert not board.is_on(VnaFault.LINK_GONE)
+
+
+def test_damage_lasts_longer_than_the_fault_until_it_is_cleared(board):
+    board.set("LOSES_CALIBRATION", 1)
+    assert not board.has_damaged(VnaFault.LOSES_CALIBRATION)
+    assert board.damages(VnaFault.LOSES_CALIBRATION)
+    assert not board.damages(VnaFault.LOSES_CALIBRATION)
+    assert board.has_damaged(VnaFault.LOSES_CALIBRATION)
+    assert board.names() == "LOSES_CALIBRATION"
+    board.clear()
+    assert not board.has_damaged(VnaFault.LOSES_CALIBRATION)
 
 
 @pytest.mark.parametrize(("device", "axis"), [("endstop_x", AxisId.X), ("endstop_y", AxisId.Y)])

@@ -283,3 +283,13 @@ def test_probe_tells_sweep_position_and_rotation_even_after_float32(number, x_mm
         assert probed_sweep(value) == number % 65_536
         assert probed_position_mm(value) == (x_mm, y_mm)
         assert probed_rotation_deg(value) == pytest.approx(position.rotation_deg, abs=0.4)
+
+
+def test_noise_follows_its_gain():
+    medium = Ground(Scene(noise=Noise(level_db=-60.0, seed=3)))
+    quiet = Ground(Scene(noise=Noise(level_db=-300.0, seed=3)))
+    frequency_hz = np.linspace(1e9, 2e9, 2000)
+    true = quiet.s21(frequency_hz, OVER, 1)
+    for gain in (0.1, 1.0, 10.0):
+        noise = medium.s21(frequency_hz, OVER, 1, gain) - true
+        assert np.sqrt(np.mean(np.abs(noise) ** 2)) == pytest.approx(gain * 1e-3, rel=0.1)

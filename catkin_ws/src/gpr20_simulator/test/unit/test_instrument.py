@@ -8,7 +8,7 @@ from vna_bench import (
     new_bench,
 )
 
-from gpr20_simulator.low.vxi11_core import NetworkFault
+from gpr20_simulator.low.message_device import NetworkFault
 
 
 def test_identity_is_quoted_and_says_simulated(bench):

@@ -15,10 +15,10 @@ from vna_bench import (
 )
 
 from gpr20_simulator.errors import FaultError
-from gpr20_simulator.low.vxi11_core import NetworkFault
-from gpr20_simulator.mid.faults import FaultBoard
+from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.scpi import HeaderPattern
 from gpr20_simulator.mid.vna_commands import SETTINGS
+from gpr20_simulator.mid.vna_faults import FaultBoard
 
 
 def test_hang_gets_no_reply_for_as_many_messages_as_counted(bench):

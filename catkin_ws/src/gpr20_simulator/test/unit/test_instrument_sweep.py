@@ -15,8 +15,8 @@ from vna_bench import (
     swept,
 )
 
-from gpr20_simulator.low.vxi11_core import NetworkFault
-from gpr20_simulator.mid.medium import probed_sweep
+from gpr20_simulator.low.message_device import NetworkFault
+from gpr20_simulator.mid.medium import PositionProbe, probed_sweep
 
 
 def test_triggered_sweep_gives_points_of_one_new_sweep(bench):
@@ -136,3 +136,43 @@ def test_data_replies_are_captured_byte_by_byte(bench):
     bench.ask("*IDN?")
     frequencies = bench.send("FREQ:DATA?").answer
     assert bench.captured == [("sdat", data), ("freq", frequencies)]
+
+
+@pytest.mark.parametrize(
+    ("commands", "gain"),
+    [
+        ("", 1.0),
+        (":SWE:IFBW 100", 0.1),
+        (":SWE:IFBW 100000", 10.0**0.5),
+        (":SOUR:POW LOW", 10.0),
+        (":SOUR:POW LOW;:SWE:IFBW 100", 1.0),
+    ],
+)
+def test_noise_follows_bandwidth_and_power(request, commands, gain):
+    gains = set()
+
+    class GainProbe(PositionProbe):
+        def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
+            gains.add(noise_gain)
+            return super().s21(frequency_hz, position, sweep_number, noise_gain)
+
+    bench = new_bench(request, medium=GainProbe())
+    bench.send(":INIT:CONT OFF")
+    bench.send(commands)
+    gains.clear()
+    swept(bench)
+    assert list(gains) == pytest.approx([gain])
+
+
+def test_end_of_a_hold_is_a_trigger_with_its_faults(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
+    bench.send(":INIT:CONT OFF;:INIT:IMM")
+    clock.advance(1.0)
+    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
+    bench.faults.set("LATE_BIT", 1)
+    bench.send(":INIT:HOLD OFF")
+    assert bench.ask(":STAT:OPER?") == "256"
+    clock.advance(0.31)
+    bench.send(":INIT:HOLD ON;:INIT:HOLD OFF")
+    assert bench.ask(":STAT:OPER?") == "0"

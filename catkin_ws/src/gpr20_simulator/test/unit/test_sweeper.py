@@ -12,7 +12,7 @@ from vna_bench import Carriage, HandClock
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
-from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
+from gpr20_simulator.mid.sweep_plan import SweepFaults, SweepPace, SweepPlan
 from gpr20_simulator.mid.sweeper import Sweeper
 
 pytestmark = pytest.mark.real_time
@@ -113,7 +113,7 @@ class SlowMedium:
         self.entered = threading.Event()
         self.may_go_on = threading.Event()
 
-    def s21(self, frequency_hz, position, sweep_number):
+    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
         self.entered.set()
         self.may_go_on.wait(5.0)
         return PositionProbe().s21(frequency_hz, position, sweep_number)
@@ -188,7 +188,7 @@ def test_stale_trigger_is_complete_at_once_and_keeps_the_old_data(rig):
     rig.sweeper.trigger()
     rig.clock.advance(SWEEP_S)
     rig.wait_for_points(1, POINTS)
-    rig.sweeper.trigger(stale=True)
+    rig.sweeper.trigger(SweepFaults(stale=True))
     assert rig.sweeper.is_complete
     rig.clock.advance(SWEEP_S)
     wait_until(lambda: rig.sweeper.sweeps_completed == 2, "end of the sweep")
@@ -253,3 +253,54 @@ def test_stopped_sweeper_leaves_no_thread():
     rig.sweeper.set_continuous(True)
     rig.sweeper.stop()
     assert not rig.sweeper._thread.is_alive()
+
+
+class CountingCarriage(Carriage):
+    def __init__(self):
+        super().__init__()
+        self.looks = 0
+
+    def position(self):
+        self.looks += 1
+        return super().position()
+
+
+class CountingProbe(PositionProbe):
+    def __init__(self):
+        self.calls = 0
+
+    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
+        self.calls += 1
+        return super().s21(frequency_hz, position, sweep_number, noise_gain)
+
+
+def test_series_that_nobody_reads_is_not_computed_and_hardly_watched():
+    carriage, medium = CountingCarriage(), CountingProbe()
+    # 70 ms a sweep, as at power-on.
+    plan = SweepPlan(1e9, 2e9, 201, 350e-6)
+    sweeper = Sweeper(medium, carriage.position, Clock(), plan, SweepPace(attention_s=0.2))
+    sweeper.start()
+    sweeper.set_continuous(True)
+    # The first look counts as a move.
+    time.sleep(0.3)
+    looks, completed = carriage.looks, sweeper.sweeps_completed
+    time.sleep(1.0)
+    assert carriage.looks - looks <= 25
+    assert 5 <= sweeper.sweeps_completed - completed <= 12
+    assert medium.calls == 0
+    newest = sweeper.sweep_number
+    read = {probed_sweep(value) for value in sweeper.snapshot()[1]}
+    assert read <= {newest - 1, newest, newest + 1}
+    sweeper.stop()
+
+
+def test_series_sees_a_move_that_begins_while_nobody_reads(rig):
+    rig.sweeper.set_continuous(True)
+    rig.clock.advance(3 * SWEEP_S)
+    wait_until(lambda: rig.sweeper.sweeps_completed >= 1, "first sweep")
+    for part in range(1, 40):
+        rig.carriage.move(float(part))
+        rig.clock.advance(SWEEP_S / 10 + 1e-9)
+        time.sleep(0.003)
+    # Many places in one sweep, though it is computed only now.
+    assert len(set(rig.xs_mm())) >= 8

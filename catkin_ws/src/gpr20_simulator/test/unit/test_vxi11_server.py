@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 import pytest
-from rpc_wire import RawClient, opaque, wait_until, words
+from rpc_wire import RawClient, call, opaque, record, unpack_words, wait_until, words
 from vxi11_wire import (
     ABORT,
     CHARACTER,
@@ -20,7 +20,8 @@ from vxi11_wire import (
 )
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_simulator.low.vxi11_core import Limits, NetworkFault
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault
+from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
 pytestmark = pytest.mark.real_time
@@ -178,9 +179,62 @@ def test_status_byte_says_whether_an_answer_waits(link):
     assert link.generic(13) == (0, 0x10)
 
 
-@pytest.mark.parametrize("procedure", [14, 16, 17])
-def test_trigger_remote_and_local_are_not_supported(link, procedure):
-    assert link.generic(procedure) == (8,)
+def test_trigger_is_not_supported(link):
+    assert link.generic(14) == (8,)
+
+
+def test_remote_and_local_reach_the_device(device, link):
+    assert link.generic(16) == (0,)
+    assert device.is_remote
+    assert link.generic(17) == (0,)
+    assert not device.is_remote
+
+
+def test_clear_that_is_not_supported_gets_error_8_and_clears_nothing(device, link):
+    device.clear_support = ClearSupport.ERROR_8
+    link.write(b"old?")
+    assert link.generic(15) == (8,)
+    assert link.read()[2] == b"old?"
+
+
+def test_clear_that_the_server_does_not_have_is_an_unavailable_procedure(device, link):
+    device.clear_support = ClearSupport.NO_PROCEDURE
+    link.send(record(call(CORE, 1, 15, words(link.link, 0, 0, 0))))
+    # Accepted, without verifier, PROC_UNAVAIL.
+    assert unpack_words(link.reply()) == [7, 1, 0, 0, 0, 3]
+    assert link.write(b"x")[0] == 0
+
+
+def test_unreachable_device_closes_new_connections(server, device, link):
+    device.reachable = False
+    with RawClient(server.port) as client:
+        assert client.is_closed()
+    assert link.write(b"x")[0] == 0
+    device.reachable = True
+    with CoreLink(server.port) as other:
+        assert other.error == 0
+
+
+def test_answers_not_read_are_bounded_and_the_oldest_are_lost(device):
+    server = Vxi11Server(device, limits=Limits(message_size=2 << 20))
+    server.start()
+    part = b"?" * 60_000
+    with CoreLink(server.port) as link:
+        for number in range(6):
+            for _ in range(17):
+                link.write(part, flags=0)
+            link.write(b"%d" % number)
+        kept = []
+        while link.generic(13) == (0, 0x10):
+            reason, answer = 0, b""
+            while not reason & END_REASON:
+                error, reason, piece = link.read(size=1 << 21)
+                assert error == 0
+                answer += piece
+            kept.append(answer)
+    server.stop()
+    assert [one[-1:] for one in kept] == [b"2", b"3", b"4", b"5"]
+    assert sum(map(len, kept)) <= 4 << 20
 
 
 def test_service_requests_and_commands_are_not_supported(link):
@@ -189,6 +243,21 @@ def test_service_requests_and_commands_are_not_supported(link):
     assert link.result(CORE, 1, 22, docmd) == words(8, 0)
     assert link.result(CORE, 1, 25, words(0, 0, 0, 0, 0)) == words(8)
     assert link.result(CORE, 1, 26) == words(8)
+
+
+@pytest.mark.parametrize("size", [1025, 4000, 70_000])
+def test_call_above_the_receive_size_leaves_the_link_usable(device, link, size):
+    assert link.write(b"x" * size) == (5, 0)
+    assert device.messages == []
+    assert link.write(b"B") == (0, 1)
+
+
+def test_call_above_the_record_size_ends_the_connection(device):
+    server = Vxi11Server(device, limits=Limits(record_size=100_000))
+    server.start()
+    with CoreLink(server.port) as link, pytest.raises((EOFError, ConnectionError)):
+        link.write(b"x" * 100_000)
+    server.stop()
 
 
 @pytest.mark.parametrize("procedure", [13, 14, 15, 16, 17])

@@ -7,7 +7,7 @@ import threading
 
 from rpc_wire import RawClient, opaque, words
 
-from gpr20_simulator.low.vxi11_core import NetworkFault, Outcome
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 
 CORE, ABORT = 0x0607AF, 0x0607B0
 END, WAIT_LOCK, TERMINATION = 8, 1, 128
@@ -22,6 +22,12 @@ class EchoDevice:
         self.clears = 0
         self.fault = NetworkFault.NONE
         self.open_conduct = NetworkFault.NONE
+        self.clear_support = ClearSupport.FULL
+        self.reachable = True
+        self.is_remote = False
+
+    def is_reachable(self):
+        return self.reachable
 
     def opened(self):
         return self.open_conduct
@@ -32,6 +38,10 @@ class EchoDevice:
 
     def clear(self):
         self.clears += 1
+        return self.clear_support
+
+    def set_remote(self, remote):
+        self.is_remote = remote
 
 
 class CoreLink(RawClient):

@@ -18,10 +18,12 @@ from gpr20_survey.plan.survey_cost import (
     needed_bytes,
     point_durations_s,
     survey_cost,
+    sweep_duration_s,
 )
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 CONFIG = RobotConfig(AXES, simulated=True)
 PARAMETERS = SurveyParameters("127.0.0.1", 6.0e8, 6.0e9, 501, 50.0, 150.0, 5, 50.0, 150.0, 5)
@@ -35,9 +37,43 @@ def test_a_robot_that_runs_faster_needs_less_time_and_fewer_messages():
 
 
 def test_more_settling_costs_its_time_at_every_trace():
-    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.0))
-    settled = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=3.0))
+    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5))
+    settled = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=3.5))
     assert settled.duration_s - cost.duration_s == pytest.approx(50 * 3.0)
+
+
+@pytest.mark.parametrize(
+    ("analyzer", "expected_s"),
+    [
+        (AnalyzerSettings(), 501 * 350e-6),
+        (AnalyzerSettings(100_000.0, 1), 501 * 350e-6),
+        (AnalyzerSettings(10_000.0, 1), 501 * 350e-6),
+        (AnalyzerSettings(20.0, 1), 501 * (350e-6 + 0.05 - 1e-4)),
+        (AnalyzerSettings(20.0, 3), 3 * 501 * (350e-6 + 0.05 - 1e-4)),
+        (AnalyzerSettings(averages=16), 16 * 501 * 350e-6),
+    ],
+)
+def test_a_sweep_takes_longer_with_a_narrow_if_bandwidth_and_with_averages(analyzer, expected_s):
+    duration_s = sweep_duration_s(SweepSettings(6.0e8, 6.0e9, 501, analyzer))
+    assert duration_s == pytest.approx(expected_s)
+
+
+def test_the_estimate_of_a_survey_follows_the_settings_of_the_analyzer():
+    usual = survey_cost(PARAMETERS, CONFIG, SurveySettings())
+    slow = survey_cost(
+        replace(PARAMETERS, if_bandwidth_hz=20.0, averages=2), CONFIG, SurveySettings()
+    )
+    longer_s = slow.duration_s - usual.duration_s
+    assert longer_s == pytest.approx(50 * 2 * 501 * 0.05, rel=0.02)
+    assert slow.size_bytes > usual.size_bytes
+
+
+def test_the_height_is_measured_while_vibrations_settle():
+    cost = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.4))
+    quick = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.0))
+    slow = survey_cost(PARAMETERS, CONFIG, SurveySettings(settle_s=0.5, height_s=0.7))
+    assert quick.duration_s == cost.duration_s
+    assert slow.duration_s - cost.duration_s == pytest.approx(50 * 0.2)
 
 
 @settings(max_examples=50)
@@ -50,7 +86,7 @@ def test_what_is_kept_of_a_distance_is_what_is_computed(axis_id, distance):
 
 def test_a_point_takes_the_longest_of_its_moves_and_the_measurement():
     points = survey_points(SMALL, TRAVEL)
-    times = MeasuringTimes(settle_s=0.5, height_s=0.4, frequency_points=4000)
+    times = MeasuringTimes(settle_s=0.5, height_s=0.4, sweep=SweepSettings(6.0e8, 6.0e9, 4000))
     durations = point_durations_s(points, lambda axis_id, distance: abs(distance), times)
     assert durations[0] == pytest.approx(10.0 + 0.5 + 1.4)
     assert durations[1] == pytest.approx(90.0 + 0.5 + 1.4)

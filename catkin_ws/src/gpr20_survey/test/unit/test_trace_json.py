@@ -5,17 +5,21 @@ import json
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_json
 
+from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 KEYS = [
     "format", "survey_id", "sample_id", "index", "timestamp", "x_coord_mm", "y_coord_mm",
     "z_coord_deg", "antennae_height_m", "frequency_hz", "s21_real", "s21_imag",
     "sweep_started", "sweep_ended", "quality",
 ]  # fmt: skip
+ANALYZER_KEYS = ["if_bandwidth_hz", "averages", "output_power"]
 FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 
 
@@ -34,7 +38,34 @@ def test_neighbouring_frequencies_stay_apart(frequency_hz):
 
 
 def test_the_keys_are_those_of_the_format():
-    assert list(json.loads(trace_json.encode(make_trace()))) == KEYS
+    assert list(json.loads(trace_json.encode(make_trace()))) == [*KEYS, *ANALYZER_KEYS]
+
+
+def test_a_trace_without_known_settings_has_the_form_of_early_versions():
+    unknown = make_trace(analyzer=AnalyzerSettings())
+    assert list(json.loads(trace_json.encode(unknown))) == KEYS
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"if_bandwidth_hz": None},
+        {"averages": None},
+        {"output_power": None},
+        {"if_bandwidth_hz": 1000},
+        {"averages": 1.0},
+        {"averages": True},
+        {"output_power": 1},
+        {"if_bandwidth_hz": -0.0},
+        {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""},
+        {"rf_power": 1.0},
+    ],
+)
+def test_settings_that_are_not_all_three_with_their_types_are_refused(changes):
+    values = {**json.loads(trace_json.encode(make_trace())), **changes}
+    kept = {name: value for name, value in values.items() if value is not None}
+    with pytest.raises(TraceRefusedError):
+        trace_json.from_values(kept)
 
 
 def test_a_missing_height_is_null_in_strict_json(tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import math
 import struct
 import tracemalloc
@@ -11,20 +13,41 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from trace_examples import SURVEY, TRACE_DEFINITION, assert_same_numbers, make_trace
+from trace_examples import (
+    FORMER_DEFINITION,
+    SURVEY,
+    TRACE_DEFINITION,
+    assert_same_numbers,
+    make_trace,
+)
 
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace import trace_json, trace_message, utc_time
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
 TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+FORMER_TYPES = get_typestore(Stores.ROS1_NOETIC)
+FORMER_TYPES.register(get_types_from_msg(FORMER_DEFINITION, "gpr20_msgs/msg/Trace"))
 SMALL = st.floats(-1e4, 1e4)
 FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
-REMARK = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=200)
+PRINTABLE = st.characters(min_codepoint=32, max_codepoint=126)
+REMARK = st.text(PRINTABLE, max_size=200)
 MOMENT = st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1)
 MEMORY_BYTES = 4 << 20
 # Where the lengths lie in the example's message: of three texts and, behind them, of the arrays.
+QUALITY = -(4 + len("HIGH") + 12) - len("level low") - 4
 FIRST_ARRAY = 4 + 13 + 4 + 36 + 4 + 8 + 4 + 8 + 32
+
+
+def analyzer_settings():
+    known = st.builds(
+        AnalyzerSettings,
+        st.floats(0.0, 1e9) | st.sampled_from([10.0, 1000.0, 100_000.0]),
+        st.integers(0, 1_000_000),
+        st.sampled_from(["", "LOW", "HIGH"]) | st.text(PRINTABLE, max_size=32),
+    )
+    return st.just(AnalyzerSettings()) | known
 
 
 @st.composite
@@ -47,6 +70,7 @@ def traces(draw):
         sweep_started_us=started,
         sweep_ended_us=ended,
         quality=tuple(draw(st.lists(REMARK, max_size=32))),
+        analyzer=draw(analyzer_settings()),
     )
 
 
@@ -56,6 +80,42 @@ def test_every_trace_comes_back_to_the_last_bit(trace):
     decoded = trace_message.decode(data, trace_message.MD5SUM)
     assert decoded.fingerprint() == trace.fingerprint()
     assert trace_message.encode(decoded) == data
+
+
+@given(traces())
+def test_every_trace_comes_back_from_its_json_file(trace):
+    content = trace_json.encode(trace)
+    decoded = trace_json.decode(content)
+    assert decoded.fingerprint() == trace.fingerprint()
+    assert trace_json.encode(decoded) == content
+    held = trace_json.ANALYZER_KEYS & json.loads(content).keys()
+    assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
+
+
+@given(traces())
+def test_a_message_of_the_former_type_is_the_trace_without_settings(trace):
+    data = trace_message.encode_former(trace)
+    decoded = trace_message.decode(data, trace_message.FORMER_MD5SUM)
+    former = dataclasses.replace(trace, analyzer=AnalyzerSettings())
+    assert decoded.fingerprint() == former.fingerprint()
+    assert trace_message.encode_former(decoded) == data
+    message = FORMER_TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+    assert bytes(FORMER_TYPES.serialize_ros1(message, "gpr20_msgs/msg/Trace")) == data
+
+
+@given(traces())
+def test_the_two_types_are_not_mixed_up(trace):
+    with pytest.raises(TraceRefusedError):
+        trace_message.decode(trace_message.encode(trace), trace_message.FORMER_MD5SUM)
+    with pytest.raises(TraceRefusedError):
+        trace_message.decode(trace_message.encode_former(trace), trace_message.MD5SUM)
+
+
+@given(traces(), analyzer_settings())
+def test_other_settings_make_another_trace(trace, settings):
+    other = dataclasses.replace(trace, analyzer=settings)
+    assert (other.fingerprint() == trace.fingerprint()) == (settings == trace.analyzer)
+    assert (trace_json.encode(other) == trace_json.encode(trace)) == (settings == trace.analyzer)
 
 
 @given(traces())
@@ -69,6 +129,8 @@ def test_another_library_reads_the_same_numbers(trace):
 
 def test_the_checksum_of_the_type_is_that_of_its_definition():
     assert TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
+    former = FORMER_TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1]
+    assert former == trace_message.FORMER_MD5SUM
 
 
 def test_a_message_of_another_version_is_refused():
@@ -126,7 +188,7 @@ def test_any_bytes_in_a_message_are_refused_or_make_a_checked_trace(place, data)
     assert decoded.survey_id != "" and np.isfinite(decoded.s21_real).all()
 
 
-@pytest.mark.parametrize("place", [0, 17, 57, FIRST_ARRAY, FIRST_ARRAY + 44, -4 - len("level low")])
+@pytest.mark.parametrize("place", [0, 17, 57, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, -8])
 @pytest.mark.parametrize("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
 def test_a_length_that_lies_takes_no_memory(place, size):
     data = bytearray(trace_message.encode(make_trace()))

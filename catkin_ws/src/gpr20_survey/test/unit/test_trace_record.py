@@ -7,6 +7,7 @@ import pytest
 from trace_examples import STARTED_US, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 NAN, INF = math.nan, math.inf
 
@@ -48,6 +49,15 @@ def with_value(value: float) -> np.ndarray:
         ({"quality": ("\ud800",)}, "printable"),
         ({"quality": ("a" * 201,)}, "at most 200"),
         ({"quality": ("a",) * 33}, "33 remarks"),
+        ({"analyzer": AnalyzerSettings(NAN)}, "if_bandwidth_hz is nan"),
+        ({"analyzer": AnalyzerSettings(INF)}, "if_bandwidth_hz is inf"),
+        ({"analyzer": AnalyzerSettings(-1.0)}, "if_bandwidth_hz is -1"),
+        ({"analyzer": AnalyzerSettings(-0.0)}, "if_bandwidth_hz is -0"),
+        ({"analyzer": AnalyzerSettings(2e9)}, "if_bandwidth_hz is 2000000000"),
+        ({"analyzer": AnalyzerSettings(averages=-1)}, "averages is -1"),
+        ({"analyzer": AnalyzerSettings(averages=1_000_001)}, "averages is 1000001"),
+        ({"analyzer": AnalyzerSettings(output_power="A\n")}, "output_power"),
+        ({"analyzer": AnalyzerSettings(output_power="A" * 33)}, "output_power"),
     ],
 )
 def test_a_wrong_value_is_refused_by_name(changes, reason):

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import astuple
 from pathlib import Path
 from typing import Any, Dict
 
 import numpy as np
 
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
 TRACE_DEFINITION = (MESSAGES / "Trace.msg").read_text()
+# Of recordings that earlier versions made.
+FORMER_DEFINITION = TRACE_DEFINITION[: TRACE_DEFINITION.index("# Settings of the VNA")]
 
 
 def make_trace(index: int = 0, **changes: Any) -> Trace:
@@ -37,6 +41,7 @@ def make_trace(index: int = 0, **changes: Any) -> Trace:
         "sweep_started_us": STARTED_US + 1,
         "sweep_ended_us": STARTED_US + 1_000_001,
         "quality": ("level low",),
+        "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
     }
     return Trace(**{**fields, **changes})
 
@@ -54,6 +59,13 @@ def assert_same_numbers(trace: Trace, values: Any) -> None:
     else:
         assert height == trace.antennae_height_m
     assert tuple(get("quality")) == trace.quality
+    names = ("if_bandwidth_hz", "averages", "output_power")
+    if trace.analyzer.is_known:
+        assert tuple(map(get, names)) == astuple(trace.analyzer)
+    elif isinstance(values, dict):
+        assert not values.keys() & set(names)
+    else:
+        assert tuple(getattr(values, name, None) or None for name in names) == (None,) * 3
 
 
 def read_json(path: Path) -> Dict[str, Any]:

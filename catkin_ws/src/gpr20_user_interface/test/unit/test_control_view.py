@@ -1,19 +1,27 @@
 from dataclasses import replace
 
 import pytest
+from PyQt5.QtWidgets import QLabel
 from window_helpers import application, click, enter, show, snapshot, window, wishes
 
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.mid.events import Request, RobotDefaults
-from gpr20_user_interface.mid.parameter_form import FIELDS, default_parameters
+from gpr20_user_interface.mid.parameter_form import (
+    ANALYZER_FIELDS,
+    FIELDS,
+    default_parameters,
+)
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.survey_preview import preview
 
 __all__ = ["application", "window"]
 
 ARROW_FIELDS = [
-    field.name for field in FIELDS if field.name not in ("vna_address", "polarizations_deg")
+    field.name
+    for field in FIELDS
+    if field.name not in ("vna_address", "polarizations_deg") and not field.choices
 ]
 
 
@@ -54,6 +62,24 @@ def test_arrows_change_a_field_by_the_chosen_step(window, name, step):
     assert text(window, name) == str(40 + step)
 
 
+def test_settings_of_the_vna_are_chosen_with_the_arrows_and_reach_the_survey(window):
+    received = wishes(window)
+    show(window, snapshot(SurveyState.IDLE))
+    form = window.control.form
+    assert [form.edit(name).placeholderText() for name in ANALYZER_FIELDS] == ["as set"] * 3
+    for _ in range(3):
+        click(form.field("if_bandwidth_hz").up)
+    click(form.field("averages").up)
+    click(form.field("output_power").up)
+    click(window.control.start)
+    assert received[0].sweep_settings.analyzer == AnalyzerSettings(50.0, 1, "LOW")
+    for name in ANALYZER_FIELDS:
+        for _ in range(3):
+            click(form.field(name).down)
+    click(window.control.start)
+    assert not received[1].sweep_settings.analyzer.is_known
+
+
 def test_arrows_end_where_the_axis_ends(window):
     show(window, snapshot(SurveyState.IDLE))
     click(window.control.step_button(100))
@@ -83,6 +109,9 @@ def test_arrows_end_where_the_axis_ends(window):
         ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
         ("x_points", "90000", "at least 0.01 mm apart"),
         ("polarizations_deg", "0, 91", "from -90 to 90"),
+        ("if_bandwidth_hz", "0.1", "as set on the VNA; the MS2026C has 10, 20"),
+        ("averages", "70000", "a whole number from 1 to 65535"),
+        ("output_power", "a b", "the MS2026C has LOW and HIGH"),
     ],
 )
 def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wrong, words):
@@ -215,3 +244,16 @@ def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses
     window.control.form.show_text("vna_address", "10.0.0.7")
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults("192.168.1.11", Site())))
     assert window.control.form.texts()["vna_address"] == "10.0.0.7"
+
+
+def test_a_visa_resource_of_the_configuration_is_shown_and_used(window):
+    resource = "GPIB0::16::INSTR"
+    show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults(resource, Site())))
+    form = window.control.form
+    assert form.texts()["vna_address"] == resource
+    assert not form.octet(0).isVisible()
+    assert resource in [label.text() for label in form.findChildren(QLabel) if label.isVisible()]
+    assert window.control.parameters.vna_address == resource
+    # Parameters of a survey of a robot with an MS2026C.
+    form.show_text("vna_address", "10.0.0.7")
+    assert form.texts()["vna_address"] == "10.0.0.7" and form.octet(0).isVisible()

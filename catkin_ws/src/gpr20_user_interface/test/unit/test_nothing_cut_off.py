@@ -103,6 +103,8 @@ def assert_text_fits(widget):
         assert widget.heightForWidth(widget.width()) <= widget.height(), widget.text()
     else:
         text = widget.text().replace("&", "")
+        if isinstance(widget, QLineEdit):
+            text = text or widget.placeholderText()
         frame_px = 0 if isinstance(widget, QLabel) else 2 * BORDER_PX
         needed_px = widget.fontMetrics().horizontalAdvance(text) + frame_px
         assert needed_px <= widget.contentsRect().width(), text

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,10 +11,13 @@ from gpr20_survey.plan.survey_parameters import (
     Travel,
     problems,
 )
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
 from gpr20_user_interface.mid.parameter_form import (
+    ANALYZER_FIELDS,
     FIELDS,
     MAX_GRID_POINTS,
+    after_arrow,
     check_form,
     limits,
     stepped,
@@ -57,6 +62,10 @@ def test_defaults_can_be_started():
         ("y_points", "0", Rule.Y_POINTS),
         ("polarizations_deg", "0, 91", Rule.POLARIZATIONS),
         ("polarizations_deg", "0, 0", Rule.POLARIZATIONS),
+        ("if_bandwidth_hz", "0.5", Rule.IF_BANDWIDTH),
+        ("if_bandwidth_hz", "-10", Rule.IF_BANDWIDTH),
+        ("averages", "65536", Rule.AVERAGES),
+        ("output_power", "LOW POWER", Rule.OUTPUT_POWER),
     ],
 )
 def test_field_with_a_wrong_value_is_marked_with_the_rule_it_breaks(name, text, rule):
@@ -66,12 +75,52 @@ def test_field_with_a_wrong_value_is_marked_with_the_rule_it_breaks(name, text, 
     assert result.parameters is None
 
 
-@pytest.mark.parametrize("field", FIELDS[1:], ids=lambda field: field.name)
+@pytest.mark.parametrize("field", FIELDS[1:-1], ids=lambda field: field.name)
 @pytest.mark.parametrize("text", ["", "abc", "1 2"])
 def test_field_that_cannot_be_read_is_marked_and_locks_the_start(field, text):
     result = check(**{field.name: text})
+    if field.name in ANALYZER_FIELDS and not text:
+        assert result.parameters is not None
+        return
     assert (result.wrong_fields, result.broken) == ((field.name,), ())
     assert result.parameters is None
+
+
+def test_empty_settings_of_the_vna_leave_it_as_it_is():
+    for blank in ("", " "):
+        result = check(if_bandwidth_hz=blank, averages=blank, output_power=blank)
+        assert not result.parameters.sweep_settings.analyzer.is_known
+    result = check(if_bandwidth_hz="1000", averages="16", output_power="LOW")
+    assert result.parameters.sweep_settings.analyzer == AnalyzerSettings(1000.0, 16, "LOW")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "change", "expected"),
+    [
+        ("if_bandwidth_hz", "", 1, "10"),
+        ("if_bandwidth_hz", "", -1, ""),
+        ("if_bandwidth_hz", "10000", 100, "20000"),
+        ("if_bandwidth_hz", "100000", 1, "100000"),
+        ("if_bandwidth_hz", "30000", 1, ""),
+        ("averages", "", 1, "1"),
+        ("averages", "", 10, "10"),
+        ("averages", "10", -10, ""),
+        ("averages", "65535", 1, "65535"),
+        ("output_power", "", 1, "LOW"),
+        ("output_power", "LOW", 10, "HIGH"),
+        ("output_power", "LOW", -1, ""),
+        ("x_points", "5", 1, "6"),
+    ],
+)
+def test_arrows_choose_among_the_values_of_the_vna(name, text, change, expected):
+    assert after_arrow(name, text, change, ROBOT) == expected
+    assert check(**{name: expected}).parameters is not None
+
+
+def test_frequencies_closer_than_a_hertz_are_a_fault_of_their_number():
+    result = check(start_frequency_hz="600", stop_frequency_hz="600.0004")
+    assert result.wrong_fields == ("frequency_points",)
+    assert result.broken == (Rule.FREQUENCY_SPACING,)
 
 
 @pytest.mark.parametrize("text", ["3.5", "-3", "1_0", "٣", "inf"])
@@ -116,6 +165,9 @@ def test_whole_number_between_blanks_or_far_too_long_is_no_crash(text):
 def test_texts_of_parameters_are_read_back_as_the_same_parameters():
     parameters = check(start_frequency_hz="700.123456", x_stop_mm="150.01").parameters
     assert check_form(texts_of(parameters), ROBOT).parameters == parameters
+    settings = {"if_bandwidth_hz": 12345.5, "averages": 3, "output_power": "-10.5dBm"}
+    others = replace(parameters, **settings)
+    assert check_form(texts_of(others), ROBOT).parameters == others
 
 
 @pytest.mark.parametrize(
@@ -143,7 +195,11 @@ def test_arrow_makes_an_allowed_number_of_any_text(text, change):
     assert 0.0 <= float(stepped(text, change, (0.0, 650.0))) <= 650.0
 
 
-@pytest.mark.parametrize("field", FIELDS[1:-1], ids=lambda field: field.name)
+@pytest.mark.parametrize(
+    "field",
+    [one for one in FIELDS[1:] if one.name != "polarizations_deg" and not one.choices],
+    ids=lambda field: field.name,
+)
 def test_limits_that_are_shown_are_those_that_are_checked(field):
     lower, upper = limits(field.name, ROBOT)
     assert not field.rules & set(check(**{field.name: f"{lower:g}"}).broken) - {

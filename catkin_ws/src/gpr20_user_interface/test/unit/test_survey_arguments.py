@@ -22,6 +22,7 @@ def test_defaults_are_a_survey_that_can_be_run():
     assert options.parameters.stop_frequency_hz == 6e9
     assert options.parameters.frequency_points == 501
     assert options.parameters.polarizations_deg == (0.0, 90.0)
+    assert not options.parameters.sweep_settings.analyzer.is_known
     assert (options.mode, options.on_pause, options.bar) == (Mode.START, OnPause.EXIT, Bar.AUTO)
 
 
@@ -29,7 +30,8 @@ def test_every_parameter_can_be_given():
     line = (
         "--vna-address 10.0.0.7 --start-frequency-mhz 700.5 --stop-frequency-mhz 5000 "
         "--frequency-points 101 --x-start-mm 10 --x-stop-mm 20.5 --x-points 4 --y-start-mm 600 "
-        "--y-stop-mm 30 --y-points 6 --polarizations-deg=-45,45"
+        "--y-stop-mm 30 --y-points 6 --polarizations-deg=-45,45 --if-bandwidth-hz 1000 "
+        "--averages 4 --output-power LOW"
     )
     assert parse_arguments(line.split()).parameters == SurveyParameters(
         vna_address="10.0.0.7",
@@ -43,6 +45,9 @@ def test_every_parameter_can_be_given():
         y_stop_mm=30.0,
         y_points=6,
         polarizations_deg=(-45.0, 45.0),
+        if_bandwidth_hz=1000.0,
+        averages=4,
+        output_power="LOW",
     )
 
 

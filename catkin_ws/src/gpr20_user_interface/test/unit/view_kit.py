@@ -5,6 +5,7 @@ import json
 import numpy as np
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
 from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
@@ -78,6 +79,7 @@ def trace_at(grid, index, s21=None, height_m=0.2, **changes):
         "sweep_started_us": NOW_US - 200_000,
         "sweep_ended_us": NOW_US,
         "quality": (),
+        "analyzer": AnalyzerSettings(),
     }
     return Trace(**{**values, **changes})
 

@@ -154,7 +154,7 @@ def wishes(window):
 
 def enter(window, name, text):
     edit = window.control.form.edit(name)
-    edit.selectAll()
+    edit.clear()
     QTest.keyClicks(edit, text)
 
 

@@ -17,8 +17,16 @@ class VnaConnectionError(VnaError, OSError):
     """
 
 
+class VnaNoAnswerError(VnaConnectionError):
+    """A query got no answer in time."""
+
+
 class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
+
+
+class VnaReplacedError(VnaIdentityError):
+    """An instrument of the right kind answers, but not the one that was connected."""
 
 
 class VnaNotReadyError(VnaError, RuntimeError):
@@ -47,3 +55,11 @@ class VnaClosedError(VnaError, RuntimeError):
 
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
+
+
+class VnaOldDataError(VnaDataError):
+    """Data, or a part of them, are those of a sweep before."""
+
+
+class VnaLibraryError(VnaError, ImportError):
+    """A library that this kind of analyzer needs is not installed, or too old."""

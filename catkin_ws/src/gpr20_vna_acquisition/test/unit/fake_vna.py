@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import struct
 import threading
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 
 IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
 EXCHANGE_S = 0.001
@@ -39,10 +39,13 @@ class FakeVna:
     """The instrument: stores settings, sweeps in fake time, and can be made to misbehave.
 
     The real part of every point is the number of the sweep, the imaginary part that of the point.
+    Points that a sweep has not come to yet are those of the sweeps before.
     """
 
     def __init__(self, clock: FakeClock) -> None:
         self.clock = clock
+        # Time that each message takes.
+        self.exchange_s = EXCHANGE_S
         self.identity = f'"{IDENTITY}"'
         self.settings: Dict[str, str] = {
             ":INIT:CONT": "1",
@@ -53,6 +56,8 @@ class FakeVna:
             ":SENS:TRACE1:SPAR": "S11",
             ":SENS:TRACE1:DOM": "TIME",
             ":SENS:AVER:COUN": "1",
+            ":SENS:SWE:IFBW": "10000",
+            ":SOUR:POW": "HIGH",
             ":FORM": "ASC",
         }
         self.refused: List[str] = []
@@ -61,7 +66,16 @@ class FakeVna:
         self.settling_s = 0.0
         self.sweep_s = 0.05
         self.stale_bit_s = 0.0
+        # Whether one trigger makes all sweeps of an average.
+        self.averages_at_once = False
+        self.averaged = 0
+        # Queries that get no answer.
+        self.unanswered: List[str] = []
+        self.local = False
         self.sweep_number = 0
+        # Duration of the last sweep, which began before `sweep_s` was changed.
+        self._running_s = 0.0
+        self._shown: List[float] = []
         self.sweep_begun_s = -1.0
         self.calibration = "1"
         # Called with each query or command; may change the fake or raise.
@@ -74,17 +88,28 @@ class FakeVna:
         self._pending: Dict[str, tuple[float, str]] = {}
 
     def connect(self, address: str) -> FakeLink:
+        self.local = False
         self.links += 1
         self.open_links += 1
         return FakeLink(self)
 
     def take(self, command: str) -> None:
+        if ";" in command:
+            for one in command.split(";"):
+                self.take(one)
+            return
         header, _, value = command.partition(" ")
-        if header == ":INIT:IMM":
+        if header == ":SENS:AVER:CLE":
+            self.averaged = 0
+        elif header == ":INIT:IMM":
+            averages = int(self.settings[":SENS:AVER:COUN"])
+            self.averaged = averages if self.averages_at_once else min(self.averaged + 1, averages)
+            self._shown = self.points_data()[0::2]
             self.sweep_number += 1
             self.sweep_begun_s = self.clock.time_s
+            self._running_s = self.sweep_s
         elif header in self.settings and header not in self.refused:
-            value = "0" if value == "OFF" else value
+            value = {"OFF": "0", "ON": "1"}.get(value, value)
             if header.endswith("STAR") and self._refuses_start(float(value)):
                 return
             self._pending[header] = (self.clock.time_s + self.settling_s, value)
@@ -107,13 +132,14 @@ class FakeVna:
             "*IDN": lambda: self.identity.encode(),
             ":STAT:OPER": lambda: b"256" if self._bit() else b"0",
             ":SENS:CORR:COLL:STAT:ACC": self.calibration.encode,
+            ":TRAC:PRE": lambda: b"#222X=1,AVERAGING_COUNT=%d" % self.averaged,
             ":SENSE1:FREQ:DATA": lambda: self.block(self._frequencies()),
             ":CALC1:DATA": lambda: self.spoil(self.block(self.points_data())),
         }
 
     def _bit(self) -> bool:
         elapsed_s = self.clock.time_s - self.sweep_begun_s
-        return elapsed_s < self.stale_bit_s or elapsed_s >= self.sweep_s
+        return elapsed_s < self.stale_bit_s or elapsed_s >= self._running_s
 
     def _frequencies(self) -> List[float]:
         start = float(self.settings[":SENS:FREQ:STAR"])
@@ -122,13 +148,13 @@ class FakeVna:
         return [start + i * (stop - start) / (points - 1) for i in range(points)]
 
     def points_data(self) -> List[float]:
-        data: List[float] = []
-        done = self.clock.time_s - self.sweep_begun_s >= self.sweep_s
-        for point in range(int(self.settings[":SENS:SWE:POIN"])):
-            # A sweep that still runs has the second half of the one before.
-            old = not done and point >= int(self.settings[":SENS:SWE:POIN"]) // 2
-            data += [float(self.sweep_number - old), float(point)]
-        return data
+        points = int(self.settings[":SENS:SWE:POIN"])
+        if len(self._shown) != points:
+            self._shown = [0.0] * points
+        elapsed_s = self.clock.time_s - self.sweep_begun_s
+        done = points if elapsed_s >= self._running_s else int(points * elapsed_s / self._running_s)
+        real = [float(self.sweep_number)] * done + self._shown[done:]
+        return [value for point, one in enumerate(real) for value in (one, float(point))]
 
     def block(self, numbers: List[float]) -> bytes:
         if self.settings[":FORM"] == "REAL,32":
@@ -149,12 +175,17 @@ class FakeLink:
         self._exchange(command)
         self._vna.take(command)
 
-    def ask(self, query: str) -> str:
-        return self.ask_raw(query).decode("latin-1").strip()
-
-    def ask_raw(self, query: str) -> bytes:
+    def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
         self._exchange(query)
+        if query in self._vna.unanswered:
+            self._vna.clock.pass_s(5.0 if limit_s is None else limit_s)
+            self.close()
+            raise VnaNoAnswerError(Message("no answer in time"))
         return self._vna.answer(query)
+
+    def local(self) -> None:
+        self._exchange("<local>")
+        self._vna.local = True
 
     def clear(self) -> None:
         self._exchange("<clear>")
@@ -168,7 +199,7 @@ class FakeLink:
         if not self._open:
             raise VnaConnectionError(Message("the link is dead"))
         self._vna.sent.append(message)
-        self._vna.clock.pass_s(EXCHANGE_S)
+        self._vna.clock.pass_s(self._vna.exchange_s)
         try:
             self._vna.before(message)
         except VnaConnectionError:

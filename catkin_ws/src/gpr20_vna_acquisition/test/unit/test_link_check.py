@@ -46,7 +46,7 @@ def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
     assert bench.driver.state.calibration is CalibrationStatus.LOW
 
 
-def test_a_pulled_cable_is_told_until_it_is_back_and_the_sweep_is_set_up_again(bench):
+def test_a_pulled_cable_is_reported_until_it_is_back_and_the_sweep_is_set_up_again(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
     assert bench.driver.state.link_error == NO_ANSWER
@@ -77,7 +77,7 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
         bench.driver.get_trace()
 
 
-def test_what_was_wrong_is_told_until_connecting_anew_has_ended(bench):
+def test_what_was_wrong_is_reported_until_connecting_again_has_ended(bench):
     bench.vna.before = cable_is_pulled
     check_after(bench, CHECK_S)
     reported = []
@@ -118,6 +118,7 @@ def test_an_address_where_connecting_failed_is_left_alone_after_the_end(bench, e
 @pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])
 def test_nothing_is_connected_again_after_the_end(bench, end):
     getattr(bench.driver, end)()
+    bench.vna.sent.clear()
     check_after(bench, CHECK_S)
     assert bench.vna.sent == [] and bench.vna.open_links == 0
     assert bench.driver.state.link_error is None and not bench.driver.state.linked

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from driver_bench import ADDRESS, SWEEP, Bench
+from driver_bench import ACCEPTED, ADDRESS, SWEEP, Bench
 from fake_vna import IDENTITY
 
 from gpr20_common.errors import InvalidValueError
@@ -113,10 +113,12 @@ def test_configuring_holds_the_instrument_and_confirms_everything(bench):
         ":SENS:TRACE1:SPAR": "S21",
         ":SENS:TRACE1:DOM": "FREQ",
         ":SENS:AVER:COUN": "1",
+        ":SENS:SWE:IFBW": "10000",
+        ":SOUR:POW": "HIGH",
         ":FORM": "REAL,32",
     }
     assert all(f"{header}?" in bench.vna.sent for header in bench.vna.settings)
-    assert bench.driver.state.sweep == SWEEP
+    assert bench.driver.state.sweep == ACCEPTED
     assert bench.driver.get_freq().tolist() == np.linspace(600e6, 6e9, 11).tolist()
 
 
@@ -132,7 +134,7 @@ def test_a_setting_may_take_the_instruments_settling_time():
     bench = Bench()
     bench.vna.settling_s = 1.9
     bench.configured()
-    assert bench.driver.state.sweep == SWEEP
+    assert bench.driver.state.sweep == ACCEPTED
 
 
 @pytest.mark.parametrize(
@@ -218,20 +220,20 @@ def test_a_start_above_the_former_stop_is_set_once_the_new_stop_is_there(bench):
     bench.vna.keeps_order = True
     bench.driver.set_frequency_sweep(SweepSettings(600e6, 1e9, 11))
     higher = SweepSettings(3e9, 6e9, 11)
-    assert bench.driver.set_frequency_sweep(higher) == higher
+    assert bench.driver.set_frequency_sweep(higher).fulfils(higher)
 
 
-def test_frequencies_and_trace_are_set_up_within_the_time_limit_of_one_request():
+def test_setting_up_ends_within_the_time_limit_of_one_request():
     bench = Bench()
     bench.driver.connect_to_vna(ADDRESS)
     begun_s, step_s = bench.clock.now_s(), 2.4
     bench.vna.before = lambda message: bench.clock.pass_s(step_s)
     with pytest.raises(VnaTimeoutError):
-        bench.driver.set_up(SWEEP)
+        bench.driver.set_frequency_sweep(SWEEP)
     assert bench.clock.now_s() - begun_s < 40.0 + 2.0 * step_s
 
 
-def test_a_refused_calibration_is_reported_until_it_is_mended(bench):
+def test_a_refused_calibration_is_reported_until_it_is_accepted(bench):
     bench.vna.calibration = "0"
     with pytest.raises(VnaCalibrationError):
         bench.driver.get_trace()

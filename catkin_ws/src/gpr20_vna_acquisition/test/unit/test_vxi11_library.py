@@ -56,7 +56,7 @@ def test_small_requests_are_sent_at_once(server):
 def test_a_link_is_one_connection_and_needs_no_abort_channel(server):
     # The library would look for the abort channel at the portmapper: its port is 0 here.
     link = connect(HOST, QUICK, server.port)
-    link.ask("X?")
+    link.ask_raw("X?")
     link.clear()
     link.close()
     assert server.connections == 1
@@ -70,7 +70,7 @@ def test_nothing_is_appended_to_a_message(server):
         return read_reply(b"1")
 
     server.answer = answer
-    connect(HOST, QUICK, server.port).ask("X?")
+    connect(HOST, QUICK, server.port).ask_raw("X?")
     assert questions == [b"X?"]
 
 
@@ -87,7 +87,7 @@ def test_a_link_that_died_unnoticed_can_be_closed_and_made_again(server):
     link.close()
     assert dead.fileno() == -1
     server.spoil = lambda called, proper: proper
-    assert connect(HOST, QUICK, server.port).ask("X?") == "<X?>"
+    assert connect(HOST, QUICK, server.port).ask_raw("X?") == b"<X?>"
 
 
 def test_a_link_that_is_forgotten_does_not_talk_to_the_instrument(server):
@@ -134,14 +134,14 @@ def test_a_late_reply_to_an_older_call_is_not_taken_for_the_answer(server):
         return struct.pack(">I", 0x80000000 | len(header + late)) + header + late + proper
 
     server.spoil = on(READ, late_first)
-    assert link.ask("X?") == "<X?>"
+    assert link.ask_raw("X?") == b"<X?>"
 
 
 def test_a_reply_to_a_call_that_was_never_made_is_our_error(server):
     link = connect(HOST, QUICK, server.port)
     server.spoil = on(READ, lambda called, proper: with_xid(proper, 1))
     with pytest.raises(VnaConnectionError, match="wrong xid"):
-        link.ask("X?")
+        link.ask_raw("X?")
 
 
 def test_a_reply_cut_in_mid_record_ends_the_link(server):
@@ -149,11 +149,11 @@ def test_a_reply_cut_in_mid_record_ends_the_link(server):
     server.spoil = on(READ, lambda called, proper: proper[:-4])
     begun = time.monotonic()
     with pytest.raises(VnaConnectionError):
-        link.ask("X?")
+        link.ask_raw("X?")
     assert time.monotonic() - begun < LONGEST_S
     server.spoil = lambda called, proper: proper
     with pytest.raises(VnaConnectionError, match="is closed"):
-        link.ask("Y?")
+        link.ask_raw("Y?")
     wait_until(lambda: server.links == 0)
 
 

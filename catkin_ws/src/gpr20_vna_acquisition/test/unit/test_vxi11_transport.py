@@ -43,7 +43,7 @@ def server():
 
 def test_asks_and_answers(server):
     link = connect(HOST, QUICK, server.port)
-    assert link.ask("*IDN?") == "<*IDN?>"
+    assert link.ask_raw("*IDN?") == b"<*IDN?>"
     assert link.ask_raw("*IDN?") == b"<*IDN?>"
     link.close()
 
@@ -56,7 +56,7 @@ def test_binary_answers_come_byte_for_byte(server):
 
 def test_text_with_bytes_beyond_ascii_is_read(server):
     server.answer = lambda question: read_reply(b'"5 \xb5s"\n')
-    assert connect(HOST, QUICK, server.port).ask("X?") == '"5 \xb5s"'
+    assert connect(HOST, QUICK, server.port).ask_raw("X?") == b'"5 \xb5s"\n'
 
 
 def test_an_answer_in_many_pieces_is_put_together(server):
@@ -67,7 +67,7 @@ def test_an_answer_in_many_pieces_is_put_together(server):
 
 def test_the_portmapper_is_asked_without_an_explicit_port(server):
     link = connect(HOST, QUICK, portmapper_port=server.port)
-    assert server.calls[0] == GETPORT and link.ask("X?") == "<X?>"
+    assert server.calls[0] == GETPORT and link.ask_raw("X?") == b"<X?>"
 
 
 def test_an_explicit_port_needs_no_portmapper(server):
@@ -135,11 +135,11 @@ def test_a_dropped_connection_is_our_error_and_a_new_link_works(server, procedur
     link = connect(HOST, QUICK, server.port)
     server.spoil = on(procedure, hang_up)
     with pytest.raises(VnaConnectionError, match="closed by the other side"):
-        link.ask("X?")
+        link.ask_raw("X?")
     server.spoil = lambda called, proper: proper
     with pytest.raises(VnaConnectionError, match="is closed"):
-        link.ask("X?")
-    assert connect(HOST, QUICK, server.port).ask("Y?") == "<Y?>"
+        link.ask_raw("X?")
+    assert connect(HOST, QUICK, server.port).ask_raw("Y?") == b"<Y?>"
 
 
 def test_a_hanging_answer_ends_in_time_and_is_never_given_to_the_next_question(server):
@@ -153,13 +153,13 @@ def test_a_hanging_answer_ends_in_time_and_is_never_given_to_the_next_question(s
     server.answer = hang
     begun = time.monotonic()
     with pytest.raises(VnaConnectionError, match=r"failed: no answer in time; .*asking 'X\?'"):
-        link.ask("X?")
+        link.ask_raw("X?")
     assert time.monotonic() - begun < LONGEST_S
     server.answer = lambda question: read_reply(b"<" + question + b">")
     release.set()
     with pytest.raises(VnaConnectionError):
-        link.ask("Y?")
-    assert connect(HOST, QUICK, server.port).ask("Y?") == "<Y?>"
+        link.ask_raw("Y?")
+    assert connect(HOST, QUICK, server.port).ask_raw("Y?") == b"<Y?>"
 
 
 def test_a_dripping_answer_does_not_stretch_the_time_limit(server):
@@ -173,7 +173,7 @@ def test_a_dripping_answer_does_not_stretch_the_time_limit(server):
     server.send = drip
     begun = time.monotonic()
     with pytest.raises(VnaConnectionError):
-        link.ask("X?")
+        link.ask_raw("X?")
     assert time.monotonic() - begun < LONGEST_S
 
 
@@ -185,14 +185,14 @@ def test_a_record_header_in_two_segments_is_not_the_end(server):
         peer.sendall(data[2:])
 
     server.send = split
-    assert connect(HOST, QUICK, server.port).ask("X?") == "<X?>"
+    assert connect(HOST, QUICK, server.port).ask_raw("X?") == b"<X?>"
 
 
 def test_the_instruments_own_timeout_ends_the_link_properly(server):
     link = connect(HOST, QUICK, server.port)
     server.answer = lambda question: read_reply(b"", reason=0, error=15)
     with pytest.raises(VnaConnectionError, match="IO timeout"):
-        link.ask("X?")
+        link.ask_raw("X?")
     wait_until(lambda: server.links == 0)
 
 
@@ -200,7 +200,7 @@ def test_an_endless_answer_is_stopped(server):
     link = connect(HOST, QUICK, server.port)
     server.answer = lambda question: read_reply(b"x" * 60000, reason=1)
     with pytest.raises(VnaConnectionError, match="announces"):
-        link.ask("X?")
+        link.ask_raw("X?")
     assert server.calls.count(READ) < 50
 
 
@@ -209,7 +209,7 @@ def test_an_endless_empty_answer_is_stopped_in_time(server):
     server.answer = lambda question: read_reply(b"", reason=0)
     begun = time.monotonic()
     with pytest.raises(VnaConnectionError):
-        link.ask("X?")
+        link.ask_raw("X?")
     assert time.monotonic() - begun < LONGEST_S
 
 
@@ -217,7 +217,7 @@ def test_an_announced_giant_record_takes_no_memory(server):
     link = connect(HOST, QUICK, server.port)
     server.spoil = on(READ, lambda called, proper: struct.pack(">I", 0xFFFFFFFF) + b"x" * 100)
     with pytest.raises(VnaConnectionError, match="announces"):
-        link.ask("X?")
+        link.ask_raw("X?")
 
 
 def test_an_instrument_that_takes_nothing_at_once_is_refused(server):
@@ -240,7 +240,7 @@ def test_clearing_tolerates_an_instrument_that_cannot(server):
     server.spoil = on(CLEAR, lambda called, proper: proper[:28] + struct.pack(">i", 8))
     link = connect(HOST, QUICK, server.port)
     link.clear()
-    assert link.ask("X?") == "<X?>"
+    assert link.ask_raw("X?") == b"<X?>"
 
 
 def test_clearing_reports_any_other_failure(server):
@@ -254,7 +254,7 @@ def test_a_failed_link_leaves_no_open_socket(server):
     client = link._instrument.client.sock._socket
     server.spoil = on(READ, hang_up)
     with pytest.raises(VnaConnectionError):
-        link.ask("X?")
+        link.ask_raw("X?")
     assert client.fileno() == -1
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Iterator, List, Tuple
+from typing import Callable, Iterator, List, Tuple
 
 import pytest
 
@@ -20,6 +20,8 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
+from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -66,15 +68,17 @@ def driver_of(vna: SimulatedAnalyzer, **parameters) -> VNADriver:
     def open_link(address: str) -> Vxi11Transport:
         return connect(address, LIMITS, vna.server.port)
 
-    driver = VNADriver(
-        open_link,
-        VnaParameters(retry_pause_s=0.01, seconds_per_point=SECONDS_PER_POINT, **parameters),
-        Clock(),
-        lambda text: None,
-    )
-    driver.connect_to_vna(HOST)
+    values = VnaParameters(retry_pause_s=0.01, seconds_per_point=SECONDS_PER_POINT, **parameters)
+    driver = driver_at(open_link, values)
     driver.set_frequency_sweep(SWEEP)
-    driver.set_trace()
+    return driver
+
+
+def driver_at(open_link: Callable[[str], Vxi11Transport], values: VnaParameters) -> VNADriver:
+    deadline = RequestDeadline(Clock())
+    analyzer = Ms2026c(open_link, values, deadline)
+    driver = VNADriver(analyzer, values, deadline, lambda text: None)
+    driver.connect_to_vna(HOST)
     return driver
 
 
@@ -169,15 +173,11 @@ def test_an_instrument_that_was_switched_off_and_on_is_set_up_again():
     robot.stop()
     vnas: List[SimulatedAnalyzer] = [instrument(robot, InstrumentScene())]
     vnas[0].start()
-    driver = VNADriver(
+    driver = driver_at(
         lambda address: connect(address, LIMITS, vnas[-1].server.port),
-        VnaParameters(attempts=20, retry_pause_s=0.1, seconds_per_point=SECONDS_PER_POINT),
-        Clock(),
-        lambda text: None,
+        VnaParameters(retry_pause_s=0.1, seconds_per_point=SECONDS_PER_POINT),
     )
-    driver.connect_to_vna(HOST)
     driver.set_frequency_sweep(SWEEP)
-    driver.set_trace()
     driver.get_trace()
     vnas[0].stop()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from typing import Any
 
 from trace_examples import STARTED_US, SURVEY, make_trace
 
@@ -31,14 +32,14 @@ METADATA = json.dumps(
 )
 
 
-def planned_trace(index: int, survey_id: str = SURVEY) -> Trace:
-    """Return the trace of a planned point."""
+def planned_trace(index: int, survey_id: str = SURVEY, **changes: Any) -> Trace:
+    """Return the trace of a planned point, with some fields changed."""
     point = POINTS[index]
-    return make_trace(
-        index,
-        survey_id=survey_id,
-        timestamp_us=STARTED_US + 10**6 * (index + 2),
-        x_coord_mm=point.x_mm,
-        y_coord_mm=point.y_mm,
-        z_coord_deg=point.z_deg,
-    )
+    fields = {
+        "survey_id": survey_id,
+        "timestamp_us": STARTED_US + 10**6 * (index + 2),
+        "x_coord_mm": point.x_mm,
+        "y_coord_mm": point.y_mm,
+        "z_coord_deg": point.z_deg,
+    }
+    return make_trace(index, **{**fields, **changes})

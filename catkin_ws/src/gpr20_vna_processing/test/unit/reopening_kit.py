@@ -9,12 +9,24 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 from rosbags.rosbag1 import Reader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from storage_kit import TYPES, Kit, text_message
-from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
+from trace_examples import (
+    FORMER_DEFINITION,
+    STARTED_US,
+    SURVEY,
+    assert_same_numbers,
+    make_trace,
+    read_json,
+)
 
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.trace import trace_message
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(7)]
+FORMER_TYPES = get_typestore(Stores.ROS1_NOETIC)
+FORMER_TYPES.register(get_types_from_msg(FORMER_DEFINITION, "gpr20_msgs/msg/Trace"))
+TYPES_OF = {trace_message.MD5SUM: TYPES, trace_message.FORMER_MD5SUM: FORMER_TYPES}
 FIRST = 4  # traces before the survey is cut off
 METADATA = '{"planned_traces": 7, "simulated": true, "parameters": {"x_points": 3}}'
 
@@ -55,16 +67,17 @@ def kit(data):
 def traces_in_bag(folder):
     with Reader(str(folder / "survey.bag")) as reader:
         return [
-            TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+            TYPES_OF[connection.digest].deserialize_ros1(data, "gpr20_msgs/msg/Trace")
             for connection, _, data in reader.messages()
-            if connection.topic == "/trace"
+            if connection.topic.startswith("/trace")
         ]
 
 
 def messages_in_mcap(folder, topic="/trace"):
+    topics = [topic, f"{topic}_{trace_message.MD5SUM[:8]}"]
     with open(folder / "survey.mcap", "rb") as stream:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        return [one.decoded_message for one in reader.iter_decoded_messages(topics=[topic])]
+        return [one.decoded_message for one in reader.iter_decoded_messages(topics=topics)]
 
 
 def assert_whole(folder, traces) -> None:

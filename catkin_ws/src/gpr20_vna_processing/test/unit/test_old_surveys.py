@@ -12,11 +12,16 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
 
+from gpr20_analysis.read.recording_comparison import RecordingComparison
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.recording.bag_reader import StoredBag
+from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 # One that was finished, and one whose storage was killed behind its fourth trace.
 OLD = Path(__file__).resolve().parent / "old_surveys"
@@ -36,6 +41,22 @@ def kit(data):
     kit.processing.shut_down()
 
 
+def old_trace(index, survey_id=SURVEY):
+    return planned_trace(index, survey_id, analyzer=AnalyzerSettings())
+
+
+# The later ones are measured with the present version.
+TRACES = [
+    (old_trace if index < CUT_OFF_AFTER else planned_trace)(index, OTHER_SURVEY)
+    for index in range(len(POINTS))
+]
+
+
+def store_the_rest(kit):
+    for trace in TRACES[CUT_OFF_AFTER:]:
+        kit.processing.store(trace)
+
+
 def folder_of(data, survey_id):
     return next(data.glob(f"*_{survey_id[:8]}"))
 
@@ -43,7 +64,7 @@ def folder_of(data, survey_id):
 def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data):
     folder = folder_of(data, SURVEY)
     assert verify_survey(folder).status == COMPLETE
-    assert_whole(folder, [planned_trace(index) for index in range(len(POINTS))])
+    assert_whole(folder, [old_trace(index) for index in range(len(POINTS))])
     with pytest.raises(SurveyRefusedError, match="finished and complete with 9 traces"):
         kit.processing.reopen_survey(SURVEY)
 
@@ -57,7 +78,7 @@ def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, name)
         (folder / name).unlink()
     assert kit.processing.reopen_survey(SURVEY).stored_indices == list(range(len(POINTS)))
     kit.processing.close_survey(SURVEY, "finished", "")
-    assert_whole(folder, [planned_trace(index) for index in range(len(POINTS))])
+    assert_whole(folder, [old_trace(index) for index in range(len(POINTS))])
     assert verify_survey(folder).status == COMPLETE
 
 
@@ -67,12 +88,54 @@ def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data):
     reopened = kit.processing.reopen_survey(OTHER_SURVEY)
     assert reopened.stored_indices == list(range(CUT_OFF_AFTER))
     assert reopened.repairs == ()
-    traces = [planned_trace(index, OTHER_SURVEY) for index in range(len(POINTS))]
-    for trace in traces[CUT_OFF_AFTER:]:
-        kit.processing.store(trace)
+    store_the_rest(kit)
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
-    assert_whole(folder, traces)
+    assert_whole(folder, TRACES)
     assert verify_survey(folder).status == COMPLETE
+
+
+def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data):
+    folder = folder_of(data, OTHER_SURVEY)
+    kit.processing.reopen_survey(OTHER_SURVEY)
+    store_the_rest(kit)
+    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    expected = {
+        "/trace": {trace_message.FORMER_MD5SUM},
+        f"/trace_{trace_message.MD5SUM[:8]}": {trace_message.MD5SUM},
+    }
+    for stored in (StoredBag(folder / "survey.bag"), StoredMcap(folder / "survey.mcap")):
+        types = {}
+        for message in stored.messages():
+            if message.datatype == trace_message.DATATYPE:
+                types.setdefault(message.topic, set()).add(message.md5sum)
+        assert types == expected
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "traces"])
+def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(kit, data, name):
+    folder = folder_of(data, OTHER_SURVEY)
+    kit.processing.reopen_survey(OTHER_SURVEY)
+    for trace in TRACES[CUT_OFF_AFTER:-1]:
+        kit.processing.store(trace)
+    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
+    if name == "traces":
+        shutil.rmtree(str(folder / name))
+    else:
+        (folder / name).unlink()
+    kit.processing.reopen_survey(OTHER_SURVEY)
+    kit.processing.store(TRACES[-1])
+    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    assert_whole(folder, TRACES)
+    assert verify_survey(folder).status == COMPLETE
+
+
+def test_the_recordings_of_a_resumed_survey_agree_without_a_manifest(kit, data):
+    folder = folder_of(data, OTHER_SURVEY)
+    kit.processing.reopen_survey(OTHER_SURVEY)
+    store_the_rest(kit)
+    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    (folder / "manifest.json").unlink()
+    assert RecordingComparison(folder).faults == []
 
 
 @pytest.mark.parametrize(("survey_id", "status"), [(SURVEY, COMPLETE), (OTHER_SURVEY, INCOMPLETE)])

@@ -6,6 +6,8 @@ import json
 import os
 
 import pytest
+from planned_survey import METADATA as PLANNED
+from planned_survey import planned_trace
 from reopening_kit import (
     FIRST,
     METADATA,
@@ -25,6 +27,7 @@ from gpr20_common.message import in_a_row
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 __all__ = ["data", "folder", "kit"]
 
@@ -227,3 +230,23 @@ def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(kit, fold
     assert path.read_bytes() == content
     assert reopened.stored_indices == [0, 1, 2, 3]
     finish(kit, folder, reopened)
+
+
+@pytest.mark.parametrize(
+    "wanted", [{"if_bandwidth_hz": 500.0}, {"averages": 1}, {"output_power": "LOW"}]
+)
+def test_traces_with_other_settings_than_the_survey_asked_for_are_refused_by_name(tmp_path, wanted):
+    described = json.loads(PLANNED)
+    described["parameters"].update(wanted)
+    kit = Kit(tmp_path, open_recordings)
+    kit.open(metadata_json=json.dumps(described))
+    kit.processing.store(planned_trace(0, analyzer=AnalyzerSettings(500.0, 1, "LOW")))
+    kit.processing.store(planned_trace(1, analyzer=AnalyzerSettings(1000.0, 4, "HIGH")))
+    kit.processing.close_survey(SURVEY, "stopped", "")
+    with pytest.raises(
+        SurveyRefusedError,
+        match="cannot be resumed: trace 1 was measured with other settings of the VNA: "
+        "IF bandwidth 1000 Hz, averages 4, output power HIGH instead of",
+    ):
+        kit.processing.reopen_survey(SURVEY)
+    kit.processing.shut_down()

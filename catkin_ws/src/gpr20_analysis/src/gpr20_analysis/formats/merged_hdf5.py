@@ -13,7 +13,7 @@ from gpr20_analysis import dataset, lazy
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.common import DEGREES, Imported, as_dataset, even_step, letters
-from gpr20_analysis.read.annotation_attributes import ATTRIBUTES
+from gpr20_analysis.read import analyzer_attributes, annotation_attributes
 from gpr20_common.message import Message
 
 COMPRESSION: Dict[str, Any] = {"compression": "gzip", "compression_opts": 4}
@@ -52,12 +52,13 @@ def write_merged(survey: xr.Dataset, path: Path, title: str) -> None:
         file.attrs["Title"] = title
         file.attrs[AMOUNT] = len(turns) * len(x_m) * len(y_m)
         file.attrs["Original extension of A-Scans"] = ".csv"
-        file.attrs.update({one: survey.attrs[one] for one in ATTRIBUTES if one in survey.attrs})
+        described = (*annotation_attributes.ATTRIBUTES, *analyzer_attributes.ATTRIBUTES)
+        file.attrs.update({one: survey.attrs[one] for one in described if one in survey.attrs})
         place = file.create_group("Position")
         place.attrs.update(x0=x_m[0], y0=y_m[0], xf=x_m[-1], yf=y_m[-1], **spacing)
         names = RANGE[kind]
-        described = {names[0]: axis[0], names[1]: axis[-1], names[2]: step, "q": len(axis)}
-        file.create_group(GROUP[kind]).attrs.update(described)
+        extent = {names[0]: axis[0], names[1]: axis[-1], names[2]: step, "q": len(axis)}
+        file.create_group(GROUP[kind]).attrs.update(extent)
         scans = file.create_group("A-Scan")
         for letter, turn in turns.items():
             pol = f"{letter.lower()}-pol"

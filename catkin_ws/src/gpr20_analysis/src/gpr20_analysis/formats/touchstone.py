@@ -12,6 +12,7 @@ from gpr20_analysis import dataset
 from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import usable_samples
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.read.analyzer_attributes import ATTRIBUTES
 
 IMPEDANCE_OHM = 50.0
 
@@ -32,6 +33,7 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
     frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
     folder.mkdir(parents=True, exist_ok=True)
     samples = usable_samples(survey)
+    settings = _settings(survey)
     for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
         scattering = np.zeros((len(frequency), 2, 2), np.complex128)
         scattering[:, 1, 0] = s21[place]
@@ -39,11 +41,17 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
         network = skrf.Network(frequency=frequency, s=scattering, z0=IMPEDANCE_OHM)
         network.comments = (
             f"GPR-20 survey {survey.attrs.get('survey_id', '')} sample {number}\n"
-            "only S21 was measured; S11, S12 and S22 are 0 in place of numbers"
+            f"only S21 was measured; S11, S12 and S22 are 0 in place of numbers{settings}"
         )
         name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
         network.write_touchstone(name, dir=str(folder), form="ri")
     return len(samples)
+
+
+def _settings(survey: xr.Dataset) -> str:
+    """Return those of the VNA as one more line of the comment; empty if none is known."""
+    known = [f"{one} {survey.attrs[one]}" for one in ATTRIBUTES if one in survey.attrs]
+    return "\n" + ", ".join(known) if known else ""
 
 
 def _skrf() -> Any:

@@ -5,17 +5,20 @@ from __future__ import annotations
 import dataclasses
 from typing import Dict, Tuple
 
-from gpr20_msgs.msg import AxisActionResult, ControlStatus, SurveyCoverage
+from gpr20_msgs.msg import AxisActionResult, ControlStatus, SurveyCoverage, Trace
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import trace_message
 
 # Bytes of an empty string or an empty list in a ROS message.
 EMPTY = 4
+FLOAT64, INT32 = 8, 4
 # By the checksum of the old definition: the present type, and the length of the fields that it
-# adds at its end. They are empty.
+# adds at its end. They are empty or zero.
 ADDED: Dict[str, Tuple[type, int]] = {
     "7b530785257ca423f317a80d75c5dad5": (ControlStatus, EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
     "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, EMPTY),
+    trace_message.FORMER_MD5SUM: (Trace, FLOAT64 + INT32 + EMPTY),
 }
 PRESENT = {kind._md5sum for kind, _length in ADDED.values()}  # type: ignore[attr-defined]
 

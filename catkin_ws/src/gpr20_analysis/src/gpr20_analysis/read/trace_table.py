@@ -11,6 +11,7 @@ import numpy as np
 from gpr20_analysis.read.sources import Fault, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 EMPTY = complex(math.nan, math.nan)
@@ -34,6 +35,7 @@ class Sample:
     height_m: float
     times_us: Tuple[int, int, int]
     remarks: Tuple[str, ...]
+    analyzer: AnalyzerSettings
 
     @classmethod
     def of(cls, trace: Trace, row: int) -> Sample:
@@ -46,6 +48,7 @@ class Sample:
             trace.antennae_height_m,
             (trace.timestamp_us, trace.sweep_started_us, trace.sweep_ended_us),
             tuple(trace.quality),
+            trace.analyzer,
         )
 
 

@@ -203,9 +203,9 @@ class _Verifier:
                 Message("{file} changed while it was read: {reason}", file=name, reason=reason)
             )
             return
-        misplaced = plan.misfits(trace)
-        self._found.faults += misplaced
-        self._found.stored += not misplaced
+        misfits = plan.misfits(trace) or plan.unlike_the_others(trace)
+        self._found.faults += misfits
+        self._found.stored += not misfits
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
+from gpr20_analysis.read.analyzer_attributes import AVERAGES, IF_BANDWIDTH, OUTPUT_POWER
 from gpr20_analysis.read.annotation_attributes import NOTES, OPERATOR, SITE, position_text
 from gpr20_common.message import Message, received_message, verbatim
 from gpr20_survey.trace.calibration import MEANINGS
@@ -71,6 +72,7 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     rows.append((verbatim("y"), _axis(survey[dataset.Y].values)))
     if dataset.FREQUENCY in survey.coords:
         rows.append((Message("frequency"), _frequency(survey[dataset.FREQUENCY].values)))
+    rows += _analyzer(survey.attrs)
     if dataset.HEIGHT in survey:
         rows.append((Message("height"), _height(survey[dataset.HEIGHT].values)))
     rows.append((Message("size"), Message("{size_mb:.1f} MB", size_mb=survey.nbytes / 1e6)))
@@ -173,6 +175,17 @@ def _frequency(values_hz: np.ndarray) -> Message:
         last_ghz=values_hz[-1] / GHZ,
         step_mhz=step / MHZ,
     )
+
+
+def _analyzer(attributes: Mapping[str, Any]) -> List[Row]:
+    rows: List[Row] = []
+    if IF_BANDWIDTH in attributes:
+        bandwidth = Message("{bandwidth:g} Hz", bandwidth=float(attributes[IF_BANDWIDTH]))
+        rows.append((Message("IF bandwidth"), bandwidth))
+    for name, title in ((AVERAGES, Message("averages")), (OUTPUT_POWER, Message("output power"))):
+        if name in attributes:
+            rows.append((title, verbatim(str(attributes[name]))))
+    return rows
 
 
 def _height(values_m: np.ndarray) -> Message:

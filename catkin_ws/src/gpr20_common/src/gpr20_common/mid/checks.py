@@ -9,6 +9,9 @@ from typing import Union
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
+# Far longer than any name of a VISA resource.
+MAX_VISA_CHARACTERS = 128
+
 
 def number_between(
     name: Union[str, Message], value: float, lower: float, upper: float, unit: str = ""
@@ -85,6 +88,27 @@ def ipv4_address(name: Union[str, Message], address: str) -> str:
                 "{name} is '{address}'; it must be four numbers of 0 to 255, such as 192.168.1.10",
                 name=name,
                 address=address[:64],
+            )
+        )
+    return address
+
+
+def visa_resource_name(name: Union[str, Message], address: str) -> str:
+    """Return the address if it has the form of a VISA resource name, with "::" between its parts.
+
+    Raises:
+        InvalidValueError: The text is anything else.
+    """
+    parts = address.split("::")
+    printable = address.isascii() and address.isprintable() and " " not in address
+    if len(parts) < 2 or not all(parts) or not printable or len(address) > MAX_VISA_CHARACTERS:
+        raise InvalidValueError(
+            Message(
+                "{name} is '{address}'; it must be the name of a VISA resource, such as "
+                "TCPIP0::192.168.1.10::inst0::INSTR, of at most {most} characters",
+                name=name,
+                address=address[:64],
+                most=MAX_VISA_CHARACTERS,
             )
         )
     return address

@@ -16,10 +16,12 @@ from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configur
 from gpr20_simulator.mid.scene import read_scene
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 SIMULATED, REAL = "simulated", "gpr20"
 ROBOT, SERVER, SURVEY = "robot", "server", "survey"
+SIMULATED_ANALYZER = AnalyzerKind.MS2026C.value
 LOOPBACK = "127.0.0.1"
 # The simulated robot stores no rotation; that of the real one outlives the power.
 ROTATION_FILE = "~/.gpr20/z_axis_steps"
@@ -117,8 +119,12 @@ class LaunchRequest:
         except Gpr20Error as error:
             raise LaunchRefusedError(error.message) from error
         sections["simulator"] = {**simulator, "scene": str(scene)}
-        # The instrument of the configuration is a real one.
-        sections["vna_acquisition"]["address"] = LOOPBACK
+        # The instrument of the configuration is a real one, perhaps of another kind.
+        analyzer = sections["vna_acquisition"]
+        if analyzer.get("analyzer", SIMULATED_ANALYZER) != SIMULATED_ANALYZER:
+            for key in ("analyzer", "maker", "model", "accepted_calibrations"):
+                analyzer.pop(key, None)
+        analyzer["address"] = LOOPBACK
 
     def _data_folder(self, sections: Sections) -> Path:
         given = {**sections["storage"], **({"data": self.data} if self.data.strip() else {})}

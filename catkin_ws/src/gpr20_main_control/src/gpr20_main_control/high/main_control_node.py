@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any, Dict
 
 import rosgraph
@@ -18,6 +18,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
@@ -93,7 +94,8 @@ class MainControlNode:
 
     def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:
         message = request.parameters
-        values = {name: getattr(message, name) for name in message.__slots__}
+        names = [one.name for one in fields(SurveyParameters)]
+        values = {name: getattr(message, name) for name in names}
         values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
         plan = self._control.set_parameters(SurveyParameters(**values))
         return SetSurveyParametersResponse(
@@ -115,7 +117,11 @@ class MainControlNode:
         return CommandResponse(success=True, **message_fields(self._control.pause()))
 
     def _resume(self, request: Any) -> ResumeSurveyResponse:
-        resuming = self._control.resume(request.survey)
+        try:
+            resuming = self._control.resume(request.survey, request.accept_analyzer)
+        except OtherAnalyzerError as error:
+            refused = message_fields(error.message)
+            return ResumeSurveyResponse(other_analyzer=error.identity, **refused)
         return ResumeSurveyResponse(success=True, **message_fields(resuming))
 
     def _health(self) -> diagnostics.Health:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import asdict
+from typing import Any, Tuple
 
 import numpy as np
 
@@ -11,16 +12,24 @@ from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import DeviceError, UnconfirmedError
 from gpr20_main_control.high.survey_topics import (
     SurveyTopics,
     coverage_message,
     progress_message,
 )
-from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey, SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.robot import (
+    AnalyzerSetup,
+    OpenedSurvey,
+    ReopenedSurvey,
+    SurveyEnd,
+    SurveyRecord,
+    UnconfirmedSweep,
+)
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     CloseSurvey,
+    ConfirmData,
     Connection,
     FreqSweepSetup,
     GetCalibrationStatus,
@@ -37,7 +46,7 @@ from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_N
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Reopening and closing read every file of a survey; opening a survey closes another one that is
@@ -45,10 +54,19 @@ from gpr20_survey.trace.trace import Trace
 WHOLE_SURVEY_LIMIT_S = 620.0
 # Services that are called for each trace; none of them moves anything.
 AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
+# The analyzer is set up with a sweep, which takes minutes with a narrow IF bandwidth and many
+# averages [s].
+SETUP_LIMIT_S = 900.0
+# The driver ends a request within the limit that it stated; its answer needs some time too [s].
+MARGIN_S = 5.0
 
 
 class DeviceService:
-    """A service of a device; its failures are raised as failures of the device."""
+    """A service of a device; its failures are raised as failures of the device.
+
+    Attributes:
+        time_limit_s: Time limit of a call [s].
+    """
 
     def __init__(self, device: Message, name: str, service_class: Any, time_limit_s: float) -> None:
         """Make a client of the service.
@@ -61,7 +79,7 @@ class DeviceService:
         """
         self._device = device
         self._client = ServiceClient(name, service_class, keep_open=name in AT_EVERY_POINT)
-        self._time_limit_s = time_limit_s
+        self.time_limit_s = time_limit_s
 
     def __call__(self, *request: Any, **fields: Any) -> Any:
         """Call the service and return the response of a success.
@@ -73,8 +91,32 @@ class DeviceService:
         Raises:
             DeviceError: No answer came, or the answer was a failure.
         """
+        return self._successful(self.response(*request, **fields))
+
+    def call_within(self, time_limit_s: float, **fields: Any) -> Any:
+        """Do the same with another time limit [s]."""
+        return self._successful(self._response_within(time_limit_s, **fields))
+
+    def response(self, *request: Any, **fields: Any) -> Any:
+        """Call the service and return its response, whatever it says.
+
+        Raises:
+            DeviceError: No answer came.
+        """
+        return self._response_within(self.time_limit_s, *request, **fields)
+
+    def refusal(self, response: Any) -> Message:
+        """Return the message of a failure."""
+        return Message("{reason}", reason=message_from(response), details=self._client.name)
+
+    def _successful(self, response: Any) -> Any:
+        if not response.success:
+            raise DeviceError(self.refusal(response))
+        return response
+
+    def _response_within(self, time_limit_s: float, *request: Any, **fields: Any) -> Any:
         try:
-            response = self._client.call(self._time_limit_s, *request, **fields)
+            return self._client.call(time_limit_s, *request, **fields)
         except ServiceUnavailableError as error:
             raise DeviceError(
                 Message(
@@ -83,11 +125,6 @@ class DeviceService:
                     details=error,
                 )
             ) from error
-        if not response.success:
-            raise DeviceError(
-                Message("{reason}", reason=message_from(response), details=self._client.name)
-            )
-        return response
 
 
 class RosAnalyzer:
@@ -97,15 +134,21 @@ class RosAnalyzer:
         def service(name: str, service_class: Any) -> DeviceService:
             return DeviceService(PLAIN_NAMES[ANALYZER], name, service_class, limit_s)
 
+        self._limit_s = limit_s
         self._connection = service("connection", Connection)
         self._setup = service("freq_sweep_setup", FreqSweepSetup)
         self._frequencies = service("get_freq", GetFreq)
         self._calibration = service("get_calibration_status", GetCalibrationStatus)
         self._data = service("get_data", GetData)
+        self._confirmation = service("confirm_data", ConfirmData)
 
     def connect(self, address: str) -> str:
         """Connect or reconnect, and return the instrument's identity."""
         return str(self._connection(connect=True, address=address).identity)
+
+    def release(self) -> None:
+        """Leave the instrument to its front panel; `connect` takes it back."""
+        self._connection(connect=False)
 
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration; raise if it is not accepted."""
@@ -114,32 +157,51 @@ class RosAnalyzer:
             raise DeviceError(message_from(answer))
         return CalibrationStatus(answer.status)
 
-    def configure(self, settings: SweepSettings) -> SweepSettings:
+    def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
-        accepted = self._setup(
+        answer = self._setup.call_within(
+            # The driver takes a sweep to learn how long one takes.
+            max(self._limit_s, SETUP_LIMIT_S),
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,
+            **asdict(settings.analyzer),
         )
-        return SweepSettings(
-            accepted.start_frequency_hz, accepted.stop_frequency_hz, accepted.points
+        accepted = AnalyzerSettings(answer.if_bandwidth_hz, answer.averages, answer.output_power)
+        limit_s = answer.request_limit_s + MARGIN_S
+        self._data.time_limit_s = self._confirmation.time_limit_s = limit_s
+        return AnalyzerSetup(
+            SweepSettings(
+                answer.start_frequency_hz, answer.stop_frequency_hz, answer.points, accepted
+            ),
+            answer.sweep_duration_s,
+            limit_s,
         )
 
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
         return np.array(self._frequencies().frequency_hz)
 
-    def sweep(self) -> Sweep:
+    def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""
-        data = self._data()
-        return Sweep(
+        data = self._data(confirm_later=True)
+        sweep = Sweep(
             frequency_hz=np.array(data.frequency_hz),
             s21_real=np.array(data.s21_real),
             s21_imag=np.array(data.s21_imag),
             sweep_started_us=microseconds(data.sweep_started),
             sweep_ended_us=microseconds(data.sweep_ended),
             quality=tuple(data.quality),
+            analyzer=_analyzer_settings(data),
         )
+        return UnconfirmedSweep(data.number, sweep)
+
+    def confirm(self, number: int) -> Tuple[str, ...]:
+        """Confirm that the last sweep was measured with the settings of the survey."""
+        answer = self._confirmation.response(number=number)
+        if not answer.success:
+            raise UnconfirmedError(self._confirmation.refusal(answer), answer.repeat)
+        return tuple(answer.quality)
 
 
 class RosHeightSensor:
@@ -224,3 +286,8 @@ class RosStorage:
             progress=progress,
             coverage=coverage,
         )
+
+
+def _analyzer_settings(data: Any) -> AnalyzerSettings:
+    """Return with what a sweep was measured."""
+    return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)

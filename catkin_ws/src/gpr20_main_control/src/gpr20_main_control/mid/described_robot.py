@@ -27,7 +27,12 @@ RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
 
 
 class DescribedRobot:
-    """Holds the description of each node; every method may be called from any thread."""
+    """Holds the description of each node; every method may be called from any thread.
+
+    Attributes:
+        site: The robot's name and place.
+        limits: How long the main control waits for the nodes.
+    """
 
     def __init__(
         self, site: Site, limits: TimeLimits, on_change: Callable[[DescribedRobot], None]
@@ -40,7 +45,7 @@ class DescribedRobot:
             on_change: Called after each new description.
         """
         self.site = site
-        self._limits = limits
+        self.limits = limits
         self._on_change = on_change
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
@@ -137,6 +142,6 @@ class DescribedRobot:
         return {
             "nodes": recorded_nodes(nodes),
             **{key: dict(one.configuration) for key, one in present.items()},
-            "time_limits": asdict(self._limits),
+            "time_limits": asdict(self.limits),
             "site": asdict(self.site),
         }

@@ -1,42 +1,51 @@
-"""The analyzer and the height sensor during one survey: their checks and one trace."""
+"""The analyzer and the height sensor of one survey: their checks, and what to expect of them."""
 
 from __future__ import annotations
 
-import uuid
-from dataclasses import dataclass
-from typing import Optional, Tuple
+from dataclasses import dataclass, field
+from typing import Callable, Optional, Tuple, TypeVar
 
 import numpy as np
 
-from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.clock_steps import ClockSteps
+from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import Position, Robot
-from gpr20_main_control.mid.serial_calls import in_background, result_of
+from gpr20_main_control.mid.robot import AnalyzerSetup, Robot
 from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_survey.errors import TraceRefusedError
+from gpr20_main_control.mid.wait_status import ExpectedWait, WaitStatus
+from gpr20_main_control.mid.workers import result_of
+from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_settings import HeightPolicy
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_survey.trace.trace import Trace
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class AnalyzerState:
-    """What is known about the analyzer before a survey."""
+    """What is known about the analyzer before a survey.
+
+    Attributes:
+        identity: What the instrument says it is.
+        calibration: The state of its calibration.
+        settings: As read back from it.
+        sweep_duration_s: How long one trace takes [s]; measured each time, so that two states of
+            the same analyzer are equal without it.
+    """
 
     identity: str
     calibration: CalibrationStatus
     settings: SweepSettings
+    sweep_duration_s: float = field(compare=False)
 
 
 class Instruments:
-    """Checks the instruments of one survey, and measures at the present position."""
+    """Checks the instruments of one survey, and knows what to expect of them."""
 
     def __init__(
         self,
@@ -44,115 +53,45 @@ class Instruments:
         robot: Robot,
         positioner: Positioner,
         interruption: Interruption,
-        clock_steps: ClockSteps,
+        waits: WaitStatus,
+        record: AnalyzerRecord,
     ) -> None:
-        self._clock_steps = clock_steps
         self._plan = plan
         self._robot = robot
         self._positioner = positioner
         self._interruption = interruption
-        # On a robot that runs N times faster, vibrations decay N times faster.
-        self._settle_s = plan.settings.settle_s / plan.config.time_scale
+        self._waits = waits
+        self._record = record
+        self._wanted = plan.sweep_settings
+        self._setup: Optional[AnalyzerSetup] = None
         self._frequencies_hz = np.empty(0) if plan.last is None else plan.last.frequency_hz
 
-    def check(self) -> AnalyzerState:
+    def check(self, next_index: int) -> AnalyzerState:
         """Check everything that the survey needs, and return the state of the analyzer.
 
         Nothing moves.
+
+        Args:
+            next_index: Index of the point that is measured next.
 
         Raises:
             DeviceError: A check failed.
         """
         self._positioner.check_alive()
         self._robot.description.check(self._plan.config)
-        analyzer = self._check_analyzer()
+        analyzer = self._check_analyzer(next_index)
         if self._plan.settings.on_height_failure == HeightPolicy.PAUSE.value:
-            height_call = in_background(self._robot.height_sensor.height_m)
-            result_of(height_call, self._interruption.check)
+            height_call = self._robot.workers.begin(self._robot.height_sensor.height_m)
+            with self._waits.shown(self.height_wait(None)) as check:
+                result_of(height_call, check)
         return analyzer
 
-    def measure(self, point: SurveyPoint) -> Trace:
-        """Measure one point; the axes must be there.
+    def height(self) -> Tuple[float, Tuple[str, ...]]:
+        """Return the height [m], and remarks on it; NaN if the survey may do without.
 
         Raises:
-            DeviceError: A part failed, or the axes moved during the sweep.
-            NodeLostError: A node does not answer or was restarted.
-            StopRequested: A stop of the survey was requested.
+            DeviceError: It could not be measured.
         """
-        try:
-            return self._measure(point)
-        except TraceRefusedError as error:
-            # The operator can remove the cause, such as a wrong clock: the survey pauses.
-            raise DeviceError(error.message) from error
-
-    def _measure(self, point: SurveyPoint) -> Trace:
-        self._interruption.wait_s(self._settle_s)
-        self._robot.description.check(self._plan.config)
-        before = self._positioner.position()
-        _check_position(point, before)
-        sweep, height_m, remarks = self._sweep_and_height()
-        self._interruption.check()
-        if self._positioner.position() != before:
-            raise DeviceError(
-                Message(
-                    "the axes moved during the sweep at point {index}; nothing else may move them "
-                    "during a survey",
-                    index=point.index,
-                )
-            )
-        self._check_sweep(sweep)
-        timestamp_us = time_of_day_us()
-        clock_step = self._clock_steps.check_trace(timestamp_us)
-        if clock_step is not None:
-            remarks += (storable_remark(str(clock_step)),)
-        measured = {**vars(sweep), "quality": sweep.quality + remarks}
-        return Trace(
-            **measured,
-            survey_id=self._plan.survey_id,
-            sample_id=str(uuid.uuid4()),
-            index=point.index,
-            timestamp_us=timestamp_us,
-            x_coord_mm=before.x_mm,
-            y_coord_mm=before.y_mm,
-            z_coord_deg=before.z_deg,
-            antennae_height_m=height_m,
-        )
-
-    def _check_analyzer(self) -> AnalyzerState:
-        analyzer, calls = self._robot.analyzer, self._robot.analyzer_calls
-        check = self._interruption.check
-        wanted = self._plan.parameters.sweep_settings
-        identity = calls.call(lambda: analyzer.connect(self._plan.parameters.vna_address), check)
-        self._robot.description.check_identity(identity, self._plan.config)
-        calibration = calls.call(analyzer.calibration, check)
-        accepted = calls.call(lambda: analyzer.configure(wanted), check)
-        if accepted != wanted:
-            raise DeviceError(
-                Message(
-                    "the VNA accepted {accepted} instead of {wanted}",
-                    accepted=_sweep_message(accepted),
-                    wanted=_sweep_message(wanted),
-                )
-            )
-        frequencies_hz = calls.call(analyzer.frequencies_hz, check)
-        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
-            raise DeviceError(
-                Message(
-                    "the VNA's frequencies are no longer those of this survey; stop the survey and "
-                    "start a new one"
-                )
-            )
-        self._frequencies_hz = frequencies_hz
-        return AnalyzerState(identity, calibration, accepted)
-
-    def _sweep_and_height(self) -> Tuple[Sweep, float, Tuple[str, ...]]:
-        height_call = in_background(self._height)
-        sweep_call = in_background(self._robot.analyzer.sweep)
-        sweep = result_of(sweep_call, self._interruption.check)
-        height_m, remarks = result_of(height_call, self._interruption.check)
-        return sweep, height_m, remarks
-
-    def _height(self) -> Tuple[float, Tuple[str, ...]]:
         failure: Optional[DeviceError] = None
         for _attempt in range(self._plan.settings.attempts):
             try:
@@ -166,7 +105,32 @@ class Instruments:
             Message("the antenna height could not be measured: {reason}", reason=failure.message)
         ) from failure
 
-    def _check_sweep(self, sweep: Sweep) -> None:
+    def height_wait(self, point: Optional[SurveyPoint]) -> ExpectedWait:
+        """Return what to expect of a height measurement, at a point or before the survey."""
+        action = Message("height")
+        if point is not None:
+            action = Message("height at point {index}", index=point.index)
+        attempts = 1 if point is None else self._plan.settings.attempts
+        limit_s = attempts * self._robot.description.limits.height_limit_s
+        return ExpectedWait(PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, limit_s)
+
+    def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of the sweep at a point."""
+        assert self._setup is not None
+        action = Message("sweep at point {index}", index=point.index)
+        return self._analyzer_wait(action, self._setup.sweep_duration_s)
+
+    def confirmation_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of the confirmation of a sweep."""
+        action = Message("settings after the sweep at point {index}", index=point.index)
+        return self._analyzer_wait(action)
+
+    def check_sweep(self, sweep: Sweep) -> None:
+        """Refuse a sweep of other frequencies than those of the survey.
+
+        Raises:
+            DeviceError: It has others.
+        """
         frequency_hz = sweep.frequency_hz
         if not np.array_equal(frequency_hz, self._frequencies_hz):
             first_hz, last_hz = float(frequency_hz[0]), float(frequency_hz[-1])
@@ -180,19 +144,46 @@ class Instruments:
                 )
             )
 
-
-def _check_position(point: SurveyPoint, position: Position) -> None:
-    planned = Position(point.x_mm, point.y_mm, point.z_deg)
-    if position != planned:
-        raise DeviceError(
-            Message(
-                "the axes are at {position} instead of {planned} before the sweep at point "
-                "{index}; nothing else may move them during a survey",
-                position=position.message,
-                planned=planned.message,
-                index=point.index,
+    def _check_analyzer(self, next_index: int) -> AnalyzerState:
+        analyzer = self._robot.analyzer
+        address = self._plan.parameters.vna_address
+        identity = self._call(lambda: analyzer.connect(address), Message("connection"))
+        self._robot.description.check_identity(identity, self._plan.config)
+        self._record.check(identity, next_index, self._interruption.clock.time_of_day_us())
+        calibration = self._call(analyzer.calibration, Message("calibration status"))
+        wanted = self._wanted
+        setup = self._call(lambda: analyzer.configure(wanted), Message("setup of the sweep"))
+        accepted = setup.settings
+        if not accepted.fulfils(wanted):
+            raise DeviceError(
+                Message(
+                    "the VNA accepted {accepted} instead of {wanted}",
+                    accepted=_sweep_message(accepted),
+                    wanted=_sweep_message(wanted),
+                )
             )
-        )
+        # What was left to the instrument stays as it is now: to the end of the survey.
+        self._wanted, self._setup = accepted, setup
+        frequencies_hz = self._call(analyzer.frequencies_hz, Message("frequencies"))
+        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
+            raise DeviceError(
+                Message(
+                    "the VNA's frequencies are no longer those of this survey; stop the survey and "
+                    "start a new one"
+                )
+            )
+        self._frequencies_hz = frequencies_hz
+        return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)
+
+    def _call(self, call: Callable[[], Result], action: Message) -> Result:
+        with self._waits.shown(self._analyzer_wait(action)) as check:
+            return self._robot.analyzer_calls.call(call, check)
+
+    def _analyzer_wait(self, action: Message, expected_s: float = 0.0) -> ExpectedWait:
+        limit_s = self._robot.description.limits.analyzer_limit_s
+        if self._setup is not None:
+            limit_s = max(limit_s, self._setup.request_limit_s)
+        return ExpectedWait(PLAIN_NAMES[ANALYZER], action, expected_s, limit_s)
 
 
 def _sweep_message(settings: SweepSettings) -> Message:

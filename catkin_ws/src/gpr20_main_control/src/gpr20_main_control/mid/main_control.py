@@ -28,6 +28,9 @@ from gpr20_survey.plan.survey_state import SurveyState
 REQUEST_LIMIT_S = 5.0
 # Nodes that are launched together have described themselves within this time [s].
 STARTING_LIMIT_S = 4.0
+# A resumption waits this long to learn whether the analyzer is another one [s]; it must end
+# before the next request gives up.
+ANALYZER_LIMIT_S = 4.0
 # The thread of a survey ends right after it has entered its final state [s].
 ENDING_LIMIT_S = 10.0
 
@@ -151,11 +154,12 @@ class MainControl:
             self._positioner.stop()
         return Message("Stopping the axes, then storing the measured traces")
 
-    def resume(self, survey: str) -> Message:
+    def resume(self, survey: str, accept_analyzer: str = "") -> Message:
         """Continue the paused survey, or one that was interrupted or ended early.
 
         Args:
             survey: Empty for the paused survey; otherwise a survey's id or its folder's name.
+            accept_analyzer: Identity of another analyzer with which to continue; usually empty.
 
         Returns:
             What happens now.
@@ -163,6 +167,7 @@ class MainControl:
         Raises:
             RequestRefusedError: There is nothing to resume, or this robot cannot resume it.
             DeviceError: The survey could not be reopened.
+            OtherAnalyzerError: The analyzer is another one; the survey is paused.
         """
         with self._one_at_a_time():
             status = self._status.status
@@ -179,8 +184,8 @@ class MainControl:
                 # Before the answer, after which the survey must no longer be shown as paused.
                 checking = Message("Checking the robot before the survey continues")
                 self._status.enter(SurveyState.CHECKING, checking)
-                self._engine.resume()
-                return Message("Resuming")
+                self._engine.resume(accept_analyzer)
+                return self._unless_refused(Message("Resuming"))
             self._refuse_while_running(
                 Message(
                     "no survey can be resumed while another one is running; stop it or wait for "
@@ -193,7 +198,7 @@ class MainControl:
                         "no survey is paused; name the survey to resume", details=status.state.name
                     )
                 )
-            return self._resume_from_disk(survey)
+            return self._unless_refused(self._resume_from_disk(survey, accept_analyzer))
 
     def shut_down(self, time_limit_s: float) -> None:
         """Interrupt a running survey, which can be resumed, and wait until it is closed."""
@@ -230,13 +235,21 @@ class MainControl:
                     )
                 )
 
-    def _resume_from_disk(self, survey: str) -> Message:
+    def _unless_refused(self, resuming: Message) -> Message:
+        """Return the message, unless the survey paused again because of its analyzer."""
+        assert self._engine is not None
+        refusal = self._engine.refusal(ANALYZER_LIMIT_S)
+        if refusal is not None:
+            raise refusal
+        return resuming
+
+    def _resume_from_disk(self, survey: str, accept_analyzer: str) -> Message:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
             config = self._robot.description.config(STARTING_LIMIT_S)
             plan = plan_resumption(reopened, config, self._settings)
-            self._begin(plan)
+            self._begin(plan, accept_analyzer)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
@@ -249,10 +262,11 @@ class MainControl:
         remark = interruption_remark(reopened.interrupted)
         return resuming if remark is None else in_a_row([resuming, remark])
 
-    def _begin(self, plan: SurveyPlan) -> None:
+    def _begin(self, plan: SurveyPlan, accept_analyzer: str = "") -> None:
         # First, so that nothing changes if the survey is refused here.
-        positioner = Positioner(self._robot.axes, plan.config.axes, self._interruption)
-        engine = SurveyEngine(plan, self._robot, self._status, positioner, self._interruption)
+        robot, interruption = self._robot, self._interruption
+        positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
+        engine = SurveyEngine(plan, robot, self._status, positioner, interruption, accept_analyzer)
         self._plan, self._engine, self._positioner = plan, engine, positioner
         self._status.show_parameters(plan.parameters)
         self._interruption.stop.clear()

@@ -11,7 +11,7 @@ from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.robot import Axis, AxisReading, Position
-from gpr20_main_control.mid.serial_calls import in_background, result_of
+from gpr20_main_control.mid.workers import Workers, result_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
@@ -43,7 +43,9 @@ class Positioner:
         axes: Mapping[AxisId, Axis],
         parameters: Dict[AxisId, AxisParameters],
         interruption: Interruption,
+        workers: Workers,
     ) -> None:
+        self._workers = workers
         self._axes = axes
         self._parameters = parameters
         self._interruption = interruption
@@ -113,7 +115,7 @@ class Positioner:
             StopRequested: A stop of the survey was requested.
         """
         pending = [one for one in self._axes if again or not self._reading(one).homed]
-        homings = [in_background(partial(self._home, axis_id)) for axis_id in pending]
+        homings = [self._workers.begin(partial(self._home, axis_id)) for axis_id in pending]
         failures = []
         for homing in homings:
             try:

@@ -13,8 +13,8 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.node_liveness import NodeLiveness
-from gpr20_main_control.mid.serial_calls import SerialCalls
 from gpr20_main_control.mid.survey_status import Status
+from gpr20_main_control.mid.workers import SerialCalls, Workers
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -96,6 +96,34 @@ class Axis(Protocol):
         """End any motion; returns at once."""
 
 
+@dataclass(frozen=True)
+class AnalyzerSetup:
+    """How the analyzer will measure.
+
+    Attributes:
+        settings: As read back from the instrument.
+        sweep_duration_s: How long one trace takes, with its averages [s]; 0 if nobody knows.
+        request_limit_s: Longest time that a sweep or its confirmation takes [s].
+    """
+
+    settings: SweepSettings
+    sweep_duration_s: float
+    request_limit_s: float
+
+
+@dataclass(frozen=True)
+class UnconfirmedSweep:
+    """A sweep whose data are fresh, but whose settings have not been read back yet.
+
+    Attributes:
+        number: Its number, for the confirmation.
+        sweep: The data.
+    """
+
+    number: int
+    sweep: Sweep
+
+
 class Analyzer(Protocol):
     """The vector network analyzer."""
 
@@ -105,14 +133,27 @@ class Analyzer(Protocol):
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration; raise if it is not accepted."""
 
-    def configure(self, settings: SweepSettings) -> SweepSettings:
+    def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
 
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
 
-    def sweep(self) -> Sweep:
+    def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""
+
+    def confirm(self, number: int) -> Tuple[str, ...]:
+        """Confirm that the last sweep was measured with the settings of the survey.
+
+        Returns:
+            Remarks on its quality, in addition to those of the sweep.
+
+        Raises:
+            UnconfirmedError: It was not, and must not be stored.
+        """
+
+    def release(self) -> None:
+        """Leave the instrument to its front panel; `connect` takes it back."""
 
 
 class HeightSensor(Protocol):
@@ -222,6 +263,7 @@ class Robot:
         storage: The storage of surveys.
         nodes: The processes of all parts.
         description: What the parts are, as they say themselves.
+        workers: The threads of calls that may be made at the same time.
         analyzer_calls: The calls that set up the analyzer.
         storage_calls: The calls that open, report and close surveys.
     """
@@ -232,6 +274,7 @@ class Robot:
     storage: Storage
     nodes: NodeLiveness
     description: DescribedRobot
+    workers: Workers = field(default_factory=Workers, init=False)
     # Shared by all surveys: a call that one survey gave up must not disturb the next.
     analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
     storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

@@ -54,19 +54,22 @@ class StorageQueue:
         """Number of traces that are not stored durably yet."""
         return len(self._traces)
 
-    def put(self, trace: Trace, check: Callable[[], None]) -> None:
-        """Accept a trace; it will be stored whatever the survey does next.
-
-        Args:
-            trace: What to store. It is accepted even if an error is raised.
-            check: Called repeatedly while there is no room; an error that it raises ends the wait.
-
-        Raises:
-            DeviceError: Storing has failed; the trace waits for `retry`.
-        """
+    def add(self, trace: Trace) -> None:
+        """Accept a trace; it will be stored whatever the survey does next."""
         with self._changed:
             self._traces.append(trace)
             self._changed.notify_all()
+
+    def wait_for_room(self, check: Callable[[], None]) -> None:
+        """Return when few enough traces wait for the disk.
+
+        Args:
+            check: Called repeatedly meanwhile; an error that it raises ends the wait.
+
+        Raises:
+            DeviceError: Storing has failed; the traces wait for `retry`.
+        """
+        with self._changed:
             self._wait_until_left(CAPACITY, check)
 
     def drain(self, check: Callable[[], None]) -> None:

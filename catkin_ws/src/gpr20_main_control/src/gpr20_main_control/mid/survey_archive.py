@@ -6,22 +6,26 @@ import contextlib
 import json
 from dataclasses import asdict
 from pathlib import PurePosixPath
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
 from gpr20_main_control.mid.instruments import AnalyzerState
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_main_control.mid.robot import Robot, SurveyEnd, SurveyRecord
-from gpr20_main_control.mid.storage_queue import StorageQueue
+from gpr20_main_control.mid.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey_report import SurveyReport
 from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.wait_status import ExpectedWait
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
+from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 
 Check = Callable[[], None]
@@ -39,7 +43,14 @@ class SurveyArchive:
         folder: The survey's folder; empty before it is made.
     """
 
-    def __init__(self, plan: SurveyPlan, robot: Robot, status: SurveyStatus, clock: Clock) -> None:
+    def __init__(
+        self,
+        plan: SurveyPlan,
+        robot: Robot,
+        status: SurveyStatus,
+        clock: Clock,
+        analyzers: AnalyzerRecord,
+    ) -> None:
         """Begin, or continue, the report of a survey.
 
         Raises:
@@ -48,12 +59,15 @@ class SurveyArchive:
         self._plan = plan
         self._storage, self._calls = robot.storage, robot.storage_calls
         self._recorded = robot.description.recorded
+        self._limit_s = robot.description.limits.storage_limit_s
         self._status = status
         self._clock = clock
         reopened = plan.reopened
         self.folder = "" if reopened is None else reopened.folder
         self.coverage = Coverage(plan.total_points, plan.stored_indices)
-        self._report = SurveyReport(self.coverage, "" if reopened is None else reopened.report_json)
+        report_json = "" if reopened is None else reopened.report_json
+        self._analyzers, self._reported_analyzers = analyzers, analyzers.used
+        self._report = SurveyReport(self.coverage, analyzers, report_json)
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
         self._closing_report = ""
@@ -79,18 +93,31 @@ class SurveyArchive:
         Raises:
             DeviceError: The disk has no room, or the folder cannot be made.
         """
+        self._remaining = RemainingTime(
+            self._plan.pending_durations_with_s(analyzer.sweep_duration_s)
+        )
         if self.folder:
             self.reopen(check)
+            if self._analyzers.used != self._reported_analyzers:
+                # Before the first trace of another analyzer.
+                self._send_report(self._report.to_json(), check)
+                self._reported_analyzers = self._analyzers.used
             return ""
         record = self._record_with(analyzer)
         opened = self._calls.call(lambda: self._storage.open(record), check)
         self.folder = opened.folder
+        self._reported_analyzers = self._analyzers.used
         return opened.interrupted
 
     def reopen(self, check: Check) -> None:
         """Reopen the survey in the storage; if it is open, nothing changes."""
         name = PurePosixPath(self.folder).name
         self._calls.call(lambda: self._storage.reopen(name), check)
+
+    def storing_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of the storage when it stores the trace of a point."""
+        action = Message("traces up to point {index}", index=point.index)
+        return ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (self._limit_s + RETRY_S))
 
     def start_timing(self) -> None:
         """Begin to count time as measuring time."""
@@ -214,7 +241,7 @@ def survey_record(
             "address": plan.parameters.vna_address,
             "calibration_status": int(analyzer.calibration),
             "calibration": str(analyzer.calibration.meaning),
-            "sweep": asdict(analyzer.settings),
+            "sweep": _recorded_sweep(analyzer),
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
         "settings": asdict(plan.settings),
@@ -223,3 +250,9 @@ def survey_record(
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)
     return SurveyRecord(plan.survey_id, time_of_day_us(), json.dumps(metadata), size)
+
+
+def _recorded_sweep(analyzer: AnalyzerState) -> Dict[str, Any]:
+    settings = asdict(analyzer.settings)
+    receiver = settings.pop("analyzer")
+    return {**settings, **receiver, "sweep_duration_s": analyzer.sweep_duration_s}

@@ -10,13 +10,15 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.analyzer_record import UsedAnalyzer, recorded_analyzers
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_cost import planned_durations_s
+from gpr20_survey.plan.survey_cost import SECONDS_PER_FREQUENCY, planned_durations_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Parameters of an axis that decide where its coordinates are on the ground.
@@ -46,6 +48,25 @@ class SurveyPlan:
     survey_id: str = ""
     reopened: Optional[ReopenedSurvey] = None
     annotation: Annotation = EMPTY
+
+    @property
+    def sweep_settings(self) -> SweepSettings:
+        """What each sweep covers, measured as the survey was measured so far."""
+        wanted = self.parameters.sweep_settings
+        if self.reopened is None:
+            return wanted
+        return replace(wanted, analyzer=_recorded_settings(self.reopened, wanted.analyzer))
+
+    @property
+    def analyzers(self) -> Sequence[UsedAnalyzer]:
+        """With which analyzers it was measured so far.
+
+        Raises:
+            SurveyError: The report of the survey that is resumed cannot be read.
+        """
+        if self.reopened is None:
+            return ()
+        return recorded_analyzers(self.reopened.metadata_json, self.reopened.report_json)
 
     @property
     def total_points(self) -> int:
@@ -78,6 +99,14 @@ class SurveyPlan:
         """Durations of the points that are not on the disk yet [s]."""
         return [self.durations_s[point.index] for point in self.pending]
 
+    def pending_durations_with_s(self, sweep_duration_s: float) -> List[float]:
+        """Return the same durations [s] with sweeps as long as measured [s]; 0 if unknown."""
+        if not sweep_duration_s:
+            return self.pending_durations_s
+        planned_s = SECONDS_PER_FREQUENCY * self.parameters.frequency_points
+        longer_s = sweep_duration_s - planned_s / self.config.time_scale
+        return [duration_s + longer_s for duration_s in self.pending_durations_s]
+
 
 def plan_survey(
     parameters: SurveyParameters, config: RobotConfig, settings: SurveySettings
@@ -89,7 +118,7 @@ def plan_survey(
     """
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
-    durations_s = planned_durations_s(points, parameters.frequency_points, config, settings)
+    durations_s = planned_durations_s(points, parameters.sweep_settings, config, settings)
     return SurveyPlan(parameters, config, settings, points, durations_s)
 
 
@@ -134,6 +163,18 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
         raise RequestRefusedError(_other_robot(reopened.folder, config.simulated))
     _check_axes(axes, config, reopened.folder)
     return parameters
+
+
+def _recorded_settings(reopened: ReopenedSurvey, wanted: AnalyzerSettings) -> AnalyzerSettings:
+    """Return the settings that the analyzer had at the survey's start, or else the wanted ones."""
+    try:
+        sweep = json.loads(reopened.metadata_json)["instrument"]["sweep"]
+        return AnalyzerSettings(
+            float(sweep["if_bandwidth_hz"]), int(sweep["averages"]), str(sweep["output_power"])
+        )
+    except (ValueError, KeyError, TypeError):
+        # Surveys of earlier versions do not have them.
+        return wanted
 
 
 def _other_robot(folder: str, simulated: bool) -> Message:

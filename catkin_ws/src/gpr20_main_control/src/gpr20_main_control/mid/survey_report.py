@@ -1,14 +1,16 @@
-"""The report of a survey beside its traces: coverage and repeat measurements."""
+"""The report of a survey beside its traces: coverage, repeat measurements, analyzers."""
 
 from __future__ import annotations
 
 import json
 import math
+from dataclasses import asdict
 from datetime import datetime, timezone
 from typing import Any, Dict, List
 
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import SurveyError
+from gpr20_main_control.mid.analyzer_record import ANALYZERS, AnalyzerRecord
 from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
 from gpr20_survey.plan.coverage import Coverage, SampleState
 
@@ -18,22 +20,28 @@ COVERAGE_LETTERS = {
     SampleState.REMEASURED: "r",
     SampleState.FAILED: "f",
 }
+# The report is bounded, however often an instrument fails; each trace has its own remarks.
+MAX_WARNINGS = 1000
 
 
 class SurveyReport:
     """Collects the entry `report` of survey.json."""
 
-    def __init__(self, coverage: Coverage, former_json: str = "") -> None:
+    def __init__(
+        self, coverage: Coverage, analyzers: AnalyzerRecord, former_json: str = ""
+    ) -> None:
         """Begin, or continue, a report.
 
         Args:
             coverage: The state of each planned sample.
+            analyzers: With which analyzers it is measured.
             former_json: The report of the survey before it was resumed; empty if none exists.
 
         Raises:
             SurveyError: The former report cannot be read.
         """
         self.coverage = coverage
+        self._analyzers = analyzers
         self._controls = _controls_of(former_json, coverage.planned)
         self._warnings = _warnings_of(former_json)
         for control in self._controls:
@@ -53,6 +61,8 @@ class SurveyReport:
 
     def note_warning(self, warning: Message, time_us: int) -> None:
         """Note a warning about the recording."""
+        if len(self._warnings) >= MAX_WARNINGS:
+            return
         self._warnings.append(
             {
                 "time": _iso_time(time_us),
@@ -81,6 +91,7 @@ class SurveyReport:
                 ],
                 "controls": self._controls,
                 "warnings": self._warnings,
+                ANALYZERS: [asdict(one) for one in self._analyzers.used],
             }
         )
 

@@ -29,6 +29,7 @@ class Status:
         remaining_s: Time to the end [s].
         missing: Which nodes do not answer; None if all answer.
         warning: A warning about the current or last survey; None if there is none.
+        waiting: What is waited for longer than expected; None otherwise.
     """
 
     state: SurveyState = SurveyState.IDLE
@@ -40,19 +41,21 @@ class Status:
     remaining_s: float = 0.0
     missing: Optional[Message] = None
     warning: Optional[Message] = None
+    waiting: Optional[Message] = None
 
     @property
     def full_message(self) -> Message:
-        """The message, preceded by a warning if nodes are missing or the survey has one."""
+        """What is waited for or the message, after a warning if there is one."""
+        present = self.message if self.waiting is None else self.waiting
         warnings = [one for one in (self.missing, self.warning) if one is not None]
         if not warnings:
-            return self.message
+            return present
         warning = in_a_row(warnings) if len(warnings) > 1 else warnings[0]
-        return Message("Warning: {warning}. {status}", warning=warning, status=self.message)
+        return Message("Warning: {warning}. {status}", warning=warning, status=present)
 
     def ended(self, state: SurveyState, message: Message) -> Status:
         """Return the status of this survey after its end."""
-        return replace(self, state=state, message=message, target=None)
+        return replace(self, state=state, message=message, target=None, waiting=None)
 
     @property
     def completion_percent(self) -> float:
@@ -98,12 +101,19 @@ class SurveyStatus:
         with self._lock:
             check_transition(self._status.state, state)
             target = self._status.target if state.running else None
-            self._change(replace(self._status, state=state, message=message, target=target))
+            self._change(
+                replace(self._status, state=state, message=message, target=target, waiting=None)
+            )
 
     def set_message(self, message: Message) -> None:
         """Change the message without changing the state."""
         with self._lock:
             self._change(replace(self._status, message=message))
+
+    def set_waiting(self, waiting: Optional[Message]) -> None:
+        """Show what is waited for instead of the message; None shows the message again."""
+        with self._lock:
+            self._change(replace(self._status, waiting=waiting))
 
     def set_missing(self, missing: Optional[Message]) -> None:
         """Set which nodes do not answer; None if all answer."""

@@ -36,7 +36,7 @@ class Repeat:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The survey may be paused here: no sample is being taken."""
+    """The survey may be paused here: no sweep is in progress, but one may be unconfirmed."""
 
 
 @dataclass(frozen=True)
@@ -47,15 +47,22 @@ class Move:
 
 
 @dataclass(frozen=True)
-class Measure:
-    """Settle, sweep and measure the height at a point."""
+class Settle:
+    """Wait until the axes have stopped vibrating, and measure the height meanwhile."""
 
     point: SurveyPoint
 
 
 @dataclass(frozen=True)
-class Store:
-    """Pass the trace of a point to the storage, which works in the background."""
+class Confirm:
+    """Wait until the sweep before is confirmed; its trace is stored in the background."""
+
+    point: SurveyPoint
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Take the sweep of a point, and begin to confirm it in the background."""
 
     point: SurveyPoint
 
@@ -65,31 +72,43 @@ class Finish:
     """Wait until everything is stored, and close the survey."""
 
 
-Step = Union[Check, Open, Home, Repeat, Checkpoint, Move, Measure, Store, Finish]
+Step = Union[Check, Open, Home, Repeat, Checkpoint, Move, Settle, Confirm, Sweep, Finish]
 
 
-@dataclass
 class SurveyProgress:
     """The progress of a survey, which decides on the remaining steps.
 
     Attributes:
-        measured: How many of the plan's pending points are measured.
-        last: The trace that was measured last; None before the first.
+        last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
-        repeat_last: Whether an axis was homed since the last trace was measured.
+        repeat_last: Whether an axis was homed since the last trace was confirmed.
     """
 
-    measured: int
-    last: Optional[Trace]
-    home_every_axis: bool
-    repeat_last: bool
-
-    @classmethod
-    def at_start(cls, plan: SurveyPlan) -> SurveyProgress:
-        """Return the progress of a survey that begins or is resumed from its folder."""
+    def __init__(self, plan: SurveyPlan) -> None:
+        """Begin a survey, or continue one from its folder."""
         resumed = plan.reopened is not None
-        return cls(0, plan.last, home_every_axis=resumed, repeat_last=resumed)
+        self.last = plan.last
+        self.home_every_axis = self.repeat_last = resumed
+        self._pending = plan.pending
+        self._confirmed = 0
+        self._awaiting = False
+
+    @property
+    def unconfirmed(self) -> Optional[SurveyPoint]:
+        """The point whose sweep is not confirmed yet; None if every sweep is."""
+        return self._pending[self._confirmed] if self._awaiting else None
+
+    @property
+    def next(self) -> Optional[SurveyPoint]:
+        """The point to measure next; None if every point is measured."""
+        measured = self._confirmed + self._awaiting
+        return self._pending[measured] if measured < len(self._pending) else None
+
+    @property
+    def all_confirmed(self) -> bool:
+        """Whether every point is measured and its sweep is confirmed."""
+        return self._confirmed == len(self._pending)
 
     def note_homed(self, any_axis: bool) -> None:
         """Note that the axes are homed.
@@ -100,10 +119,19 @@ class SurveyProgress:
         self.home_every_axis = False
         self.repeat_last = self.repeat_last or any_axis
 
-    def note_measured(self, trace: Trace) -> None:
-        """Note that the next pending point is measured."""
-        self.measured += 1
+    def note_swept(self) -> None:
+        """Note that the next point has a sweep, which is not confirmed yet."""
+        self._awaiting = True
+
+    def note_confirmed(self, trace: Trace) -> None:
+        """Note that the sweep that was not confirmed yet is confirmed now."""
+        self._awaiting = False
+        self._confirmed += 1
         self.last, self.repeat_last = trace, False
+
+    def note_rejected(self) -> None:
+        """Note that the sweep could not be confirmed: its point is the next to measure."""
+        self._awaiting = False
 
 
 def survey_steps(plan: SurveyPlan, progress: SurveyProgress) -> Iterator[Step]:
@@ -113,17 +141,23 @@ def survey_steps(plan: SurveyPlan, progress: SurveyProgress) -> Iterator[Step]:
 
     Args:
         plan: What the survey measures.
-        progress: The progress so far. Executing the steps updates it; whether the last point is
-            measured again is read from it after the axes are homed.
+        progress: The progress so far. Executing the steps updates it, and what comes next is read
+            from it: whether the last point is measured again after the axes are homed, and
+            whether a point is measured again because its sweep could not be confirmed.
     """
     yield Check()
     yield Open()
     yield Home(progress.home_every_axis)
     if progress.repeat_last and progress.last is not None:
         yield Repeat(plan.points[progress.last.index])
-    for point in plan.pending[progress.measured :]:
-        yield Checkpoint()
-        yield Move(point)
-        yield Measure(point)
-        yield Store(point)
+    while not progress.all_confirmed:
+        point = progress.next
+        if point is not None:
+            yield Checkpoint()
+            yield Move(point)
+            yield Settle(point)
+        if progress.unconfirmed is not None:
+            yield Confirm(progress.unconfirmed)
+        if point is not None and progress.next == point:
+            yield Sweep(point)
     yield Finish()

@@ -20,7 +20,7 @@ from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
 from gpr20_simulator.mid.carriage import carriage_position
 from gpr20_simulator.mid.faults import FaultSwitch
-from gpr20_simulator.mid.instrument import Capture
+from gpr20_simulator.mid.reply import Capture
 from gpr20_simulator.mid.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,
@@ -60,6 +60,8 @@ class SimulatorNode:
             "medium": self._part.parameters.medium,
             "vna_port": self._vna.server.port,
             "vna_links": self._vna.server.link_count,
+            "vna_is_remote": self._vna.instrument.is_remote,
+            "vna_is_continuous": sweeper.is_continuous and sweeper.is_running,
             "sweep_number": sweeper.sweep_number,
             "sweeps_completed": sweeper.sweeps_completed,
             "faults": faults or "none",

@@ -34,6 +34,10 @@ def pack_opaque(data: bytes) -> bytes:
     return _UINT.pack(len(data)) + data + b"\0" * (-len(data) % 4)
 
 
+class ProcedureUnavailable(Exception):
+    """A procedure acts as if the program did not have it."""
+
+
 class XdrReader:
     """Takes one item after the other from received bytes."""
 
@@ -171,4 +175,6 @@ def _outcome(
         result = procedure(arguments, caller)
     except XdrError:
         return pack_uint(AcceptStatus.GARBAGE_ARGUMENTS)
+    except ProcedureUnavailable:
+        return pack_uint(AcceptStatus.PROCEDURE_UNAVAILABLE)
     return None if result is None else pack_uint(AcceptStatus.SUCCESS) + result

@@ -110,6 +110,7 @@ class RpcTcpServer:
         longest_record: Longest call accepted [bytes].
         most_connections: Further clients are turned away at once.
         on_disconnect: Called with each connection after its last call.
+        is_reachable: While it returns False new connections are closed at once.
     """
 
     def __init__(
@@ -120,11 +121,13 @@ class RpcTcpServer:
         longest_record: int,
         most_connections: int,
         on_disconnect: Callable[[RpcConnection], None] = lambda _connection: None,
+        is_reachable: Callable[[], bool] = lambda: True,
     ) -> None:
         self._program = program
         self._longest_record = longest_record
         self._most_connections = most_connections
         self._on_disconnect = on_disconnect
+        self._is_reachable = is_reachable
         self._lock = threading.Lock()
         self._connections: List[RpcConnection] = []
         self._threads: List[threading.Thread] = []
@@ -186,6 +189,7 @@ class RpcTcpServer:
     def _admit(self, connection: RpcConnection) -> None:
         with self._lock:
             admitted = not self._closing and len(self._connections) < self._most_connections
+            admitted = admitted and self._is_reachable()
             if admitted:
                 self._connections.append(connection)
         if admitted:

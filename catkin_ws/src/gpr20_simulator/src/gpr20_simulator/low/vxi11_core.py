@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
-from typing import Callable, Optional, Protocol, Tuple
+from typing import Callable, Optional, Tuple
 
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.low import vxi11_protocol as protocol
+from gpr20_simulator.low.message_device import ClearSupport, MessageDevice, NetworkFault
 from gpr20_simulator.low.rpc import (
     Caller,
     Procedure,
+    ProcedureUnavailable,
     RpcProgram,
     XdrReader,
     pack_int,
@@ -22,45 +23,6 @@ from gpr20_simulator.low.vxi11_protocol import CoreProcedure, Error, Flag, Reaso
 
 DEVICE_NAME = b"inst0"
 MESSAGE_AVAILABLE = 0x10
-# A call is its data and a head; every head of VXI-11 and RPC fits into this.
-LONGEST_HEAD = 2048
-
-
-class NetworkFault(enum.Enum):
-    """What the network does wrong after something reached the device."""
-
-    NONE = "none"
-    ANSWER_LATE = "answer late"
-    NO_REPLY = "no reply"
-    DROP_CONNECTIONS = "drop connections"
-    GO_SILENT = "go silent"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a message.
-
-    Attributes:
-        answer: What the client can read now; empty if the message asked nothing.
-        fault: With ANSWER_LATE the answer can be read only after the next message, in front
-            of what that one asked for.
-    """
-
-    answer: bytes = b""
-    fault: NetworkFault = NetworkFault.NONE
-
-
-class MessageDevice(Protocol):
-    """A device with one name that several clients may talk to, each on its own thread."""
-
-    def opened(self) -> NetworkFault:
-        """Note that a client wants to talk to the device."""
-
-    def execute(self, message: bytes) -> Outcome:
-        """Carry out one complete message, with whatever terminator the client sent."""
-
-    def clear(self) -> None:
-        """Forget half-done work; settings stay."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +30,8 @@ class Limits:
     """What the server bears.
 
     Attributes:
-        receive_size: Longest data of one device_write [bytes].
+        receive_size: Longest data of one device_write [bytes]; more get an error.
+        record_size: Longest call [bytes]; a longer one ends the connection.
         reply_size: Longest data of one device_read [bytes].
         message_size: Longest message put together from several writes [bytes].
         links: Number of links at a time.
@@ -76,6 +39,7 @@ class Limits:
     """
 
     receive_size: int = 65536
+    record_size: int = 1 << 20
     reply_size: int = 1 << 20
     message_size: int = 1 << 20
     links: int = 16
@@ -114,6 +78,7 @@ class CoreChannel:
 
     def program(self) -> RpcProgram:
         """Return the program that clients call."""
+        device = self._device
         return RpcProgram(
             protocol.CORE_PROGRAM,
             protocol.VERSION,
@@ -124,8 +89,8 @@ class CoreChannel:
                 CoreProcedure.DEVICE_READSTB: self._device_readstb,
                 CoreProcedure.DEVICE_TRIGGER: self._generic(_unsupported),
                 CoreProcedure.DEVICE_CLEAR: self._generic(self._clear),
-                CoreProcedure.DEVICE_REMOTE: self._generic(_unsupported),
-                CoreProcedure.DEVICE_LOCAL: self._generic(_unsupported),
+                CoreProcedure.DEVICE_REMOTE: self._generic(lambda _l: device.set_remote(True)),
+                CoreProcedure.DEVICE_LOCAL: self._generic(lambda _l: device.set_remote(False)),
                 CoreProcedure.DEVICE_LOCK: self._device_lock,
                 CoreProcedure.DEVICE_UNLOCK: self._device_unlock,
                 CoreProcedure.DEVICE_ENABLE_SRQ: self._device_enable_srq,
@@ -155,7 +120,7 @@ class CoreChannel:
         )
 
     def _device_write(self, arguments: XdrReader, caller: Caller) -> Optional[bytes]:
-        call = protocol.WriteCall.read(arguments, self._limits.receive_size + LONGEST_HEAD)
+        call = protocol.WriteCall.read(arguments, self._limits.record_size)
         try:
             with self._links.call(call.link, caller) as link:
                 self._links.check_access(link, call.flags, call.lock_timeout_s)
@@ -180,13 +145,14 @@ class CoreChannel:
         message = bytes(link.incoming)
         link.incoming.clear()
         outcome = self._device.execute(message)
-        link.outgoing.extend(link.late)
+        for answer in link.late:
+            link.queue(answer)
         link.late.clear()
         if outcome.fault is NetworkFault.ANSWER_LATE:
             link.late.append(outcome.answer)
             return NetworkFault.NONE
         if outcome.answer:
-            link.outgoing.append(outcome.answer)
+            link.queue(outcome.answer)
         return outcome.fault
 
     def _device_read(self, arguments: XdrReader, caller: Caller) -> bytes:
@@ -241,10 +207,14 @@ class CoreChannel:
         return procedure
 
     def _clear(self, link: Link) -> None:
+        support = self._device.clear()
+        if support is ClearSupport.NO_PROCEDURE:
+            raise ProcedureUnavailable
+        if support is ClearSupport.ERROR_8:
+            raise LinkError(Error.NOT_SUPPORTED)
         link.incoming.clear()
         link.outgoing.clear()
         link.late.clear()
-        self._device.clear()
 
     def _device_lock(self, arguments: XdrReader, caller: Caller) -> bytes:
         number, flags = arguments.sint(), arguments.sint()

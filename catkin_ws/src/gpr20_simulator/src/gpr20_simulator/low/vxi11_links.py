@@ -16,6 +16,7 @@ from gpr20_simulator.low.vxi11_protocol import Error, Flag
 # How soon a waiting call notices that its client has gone.
 GONE_POLL_S = 0.2
 MOST_UNREAD_ANSWERS = 64
+MOST_UNREAD_BYTES = 4 << 20
 
 
 class LinkError(Exception):
@@ -43,10 +44,18 @@ class Link:
     incoming: bytearray = field(default_factory=bytearray)
     # An unread answer stays in front of the next one: a client that missed an answer and
     # continues reads the wrong one, as it would on an instrument.
-    outgoing: Deque[bytes] = field(default_factory=lambda: deque(maxlen=MOST_UNREAD_ANSWERS))
+    outgoing: Deque[bytes] = field(default_factory=deque)
     late: List[bytes] = field(default_factory=list)
     is_busy: bool = False
     is_aborted: bool = False
+
+    def queue(self, answer: bytes) -> None:
+        """Put an answer behind those not read yet; the oldest ones are lost if they are many."""
+        self.outgoing.append(answer)
+        while len(self.outgoing) > MOST_UNREAD_ANSWERS or (
+            len(self.outgoing) > 1 and sum(map(len, self.outgoing)) > MOST_UNREAD_BYTES
+        ):
+            self.outgoing.popleft()
 
 
 class LinkBook:

@@ -5,16 +5,11 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from gpr20_simulator.low import vxi11_protocol as protocol
+from gpr20_simulator.low.message_device import MessageDevice, NetworkFault
 from gpr20_simulator.low.portmapper import Mapping, Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import Caller, RpcProgram, XdrReader, pack_int
 from gpr20_simulator.low.rpc_server import RpcTcpServer
-from gpr20_simulator.low.vxi11_core import (
-    LONGEST_HEAD,
-    CoreChannel,
-    Limits,
-    MessageDevice,
-    NetworkFault,
-)
+from gpr20_simulator.low.vxi11_core import CoreChannel, Limits
 from gpr20_simulator.low.vxi11_links import LinkBook, LinkError
 from gpr20_simulator.low.vxi11_protocol import Error
 
@@ -43,12 +38,20 @@ class Vxi11Server:
         limits: Limits = Limits(),  # noqa: B008 - immutable
     ) -> None:
         self._links = LinkBook(limits.links)
-        longest_record = limits.receive_size + LONGEST_HEAD
-        most = limits.connections
-        self._abort = RpcTcpServer(host, 0, self._abort_program(), longest_record, most)
+        longest_record, most = limits.record_size, limits.connections
+        reachable = device.is_reachable
+        self._abort = RpcTcpServer(
+            host, 0, self._abort_program(), longest_record, most, is_reachable=reachable
+        )
         channel = CoreChannel(device, self._links, limits, self._abort.port, self._misbehave)
         self._core = RpcTcpServer(
-            host, port, channel.program(), longest_record, most, self._links.destroy_all_of
+            host,
+            port,
+            channel.program(),
+            longest_record,
+            most,
+            self._links.destroy_all_of,
+            reachable,
         )
         self._portmapper: Optional[Portmapper] = None
         if portmapper_port is not None:
@@ -82,6 +85,11 @@ class Vxi11Server:
         self._abort.stop()
         if self._portmapper:
             self._portmapper.stop()
+
+    def drop_connections(self) -> None:
+        """Close every connection."""
+        self._core.drop_connections()
+        self._abort.drop_connections()
 
     def _mappings(self) -> Tuple[Mapping, ...]:
         return (

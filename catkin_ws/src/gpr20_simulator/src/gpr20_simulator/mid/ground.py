@@ -69,12 +69,16 @@ class Ground:
         return self._scene.antennas.height_m - self.surface_height_m(x_mm, y_mm)
 
     def s21(
-        self, frequency_hz: np.ndarray, position: AntennaPosition, sweep_number: int
+        self,
+        frequency_hz: np.ndarray,
+        position: AntennaPosition,
+        sweep_number: int,
+        noise_gain: float = 1.0,
     ) -> np.ndarray:
         """Return the complex transmission at each frequency [Hz], with noise."""
         echoes = self.echoes(position)
         exponent = np.outer(frequency_hz, -2j * np.pi * echoes.delay_s - echoes.decay_s)
-        return np.exp(exponent) @ echoes.level + self._noise(len(frequency_hz))
+        return np.exp(exponent) @ echoes.level + noise_gain * self._noise(len(frequency_hz))
 
     def echoes(self, position: AntennaPosition) -> Echoes:
         """Return what comes back at a position."""

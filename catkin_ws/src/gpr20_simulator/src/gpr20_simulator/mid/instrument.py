@@ -3,30 +3,36 @@
 from __future__ import annotations
 
 import functools
-import random
+import re
 import threading
-from typing import Callable, List, Optional, Tuple, Union
+import time
+from typing import Callable, List, Optional, Set, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.low.vxi11_core import NetworkFault, Outcome
+from gpr20_common.message import Message
+from gpr20_simulator.errors import SceneError
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.mid import scpi
-from gpr20_simulator.mid.faults import FaultBoard, VnaFault
-from gpr20_simulator.mid.scene import InstrumentScene
+from gpr20_simulator.mid.calibration import Calibration
+from gpr20_simulator.mid.front_panel import Change
+from gpr20_simulator.mid.identity import Identity
+from gpr20_simulator.mid.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.reply import Answer, Capture, Reply, ReplyWriter
 from gpr20_simulator.mid.scpi import HeaderPattern, ScpiCommand, ScpiError
+from gpr20_simulator.mid.sweep_control import SweepControl
 from gpr20_simulator.mid.sweeper import Sweeper
-from gpr20_simulator.mid.trace_reader import DataReply, TraceReader
-from gpr20_simulator.mid.vna_commands import SETTINGS, SWEEP_TYPES, Numbers, on_off
+from gpr20_simulator.mid.trace_reader import TraceReader
+from gpr20_simulator.mid.vna_commands import SETTINGS, Numbers, on_off
+from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.vna_settings import SettingQueue, VnaSettings
 
-SWEEP_COMPLETE = 256
-ALL_PARAMETERS_CALIBRATED = 15
-COLLECTION_COMPLETED = 4
-WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'
+ENDLESS_DIGITS = "1" * 40_000 + "X"
+NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
 
-Answer = Union[str, DataReply]
 Query = Callable[[Numbers, str], Answer]
 Action = Callable[[str], None]
-Capture = Callable[[str, bytes], None]
+# A header as documented, and the numbers in it.
+Place = Tuple[str, Numbers]
 
 
 class SimulatedVna:
@@ -57,16 +63,20 @@ class SimulatedVna:
         self._description = description
         self._faults = faults
         self._seconds_per_point = seconds_per_point
-        self._capture = capture
         self._lock = threading.Lock()
         self._settings = VnaSettings()
         self._settings.is_corrected = description.calibration_accuracy > 0
         self._network_lost = False
-        self._random = random.Random(0)
+        self._writer = ReplyWriter(description, faults, capture)
+        self._is_remote = False
         self._queue = SettingQueue(clock, description.setting_delay_s)
-        self._traces = TraceReader(sweeper, faults, description)
+        self._identity = Identity(description, faults)
+        self._calibration = Calibration(description, faults)
+        self._control = SweepControl(sweeper, clock, faults, description, self._change_by_hand)
+        self._traces = TraceReader(sweeper, faults, description, self._identity, self._calibration)
         self._queries = self._query_rules()
         self._actions = self._action_rules()
+        self._unanswered = self._places_of(description.unanswered_queries)
         sweeper.set_continuous(True)
 
     @property
@@ -75,38 +85,66 @@ class SimulatedVna:
         with self._lock:
             return self._network_lost
 
+    @property
+    def is_remote(self) -> bool:
+        """Whether a client has taken control from the front panel."""
+        with self._lock:
+            return self._is_remote
+
+    def set_remote(self, remote: bool) -> None:
+        """Take control from the front panel, or give it back; a message takes it, too."""
+        with self._lock:
+            self._is_remote = remote
+
+    def is_reachable(self) -> bool:
+        """Return whether clients can connect."""
+        return not self._faults.is_on(VnaFault.LINK_GONE)
+
     def opened(self) -> NetworkFault:
         """Answer to a new link, unless a fault that stays keeps the network down."""
         if self._faults.is_permanent(VnaFault.HANG):
             return NetworkFault.NO_REPLY
-        if self._faults.is_permanent(VnaFault.DROP):
+        if self._faults.is_permanent(VnaFault.DROP) or not self.is_reachable():
             return NetworkFault.DROP_CONNECTIONS
+        with self._lock:
+            self._identity.connected()
         return NetworkFault.NONE
 
     def execute(self, message: bytes) -> Outcome:
         """Carry out the commands of one message."""
+        if self._description.message_s > 0.0:
+            # The time of a network and its client, not of the robot: it is never scaled.
+            time.sleep(self._description.message_s)
         with self._lock:
+            self._is_remote = True
             if self._faults.strikes(VnaFault.HANG):
                 return Outcome(fault=NetworkFault.NO_REPLY)
-            if self._faults.strikes(VnaFault.DROP):
+            if self._faults.strikes(VnaFault.DROP) or not self.is_reachable():
                 return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
             self._queue.apply_due()
-            answers: List[Answer] = []
+            reply = Reply()
             for command in scpi.split_message(message):
+                if command.is_query and reply.is_full:
+                    continue
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
                     self._network_lost = True
                     return Outcome(fault=NetworkFault.GO_SILENT)
                 answer = self._carry_out(command)
                 if answer is not None:
-                    answers.append(answer)
-            reply = self._reply(answers)
-            if reply and self._faults.strikes(VnaFault.LATE):
-                return Outcome(reply, NetworkFault.ANSWER_LATE)
-            return Outcome(reply)
+                    reply.add(answer)
+            written = self._writer.written(reply)
+            if written and self._faults.strikes(VnaFault.LATE):
+                return Outcome(written, NetworkFault.ANSWER_LATE)
+            return Outcome(written)
 
-    def clear(self) -> None:
+    def clear(self) -> ClearSupport:
         """Forget half-done work: there is none, each message is done when it is taken."""
+        if self._faults.strikes(VnaFault.NO_CLEAR):
+            return ClearSupport.NO_PROCEDURE
+        if self._faults.strikes(VnaFault.CLEAR_UNSUPPORTED):
+            return ClearSupport.ERROR_8
+        return ClearSupport.FULL
 
     def _carry_out(self, command: ScpiCommand) -> Optional[Answer]:
         try:
@@ -119,15 +157,47 @@ class SimulatedVna:
         return None
 
     def _ask(self, command: ScpiCommand) -> Optional[Answer]:
-        for header, answer in self._queries:
-            numbers = header.match(command.header)
+        found = self._find_query(command.header)
+        if found is None:
+            return None
+        place, query = found
+        if place in self._unanswered and self._faults.strikes(VnaFault.UNANSWERED_QUERY):
+            return None
+        answer = query(place[1], command.argument)
+        if isinstance(answer, str) and NUMBER.fullmatch(answer):
+            return ENDLESS_DIGITS if self._faults.strikes(VnaFault.ENDLESS_DIGITS) else answer
+        return answer
+
+    def _find_query(self, text: str) -> Optional[Tuple[Place, Query]]:
+        """Return which query a header is, and what answers it; None if there is none."""
+        for header, query in self._queries:
+            numbers = header.match(text)
             if numbers is not None:
-                return answer(numbers, command.argument)
+                return (header.pattern, numbers), query
         for setting in SETTINGS:
-            numbers = setting.header.match(command.header)
-            if numbers is not None and setting.reply is not None:
-                return setting.reply(self._settings, numbers)
+            numbers, reply = setting.header.match(text), setting.reply
+            if numbers is not None and reply is not None:
+                return (setting.header.pattern, numbers), functools.partial(self._read, reply)
         return None
+
+    def _read(
+        self, reply: Callable[[VnaSettings, Numbers], str], numbers: Numbers, _argument: str
+    ) -> str:
+        return reply(self._settings, numbers)
+
+    def _places_of(self, queries: Tuple[str, ...]) -> Set[Place]:
+        places = set()
+        for query in queries:
+            found = self._find_query(query.strip().rstrip("?"))
+            if found is None:
+                raise SceneError(
+                    Message(
+                        "unanswered_queries holds {query}; the simulated VNA has no such query",
+                        query=repr(query),
+                    )
+                )
+            places.add(found[0])
+        return places
 
     def _command(self, command: ScpiCommand) -> None:
         for header, act in self._actions:
@@ -138,6 +208,7 @@ class SimulatedVna:
             numbers = setting.header.match(command.header)
             if numbers is not None and setting.store is not None:
                 if not self._faults.strikes(VnaFault.REFUSE_SETTINGS):
+                    self._calibration.note_write(setting.header.pattern)
                     change = functools.partial(setting.store, self._settings, numbers)
                     self._queue.put(functools.partial(self._apply, change, command.argument))
                 return
@@ -148,28 +219,22 @@ class SimulatedVna:
         except ScpiError:
             # As on the instrument, only reading back shows that a value was not accepted.
             return
-        self._sweeper.configure(self._settings.plan(self._seconds_per_point))
+        self._configure()
 
-    def _reply(self, answers: List[Answer]) -> bytes:
-        if not answers or self._faults.strikes(VnaFault.SILENT):
-            return b""
-        parts = [one.encode("ascii") if isinstance(one, str) else one.block for one in answers]
-        reply = b";".join(parts)
-        if isinstance(answers[-1], str) or self._description.trailing_newline:
-            reply += b"\n"
-        if self._faults.strikes(VnaFault.GARBAGE):
-            reply = bytes(self._random.getrandbits(8) for _ in range(len(reply)))
-        for answer in answers:
-            if isinstance(answer, DataReply):
-                self._capture(answer.kind, reply)
-        return reply
+    def _change_by_hand(self, change: Change) -> None:
+        with self._lock:
+            change(self._settings)
+            self._configure()
+
+    def _configure(self) -> None:
+        plan = self._settings.plan(self._seconds_per_point, self._description.averaging)
+        self._sweeper.configure(plan)
 
     def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
-        accuracy = self._description.calibration_accuracy
-        is_calibrated = accuracy > 0
+        calibration, control = self._calibration, self._control
         rules: Tuple[Tuple[str, Query], ...] = (
-            ("*IDN", lambda _n, _a: self._identity()),
-            (":STATus:OPERation", lambda _n, _a: self._operation_status()),
+            ("*IDN", lambda _n, _a: self._identity.text()),
+            (":STATus:OPERation", lambda _n, _a: control.operation_status()),
             (":CALCulate#:DATA", lambda n, a: self._traces.calculated(self._settings, n, a)),
             (":TRACe[:DATA]", lambda _n, a: self._traces.trace_data(self._settings, a)),
             (":TRACe:PREamble", lambda _n, a: self._traces.preamble(self._settings, a)),
@@ -177,80 +242,44 @@ class SimulatedVna:
                 "[:SENSe#]:FREQuency:DATA",
                 lambda n, _a: self._traces.frequencies(self._settings, n),
             ),
-            (":INITiate:CONTinuous", lambda _n, _a: self._runs_continuously()),
-            (":INITiate:HOLD", lambda _n, _a: on_off(not self._sweeper.is_running)),
-            ("[:SENSe]:SWEep:TYPE", lambda _n, _a: self._sweep_type()),
+            (":INITiate:CONTinuous", lambda _n, _a: control.runs_continuously()),
+            (":INITiate:HOLD", lambda _n, _a: control.is_held()),
+            ("[:SENSe]:SWEep:TYPE", lambda _n, _a: control.sweep_type(self._settings)),
             (
                 "[:SENSe]:CORRection:COLLect:STATus:ACCuracy",
-                lambda _n, _a: str(accuracy if self._settings.is_corrected else 0),
+                lambda _n, _a: str(calibration.accuracy(self._settings)),
             ),
             (
                 "[:SENSe]:CORRection:COLLect:STATus",
-                lambda _n, _a: str(COLLECTION_COMPLETED if is_calibrated else 0),
+                lambda _n, _a: str(calibration.collection),
             ),
-            ("[:SENSe]:CORRection[:STATe]", lambda _n, _a: on_off(self._settings.is_corrected)),
             (
-                "[:SENSe]:CALibration:STATe",
-                lambda _n, _a: str(ALL_PARAMETERS_CALIBRATED if is_calibrated else 0),
+                "[:SENSe]:CORRection[:STATe]",
+                lambda _n, _a: on_off(calibration.is_applied(self._settings)),
             ),
-            (":SYSTem:OPTions", lambda _n, _a: self._options()),
+            ("[:SENSe]:CALibration:STATe", lambda _n, _a: str(calibration.parameters)),
+            (":SYSTem:OPTions", lambda _n, _a: self._identity.options()),
             (":INSTrument[:SELect]", lambda _n, _a: '"MWVNA"'),
             (":INSTrument:NSELect", lambda _n, _a: "26"),
         )
         return [(HeaderPattern(header), answer) for header, answer in rules]
 
     def _action_rules(self) -> List[Tuple[HeaderPattern, Action]]:
+        control = self._control
         rules: Tuple[Tuple[str, Action], ...] = (
-            (":INITiate[:IMMediate]", lambda _a: self._trigger()),
-            (":INITiate:CONTinuous", lambda a: self._set_continuous(scpi.switch(a))),
-            (":INITiate:HOLD", lambda a: self._sweeper.hold(scpi.switch(a))),
-            ("[:SENSe]:SWEep:TYPE", self._set_sweep_type),
+            (":INITiate[:IMMediate]", lambda _a: control.trigger(self._settings)),
+            (":INITiate:CONTinuous", lambda a: control.set_continuous(self._settings, a)),
+            (":INITiate:HOLD", lambda a: control.hold(self._settings, a)),
+            ("[:SENSe]:SWEep:TYPE", lambda a: control.set_sweep_type(self._settings, a)),
             ("[:SENSe]:AVERage:CLEar", lambda _a: self._sweeper.restart_average()),
             ("[:SENSe]:CORRection[:STATe]", self._set_correction),
             (":SYSTem:PRESet", lambda _a: self._preset()),
         )
         return [(HeaderPattern(header), act) for header, act in rules]
 
-    def _identity(self) -> str:
-        if self._faults.strikes(VnaFault.WRONG_IDENTITY):
-            return WRONG_IDENTITY
-        one = self._description
-        # The instrument wraps its identity in double quotes.
-        return f'"{one.manufacturer},{one.model},{one.serial},{one.firmware}"'
-
-    def _options(self) -> str:
-        _model, _slash, options = self._description.model.partition("/")
-        return options or "NONE"
-
-    def _operation_status(self) -> str:
-        return str(SWEEP_COMPLETE if self._sweeper.is_complete else 0)
-
-    def _runs_continuously(self) -> str:
-        return on_off(self._sweeper.is_continuous and self._sweeper.is_running)
-
-    def _sweep_type(self) -> str:
-        if self._settings.is_external:
-            return "EXT"
-        return "CONT" if self._sweeper.is_continuous else "SING"
-
-    def _trigger(self) -> None:
-        # With an external trigger nothing but that trigger starts a sweep; there is none here.
-        if not self._settings.is_external:
-            self._sweeper.trigger(stale=self._faults.strikes(VnaFault.STALE))
-
-    def _set_continuous(self, continuous: bool) -> None:
-        self._settings.is_external = False
-        self._sweeper.set_continuous(continuous)
-
-    def _set_sweep_type(self, argument: str) -> None:
-        sweep_type = scpi.chosen_keyword(argument, SWEEP_TYPES)
-        if not self._faults.strikes(VnaFault.REFUSE_SETTINGS):
-            self._settings.is_external = sweep_type == "EXT"
-            self._sweeper.set_continuous(sweep_type == "CONT")
-
     def _set_correction(self, argument: str) -> None:
         wanted = scpi.switch(argument)
-        if wanted and self._description.calibration_accuracy == 0:
+        if wanted and not self._calibration.exists:
             raise ScpiError("there is no calibration to correct with")
         if not self._faults.strikes(VnaFault.REFUSE_SETTINGS):
             self._settings.is_corrected = wanted
@@ -258,5 +287,5 @@ class SimulatedVna:
     def _preset(self) -> None:
         self._queue.clear()
         self._settings = VnaSettings()
-        self._sweeper.configure(self._settings.plan(self._seconds_per_point))
+        self._configure()
         self._sweeper.set_continuous(True)

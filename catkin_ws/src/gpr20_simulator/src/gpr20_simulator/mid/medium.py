@@ -34,7 +34,11 @@ class SweptMedium(Protocol):
     """Anything that has a transmission between the two antennas."""
 
     def s21(
-        self, frequency_hz: np.ndarray, position: AntennaPosition, sweep_number: int
+        self,
+        frequency_hz: np.ndarray,
+        position: AntennaPosition,
+        sweep_number: int,
+        noise_gain: float = 1.0,
     ) -> np.ndarray:
         """Return the complex transmission at each frequency.
 
@@ -42,6 +46,7 @@ class SweptMedium(Protocol):
             frequency_hz: Frequencies [Hz].
             position: Where the antennas are while these frequencies are measured.
             sweep_number: Number of the sweep that these points belong to.
+            noise_gain: Noise of the receiver, relative to that of the settings of power-on.
         """
 
 
@@ -56,9 +61,13 @@ class PositionProbe:
     """
 
     def s21(
-        self, frequency_hz: np.ndarray, position: AntennaPosition, sweep_number: int
+        self,
+        frequency_hz: np.ndarray,
+        position: AntennaPosition,
+        sweep_number: int,
+        noise_gain: float = 1.0,
     ) -> np.ndarray:
-        """Return the same number for every frequency."""
+        """Return the same number for every frequency, without noise."""
         turned = (position.rotation_deg - ROTATION_START_DEG) / ROTATION_SCALE_DEG
         value = complex(
             sweep_number % PROBED_SWEEPS + turned, position.x_mm + position.y_mm / Y_SCALE

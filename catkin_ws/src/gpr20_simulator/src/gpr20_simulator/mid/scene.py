@@ -17,7 +17,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.records import bounded, record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SceneError
-from gpr20_survey.plan.robot_description import SIMULATED_IDENTITY as SIMULATED
+from gpr20_simulator.mid.instrument_scene import InstrumentScene
 
 
 class Shape(enum.Enum):
@@ -172,46 +172,6 @@ class Adc:
     reference_voltage_v: float = bounded(1.0, 6.0, 3.3)
     noise_v: float = bounded(0.0, 1.0, 0.003)
     seed: int = bounded(0, 2**31 - 1, 40)
-
-
-@dataclass(frozen=True)
-class InstrumentScene:
-    """The simulated network analyzer.
-
-    Attributes:
-        manufacturer: First field of its identity.
-        model: Second field, options joined to it with "/".
-        serial: Third field; contains SIMULATED.
-        firmware: Fourth field.
-        calibration_accuracy: 0 none, 1 high, 2 power changed, 3 temperature moved, 4 low.
-        setting_delay_s: How long a setting takes to have an effect [s].
-        trailing_comma: Whether ASCII data end with a comma.
-        trailing_newline: Whether a newline follows a data block.
-        header_digits: Digits of a block's length, zero padded; 0: as few as it needs.
-        ascii_digits: Digits after the point in ASCII data; 8 keep a float32 exactly.
-    """
-
-    manufacturer: str = "Anritsu"
-    model: str = "MS2026C/2"
-    serial: str = SIMULATED
-    firmware: str = "1.23"
-    calibration_accuracy: int = bounded(0, 4, 1)
-    setting_delay_s: float = bounded(0.0, 10.0, 0.0)
-    trailing_comma: bool = True
-    trailing_newline: bool = True
-    header_digits: int = bounded(0, 9, 0)
-    ascii_digits: int = bounded(2, 16, 8)
-
-    def __post_init__(self) -> None:
-        if SIMULATED not in self.serial:
-            raise SceneError(
-                Message(
-                    "the serial number of the simulated VNA is {serial}; it must contain "
-                    "{marker}, so that its data are never taken for those of a real one",
-                    serial=repr(self.serial),
-                    marker=SIMULATED,
-                )
-            )
 
 
 @dataclass(frozen=True)

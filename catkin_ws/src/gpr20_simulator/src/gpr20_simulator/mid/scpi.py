@@ -7,7 +7,12 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
 _LEVEL = re.compile(r"(\[?):([A-Za-z]+)(#?)(\]?)")
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d{1,3})?)\s*([A-Za-z]*)")
+# No digit can belong to two repetitions, so a long number that is none is refused in linear time.
+_NUMBER = re.compile(
+    r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[Ee][+-]?[0-9]{1,3})?)\s*([A-Za-z]*)"
+)
+LONGEST_NUMBER = 64
+MOST_COMMANDS = 4096
 # Units of frequency; MAHZ is mega as well, because SCPI's MHZ could be read as milli.
 _HERTZ = {"": 1.0, "HZ": 1.0, "KHZ": 1e3, "MHZ": 1e6, "MAHZ": 1e6, "GHZ": 1e9}
 
@@ -133,20 +138,21 @@ def switch(text: str) -> bool:
 
 
 def _number_and_unit(text: str) -> Tuple[float, str]:
-    found = _NUMBER.fullmatch(text.strip())
+    found = _NUMBER.fullmatch(text.strip()) if len(text) <= LONGEST_NUMBER else None
     if found is None:
         raise ScpiError(f"'{text[:40]}' is not a number")
     return float(found.group(1)), found.group(2).upper()
 
 
 def split_message(message: bytes) -> List[ScpiCommand]:
-    """Return the commands of a message in their order.
+    """Return the commands of a message in their order, 4096 at most; more are ignored.
 
     The first header may lack its colon. A later one must have it; the instrument does
     not know what to do with one that lacks it, so it is left out.
     """
     commands = []
-    for place, part in enumerate(_parts(message.decode("latin-1").strip(" \t\r\n\0"))):
+    parts = _parts(message.decode("latin-1").strip(" \t\r\n\0"))
+    for place, part in enumerate(parts[:MOST_COMMANDS]):
         text = part.strip()
         if place == 0 and text[:1] not in (":", "*"):
             text = ":" + text

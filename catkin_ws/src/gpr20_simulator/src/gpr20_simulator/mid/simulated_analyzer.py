@@ -10,13 +10,15 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
-from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.instrument import Capture, SimulatedVna
+from gpr20_simulator.mid.instrument import SimulatedVna
+from gpr20_simulator.mid.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe, SweptMedium
-from gpr20_simulator.mid.scene import InstrumentScene, Scene
+from gpr20_simulator.mid.reply import Capture
+from gpr20_simulator.mid.scene import Scene
 from gpr20_simulator.mid.sweep_plan import SweepPace
 from gpr20_simulator.mid.sweeper import Sweeper
+from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.vna_settings import VnaSettings
 
 SLOWEST_POINT_S = 1.0
@@ -85,7 +87,7 @@ class SimulatedAnalyzer:
         capture: Capture = lambda _kind, _reply: None,
     ) -> None:
         self.faults = FaultBoard()
-        plan = VnaSettings().plan(options.seconds_per_point)
+        plan = VnaSettings().plan(options.seconds_per_point, description.averaging)
         pace = SweepPace().faster(options.time_scale)
         self.sweeper = Sweeper(medium, position_of, clock, plan, pace)
         self.instrument = SimulatedVna(
@@ -94,6 +96,7 @@ class SimulatedAnalyzer:
         self.server = Vxi11Server(
             self.instrument, port=options.port, portmapper_port=options.portmapper_port
         )
+        self.faults.on_set(self._apply_to_network)
 
     def start(self) -> None:
         """Switch it on."""
@@ -104,3 +107,7 @@ class SimulatedAnalyzer:
         """Switch it off."""
         self.server.stop()
         self.sweeper.stop()
+
+    def _apply_to_network(self, fault: VnaFault) -> None:
+        if fault is VnaFault.LINK_GONE:
+            self.server.drop_connections()

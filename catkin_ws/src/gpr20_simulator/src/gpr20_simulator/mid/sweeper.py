@@ -3,35 +3,26 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.low.clock import Clock
+from gpr20_simulator.mid.attention import Attention
 from gpr20_simulator.mid.medium import AntennaPosition, SweptMedium
-from gpr20_simulator.mid.sweep_plan import SweepPace, SweepPlan
+from gpr20_simulator.mid.sweep_plan import NO_FAULTS, SweepFaults, SweepPace, SweepPlan
+from gpr20_simulator.mid.trace_memory import SweepPart, TraceMemory
 
 IDLE_WAIT_S = 60.0
 STOP_TIMEOUT_S = 5.0
-
-
-@dataclass(frozen=True)
-class _Slice:
-    """Points of a sweep that are due now."""
-
-    generation: int
-    sweep_number: int
-    first: int
-    end: int
-    frequency_hz: np.ndarray
 
 
 class Sweeper:
     """Sweeps in its own thread, once or again and again.
 
     Data are those of the display: points of the present sweep as far as it has got, the
-    rest from before. Whoever reads in the middle of a sweep gets a mixture.
+    rest from before. Whoever reads in the middle of a sweep gets a mixture. Sweeps of a series
+    are computed only when somebody reads, from where the antennas were.
 
     Args:
         medium: What is measured.
@@ -49,7 +40,6 @@ class Sweeper:
         plan: SweepPlan,
         pace: SweepPace,
     ) -> None:
-        self._medium = medium
         self._position_of = position_of
         self._clock = clock
         self._pace = pace
@@ -60,6 +50,8 @@ class Sweeper:
         self._running = False
         self._single_shot = True
         self._discard = False
+        self._midway: Optional[Callable[[], None]] = None
+        self._faults = NO_FAULTS
         self._complete = False
         self._averaged = 0
         self._generation = 0
@@ -70,7 +62,8 @@ class Sweeper:
         self._paused_at_s: Optional[float] = None
         self._plan = plan
         self._frequency_hz = plan.frequency_hz()
-        self._data = np.zeros(plan.points, dtype=np.complex64)
+        self._memory = TraceMemory(medium, self._frequency_hz)
+        self._attention = Attention(clock, pace)
         self._thread = threading.Thread(target=self._run, name="sweeper", daemon=True)
 
     def start(self) -> None:
@@ -124,17 +117,19 @@ class Sweeper:
     def snapshot(self) -> Tuple[np.ndarray, np.ndarray]:
         """Return the frequencies [Hz] and the data (complex64) as they are now."""
         with self._lock:
-            return self._frequency_hz, self._data.copy()
+            if not self._is_read():
+                self._wake.set()
+            self._attention.note_read()
+            return self._frequency_hz, self._memory.data()
 
     def configure(self, plan: SweepPlan) -> None:
         """Sweep something else from now on; a sweep in progress restarts."""
         with self._lock:
             if plan == self._plan:
                 return
-            if plan.points != self._plan.points:
-                self._data = np.zeros(plan.points, dtype=np.complex64)
             self._plan = plan
             self._frequency_hz = plan.frequency_hz()
+            self._memory.set_frequencies(self._frequency_hz)
             self._complete = False
             self._averaged = 0
             self._paused_at_s = None
@@ -145,19 +140,24 @@ class Sweeper:
     def restart_average(self) -> None:
         """Forget the sweeps averaged so far."""
         with self._lock:
+            self._memory.compute()
             self._averaged = 0
 
-    def trigger(self, stale: bool = False) -> None:
+    def trigger(self, faults: SweepFaults = NO_FAULTS) -> None:
         """Run one sweep and hold again; a running series only restarts its sweep.
 
-        Args:
-            stale: A fault: report the sweep as complete at once and throw its data away.
+        If the plan waits for the average, that is as many new sweeps as are averaged.
         """
         with self._lock:
+            self._memory.compute()
             self._single_shot = not (self._continuous and self._running)
-            self._complete = stale
+            self._complete = faults.stale
+            self._faults = faults
+            self._midway = faults.midway
+            if self._plan.waits_for_average:
+                self._averaged = 0
             self._begin_sweep()
-            self._discard = stale
+            self._discard = faults.stale
         self._wake.set()
 
     def set_continuous(self, continuous: bool) -> None:
@@ -213,58 +213,87 @@ class Sweeper:
                 if self._stopping:
                     return
                 self._wake.clear()
-                due, wait_s = self._due_slice()
-            if due is None:
+                generation, (end, wait_s) = self._generation, self._due_end()
+            if end is None:
                 self._clock.wait_s(self._wake, wait_s)
             else:
-                self._measure(due)
+                self._measure(generation, end)
 
-    def _due_slice(self) -> Tuple[Optional[_Slice], float]:
-        """Return the slice to measure now, or how long to wait for it [s]."""
+    def _due_end(self) -> Tuple[Optional[int], float]:
+        """Return up to which point to measure now, or how long to wait [s]."""
         if not self._running:
             return None, IDLE_WAIT_S
-        plan = self._plan
-        end = min(self._next_point + self._points_per_slice(), plan.points)
-        due_s = self._started_s + end * plan.seconds_per_point
-        wait_s = due_s - self._clock.now_s()
-        if wait_s > 0.0:
-            return None, wait_s
-        first = self._next_point
-        frequency_hz = self._frequency_hz[first:end]
-        return _Slice(self._generation, self._sweep_number, first, end, frequency_hz), 0.0
+        end = min(self._next_point + self._points_per_look(), self._plan.points)
+        wait_s = self._started_s + end * self._point_s() - self._clock.now_s()
+        return (None, wait_s) if wait_s > 0.0 else (end, 0.0)
 
-    def _points_per_slice(self) -> int:
-        if self._plan.seconds_per_point <= 0.0:
-            return self._plan.points
-        return max(1, int(self._pace.slice_s / self._plan.seconds_per_point))
+    def _points_per_look(self) -> int:
+        point_s = self._point_s()
+        return max(1, int(self._look_s() / point_s)) if point_s > 0.0 else self._plan.points
 
-    def _measure(self, due: _Slice) -> None:
+    def _point_s(self) -> float:
+        return max(self._plan.seconds_per_point, self._faults.slowest_point_s)
+
+    def _look_s(self) -> float:
+        """Return how long the antennas are taken to stay where they are [s]."""
+        return self._pace.slice_s if self._is_watched() else self._pace.rest_s
+
+    def _is_watched(self) -> bool:
+        return self._single_shot or self._attention.is_needed
+
+    def _is_read(self) -> bool:
+        return self._single_shot or self._attention.is_read
+
+    def _measure(self, generation: int, end: int) -> None:
         position = self._position_of()
-        values = self._medium.s21(due.frequency_hz, position, due.sweep_number)
+        with self._lock:
+            if generation != self._generation or not self._running:
+                return
+            self._attention.note_position(position)
+            is_read, first, number = self._is_read(), self._next_point, self._sweep_number
+            part = SweepPart(number, first, end, position, self._plan.noise_gain)
+            midway = self._take_midway(end)
+            if is_read:
+                self._memory.compute()
+        # Without the lock: the physics take their time, and whoever changes the plan midway
+        # restarts the sweep.
+        values = self._memory.measured(part) if is_read else None
+        if midway:
+            midway()
         with self._lock:
             # Whoever changed the plan or triggered meanwhile wants nothing of this sweep.
-            if due.generation != self._generation or not self._running:
-                return
-            if not self._discard:
-                self._store(due, values)
-            self._next_point = due.end
-            if due.end == self._plan.points:
-                self._end_sweep()
+            if generation == self._generation and self._running:
+                self._store(part, values)
 
-    def _store(self, due: _Slice, values: np.ndarray) -> None:
+    def _take_midway(self, end: int) -> Optional[Callable[[], None]]:
+        if 2 * end < self._plan.points:
+            return None
+        midway, self._midway = self._midway, None
+        return midway
+
+    def _store(self, part: SweepPart, values: Optional[np.ndarray]) -> None:
         share = 1.0 / min(self._averaged + 1, self._plan.averages)
-        part = self._data[due.first : due.end]
-        # Without averaging the value itself: the difference would lose bits of it.
-        part[:] = values if share == 1.0 else part + (values - part) * share
+        if not self._discard:
+            self._memory.store(part, values, share)
+        self._next_point = part.end
+        if part.end == self._plan.points:
+            self._end_sweep()
 
     def _end_sweep(self) -> None:
-        self._complete = True
         self._sweeps_completed += 1
         self._averaged = min(self._averaged + 1, self._plan.averages)
-        if self._single_shot:
+        is_awaited = self._plan.waits_for_average and self._averaged < self._plan.averages
+        self._complete = self._complete or not is_awaited
+        if self._single_shot and not is_awaited:
             self._running = False
             return
-        duration_s = self._plan.points * self._plan.seconds_per_point
-        next_s = self._started_s + max(duration_s, self._pace.shortest_period_s)
+        is_discarded = self._discard and self._single_shot
+        self._begin_sweep(self._next_start_s())
+        self._discard = is_discarded
+
+    def _next_start_s(self) -> float:
+        duration_s = self._plan.points * self._point_s()
+        shortest_s = self._pace.shortest_period_s if self._is_watched() else self._pace.rest_s
+        next_s = self._started_s + max(duration_s, shortest_s)
         # A machine too slow for the pace gets fewer sweeps, not a backlog of them.
-        self._begin_sweep(max(next_s, self._clock.now_s() - self._pace.slice_s))
+        return max(next_s, self._clock.now_s() - self._look_s())

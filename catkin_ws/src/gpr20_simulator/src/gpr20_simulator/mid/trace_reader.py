@@ -8,11 +8,13 @@ from typing import Tuple
 import numpy as np
 
 from gpr20_simulator.mid import scpi
-from gpr20_simulator.mid.faults import FaultBoard, VnaFault
-from gpr20_simulator.mid.scene import InstrumentScene
+from gpr20_simulator.mid.calibration import Calibration
+from gpr20_simulator.mid.identity import Identity
+from gpr20_simulator.mid.instrument_scene import InstrumentScene, Power
 from gpr20_simulator.mid.sweeper import Sweeper
 from gpr20_simulator.mid.trace_formats import display_data, interleaved
 from gpr20_simulator.mid.vna_commands import Numbers, trace_of
+from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.vna_settings import BANDWIDTHS_HZ, TRACES, DataFormat, VnaSettings
 
 # INT,32 has no documented scale for these data; this one is the simulator's own.
@@ -74,7 +76,9 @@ class TraceReader:
     Args:
         sweeper: The receiver.
         faults: What goes wrong now.
-        description: Identity and the details of the blocks.
+        description: The details of the blocks.
+        identity: What the preamble says of the instrument.
+        calibration: What the preamble says of the correction.
     """
 
     def __init__(
@@ -82,10 +86,14 @@ class TraceReader:
         sweeper: Sweeper,
         faults: FaultBoard,
         description: InstrumentScene,
+        identity: Identity,
+        calibration: Calibration,
     ) -> None:
         self._sweeper = sweeper
         self._faults = faults
         self._description = description
+        self._identity = identity
+        self._calibration = calibration
 
     def calculated(self, settings: VnaSettings, numbers: Numbers, argument: str) -> DataReply:
         """Answer `:CALCulate<n>:DATA?`: complex data, or those of the display.
@@ -131,16 +139,16 @@ class TraceReader:
         number = scpi.whole_number_between(argument or "1", 1, TRACES)
         sweep_type = 2 if settings.is_external else int(self._sweeper.is_continuous)
         pairs = (
-            ("SN", self._description.serial),
+            ("SN", self._identity.serial),
             ("APP_VER", self._description.firmware),
             ("S_TYPE", trace_of(settings, (number,)).parameter),
             ("SWEEP_TYPE", sweep_type),
             ("AVERAGING_COUNT", self._sweeper.averaged),
             ("AVERAGING_FACTOR", settings.averages),
             ("IFBW", BANDWIDTHS_HZ.index(settings.bandwidth_hz)),
-            ("RF_SOURCE_POWER", int(settings.power == "HIGH")),
+            ("RF_SOURCE_POWER", int(settings.power is Power.HIGH)),
             # The instrument says 0 for on.
-            ("CAL_CORRECTION", int(not settings.is_corrected)),
+            ("CAL_CORRECTION", int(not self._calibration.is_applied(settings))),
             ("CURRENT_TEMPERATURE", BOARD_TEMPERATURE_QUARTERS),
             (f"TRACE_{number}_START_FREQ", f"{settings.start_hz / 1e6:.6f}"),
             (f"TRACE_{number}_STOP_FREQ", f"{settings.stop_hz / 1e6:.6f}"),

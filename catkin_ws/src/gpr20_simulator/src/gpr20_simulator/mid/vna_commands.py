@@ -7,6 +7,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_simulator.mid import scpi
 from gpr20_simulator.mid import vna_settings as known
+from gpr20_simulator.mid.instrument_scene import Power
 from gpr20_simulator.mid.scpi import HeaderPattern, ScpiError
 from gpr20_simulator.mid.vna_settings import DataFormat, TraceSettings, VnaSettings
 
@@ -121,7 +122,7 @@ def _select_trace(settings: VnaSettings, numbers: Numbers, _text: str) -> None:
 
 
 def _store_power(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.power = scpi.chosen_keyword(text, ("LOW", "HIGH"))
+    settings.power = Power(scpi.chosen_keyword(text, tuple(one.value for one in Power)))
 
 
 def _store_gain(settings: VnaSettings, _n: Numbers, text: str) -> None:
@@ -152,6 +153,6 @@ SETTINGS: Tuple[Setting, ...] = (
     _setting("[:SENSe]:RFON[:STATe]", lambda s, _n: on_off(s.rf_on_in_hold), _store_rf),
     _setting(":CALCulate#:FORMat", lambda s, n: trace_of(s, n).graph_type, _store_graph_type),
     _setting(":FORMat[:READings][:DATA]", lambda s, _n: s.data_format.value, _store_format),
-    _setting(":SOURce:POWer", lambda s, _n: s.power, _store_power),
+    _setting(":SOURce:POWer", lambda s, _n: s.power.value, _store_power),
     _setting(":INPut:GAIN:MODE", lambda s, _n: s.gain, _store_gain),
 )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections import deque
 from dataclasses import dataclass, field
 from typing import Callable, Deque, List, Tuple
 
 from gpr20_common.low.clock import Clock
+from gpr20_simulator.mid.instrument_scene import Averaging, Power
 from gpr20_simulator.mid.sweep_plan import SweepPlan
 
 LOWEST_HZ = 5e3
@@ -17,6 +19,10 @@ MOST_POINTS = 4001
 MOST_AVERAGES = 65535
 TRACES = 4
 POWER_ON_BANDWIDTH_HZ = 10000
+# Settling time of a filter times its bandwidth.
+SETTLING = 1.4
+# Low is -15 to -25 dBm, high +3 to -3 dBm.
+LOW_POWER_NOISE_GAIN = 10.0
 BANDWIDTHS_HZ = (100000, 50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100, 50, 20, 10)
 PARAMETERS = ("S11", "S21", "S12", "S22")
 DOMAINS = ("FREQuency", "TIME", "DISTance", "FGT")
@@ -78,7 +84,7 @@ class VnaSettings:
         trace_total: Number of traces shown.
         active_trace: Number of the active trace.
         traces: The four traces.
-        power: LOW or HIGH.
+        power: Output power of the source.
         gain: AUTO or FIX.
         rf_on_in_hold: Whether the source stays on while held.
         is_corrected: Whether the calibration is applied.
@@ -94,7 +100,7 @@ class VnaSettings:
     trace_total: int = TRACES
     active_trace: int = 1
     traces: List[TraceSettings] = field(default_factory=_power_on_traces)
-    power: str = "HIGH"
+    power: Power = Power.HIGH
     gain: str = "AUTO"
     rf_on_in_hold: bool = True
     is_corrected: bool = False
@@ -112,16 +118,34 @@ class VnaSettings:
         half_hz = min(span_hz / 2.0, centre_hz - LOWEST_HZ, HIGHEST_HZ - centre_hz)
         self.start_hz, self.stop_hz = centre_hz - half_hz, centre_hz + half_hz
 
-    def plan(self, seconds_per_point: float) -> SweepPlan:
+    def plan(
+        self, seconds_per_point: float, averaging: Averaging = Averaging.EACH_SWEEP
+    ) -> SweepPlan:
         """Return the sweep that these settings ask for.
 
         Args:
             seconds_per_point: Time of a point at the bandwidth of power-on [s]; 0: none at all.
+            averaging: When a triggered sweep with averaging is complete.
         """
-        # A filter needs about the inverse of its bandwidth to settle; narrower ones take longer.
-        longer_s = max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
+        # Narrower filters take longer to settle.
+        longer_s = SETTLING * max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
         point_s = seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0
-        return SweepPlan(self.start_hz, self.stop_hz, self.points, point_s, self.averages)
+        return SweepPlan(
+            self.start_hz,
+            self.stop_hz,
+            self.points,
+            point_s,
+            self.averages,
+            averaging is Averaging.ALL_SWEEPS,
+            self._noise_gain(),
+        )
+
+    def _noise_gain(self) -> float:
+        """Return the noise of S21 relative to that of the settings of power-on."""
+        # The power of noise goes with the bandwidth; less output power leaves it as it is while
+        # the signal gets weaker.
+        bandwidth_gain = math.sqrt(self.bandwidth_hz / POWER_ON_BANDWIDTH_HZ)
+        return bandwidth_gain * (LOW_POWER_NOISE_GAIN if self.power is Power.LOW else 1.0)
 
 
 class SettingQueue:

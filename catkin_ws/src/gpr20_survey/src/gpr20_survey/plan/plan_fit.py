@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any, List, Mapping
 
 import numpy as np
@@ -9,10 +10,28 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_survey.plan.recorded_plan import recorded_plan
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 # Early versions stored the instrument's own list, which is in single precision [Hz].
 FREQUENCY_TOLERANCE_HZ = 512.0
+
+
+def recorded_settings(description: Mapping[str, Any]) -> AnalyzerSettings:
+    """Return the settings that the analyzer had when a survey began; empty if not recorded.
+
+    Args:
+        description: The content of survey.json.
+    """
+    instrument = description.get("instrument")
+    sweep = instrument.get("sweep") if isinstance(instrument, dict) else None
+    recorded = sweep if isinstance(sweep, dict) else {}
+    known = {
+        field.name: recorded[field.name]
+        for field in dataclasses.fields(AnalyzerSettings)
+        if type(recorded.get(field.name)) is type(field.default)
+    }
+    return AnalyzerSettings(**known)
 
 
 class PlanFit:
@@ -30,10 +49,20 @@ class PlanFit:
         parameters, self._travel = recorded_plan(description)
         self.points: List[SurveyPoint] = survey_points(parameters, self._travel)
         self._frequencies_hz = parameters.sweep_settings.frequencies_hz()
+        self._wanted = parameters.sweep_settings.analyzer
+        self._recorded = recorded_settings(description)
 
     def misfits(self, trace: Trace) -> List[Message]:
         """Return the differences between a trace and the plan for its index."""
-        return self.misplaced(trace) or self._other_frequencies(trace)
+        return (
+            self.misplaced(trace)
+            or self._other_frequencies(trace)
+            or _other_settings(trace, self._wanted)
+        )
+
+    def unlike_the_others(self, trace: Trace) -> List[Message]:
+        """Return how the analyzer's settings differ from those at the start of the survey."""
+        return _other_settings(trace, self._recorded)
 
     def misplaced(self, trace: Trace) -> List[Message]:
         """Return the same, but of the frequencies only their number."""
@@ -93,3 +122,16 @@ class PlanFit:
                 planned_hz=float(planned[first]),
             )
         ]
+
+
+def _other_settings(trace: Trace, wanted: AnalyzerSettings) -> List[Message]:
+    if trace.analyzer.fulfils(wanted):
+        return []
+    return [
+        Message(
+            "trace {index} was measured with other settings of the VNA: {own} instead of {wanted}",
+            index=trace.index,
+            own=trace.analyzer.message,
+            wanted=wanted.message,
+        )
+    ]

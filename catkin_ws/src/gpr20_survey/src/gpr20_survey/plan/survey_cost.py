@@ -14,10 +14,12 @@ from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
-# What the robot's group states for this instrument; a longer sweep only makes the
-# estimate before the first trace too short.
+# What the robot's group states for this instrument, at its usual IF bandwidth; a longer sweep
+# only makes the estimate before the first trace too short.
 SECONDS_PER_FREQUENCY = 350.0e-6
+USUAL_IF_BANDWIDTH_HZ = 10_000.0
 # A JSON file holds three numbers of up to 24 characters per frequency, each recording
 # three doubles; the two recordings hardly compress noise.
 BYTES_PER_FREQUENCY = 3 * 24 + 2 * 3 * 8
@@ -50,13 +52,24 @@ class MeasuringTimes:
 
     settle_s: float
     height_s: float
-    frequency_points: int
+    sweep: SweepSettings
 
     @property
     def total_s(self) -> float:
-        """Time at one point [s]; sweep and height are measured together."""
-        sweep_s = SECONDS_PER_FREQUENCY * self.frequency_points
-        return self.settle_s + max(sweep_s, self.height_s)
+        """Time at one point [s]; the height is measured while vibrations settle."""
+        return max(self.settle_s, self.height_s) + sweep_duration_s(self.sweep)
+
+
+def sweep_duration_s(sweep: SweepSettings) -> float:
+    """Return about how long a trace takes [s], with its averages.
+
+    A narrower IF bandwidth makes each frequency longer by the time that its filter needs.
+    """
+    per_frequency_s = SECONDS_PER_FREQUENCY
+    if sweep.analyzer.if_bandwidth_hz:
+        slower_s = 1.0 / sweep.analyzer.if_bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ
+        per_frequency_s += max(0.0, slower_s)
+    return sweep.points * per_frequency_s * max(1, sweep.analyzer.averages)
 
 
 def survey_cost(
@@ -64,7 +77,7 @@ def survey_cost(
 ) -> SurveyCost:
     """Return what a survey with these parameters costs on this robot."""
     points = survey_points(parameters, config.travel)
-    duration_s = sum(planned_durations_s(points, parameters.frequency_points, config, settings))
+    duration_s = sum(planned_durations_s(points, parameters.sweep_settings, config, settings))
     return SurveyCost(
         duration_s, needed_bytes(len(points), parameters.frequency_points, duration_s)
     )
@@ -72,12 +85,12 @@ def survey_cost(
 
 def planned_durations_s(
     points: Sequence[SurveyPoint],
-    frequency_points: int,
+    sweep: SweepSettings,
     config: RobotConfig,
     settings: SurveySettings,
 ) -> List[float]:
     """Return how long each point of a survey takes on this robot [s]."""
-    times = MeasuringTimes(settings.settle_s, settings.height_s, frequency_points)
+    times = MeasuringTimes(settings.settle_s, settings.height_s, sweep)
     durations_s = point_durations_s(points, move_durations(config.axes), times)
     return [duration_s / config.time_scale for duration_s in durations_s]
 

@@ -4,19 +4,31 @@ from __future__ import annotations
 
 import enum
 import math
+import re
 from dataclasses import dataclass
 from typing import Callable, Iterable, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.checks import ipv4_address, number_between
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 # Range of the MS2026C (Anritsu 10580-00306, [SENSe]:FREQuency:STARt).
 MIN_FREQUENCY_HZ = 5.0e3
 MAX_FREQUENCY_HZ = 6.0e9
 MIN_FREQUENCY_POINTS = 2
 MAX_FREQUENCY_POINTS = 4000
+MIN_FREQUENCY_SPACING_HZ = 1.0
+# Of the MS2026C (Anritsu 10580-00306, [SENSe]:SWEep:IFBW and :SOURce:POWer).
+IF_BANDWIDTHS_HZ = (
+    *(10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0),
+    *(10_000.0, 20_000.0, 50_000.0, 100_000.0),
+)
+OUTPUT_POWERS = ("LOW", "HIGH")
+# Wider than those of the MS2026C: other analyzers have other values. The driver checks the rest.
+MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ = 1.0, 1.0e7
+MAX_AVERAGES = 65535
+OUTPUT_POWER = re.compile(r"[A-Za-z0-9+.-]{0,16}")
 # The area that the parameters of a survey may name; each axis may allow less.
 MIN_COORDINATE_MM = 0.0
 MAX_COORDINATE_MM = 800.0
@@ -50,7 +62,8 @@ class RobotTravel:
 class SurveyParameters:
     """What a survey measures; frequencies in Hz, coordinates in mm, rotations in degrees.
 
-    An empty `vna_address` means that of the robot's configuration.
+    An empty `vna_address` means that of the robot's configuration. `if_bandwidth_hz`, `averages`
+    and `output_power` are settings of the VNA; 0 or empty leaves them as the instrument has them.
     """
 
     vna_address: str
@@ -64,6 +77,9 @@ class SurveyParameters:
     y_stop_mm: float
     y_points: int
     polarizations_deg: Tuple[float, ...] = DEFAULT_POLARIZATIONS_DEG
+    if_bandwidth_hz: float = 0.0
+    averages: int = 0
+    output_power: str = ""
 
     @property
     def total_points(self) -> int:
@@ -72,8 +88,13 @@ class SurveyParameters:
 
     @property
     def sweep_settings(self) -> SweepSettings:
-        """What each sweep covers."""
-        return SweepSettings(self.start_frequency_hz, self.stop_frequency_hz, self.frequency_points)
+        """What each sweep covers, and how it is measured."""
+        return SweepSettings(
+            self.start_frequency_hz,
+            self.stop_frequency_hz,
+            self.frequency_points,
+            AnalyzerSettings(self.if_bandwidth_hz, self.averages, self.output_power),
+        )
 
 
 class SurveyParametersError(InvalidValueError):
@@ -99,6 +120,10 @@ class Rule(enum.Enum):
     STOP_FREQUENCY = "stop frequency"
     FREQUENCY_ORDER = "frequency order"
     FREQUENCY_POINTS = "frequency points"
+    FREQUENCY_SPACING = "frequency spacing"
+    IF_BANDWIDTH = "IF bandwidth"
+    AVERAGES = "averages"
+    OUTPUT_POWER = "output power"
     X_START = "x start"
     X_STOP = "x stop"
     X_POINTS = "x points"
@@ -136,6 +161,13 @@ def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Pro
         (Rule.STOP_FREQUENCY, lambda: _frequency(Message("stop frequency"), p.stop_frequency_hz)),
         (Rule.FREQUENCY_ORDER, lambda: _ascending_frequencies(p)),
         (Rule.FREQUENCY_POINTS, lambda: _frequency_points(p.frequency_points)),
+        (Rule.FREQUENCY_SPACING, lambda: _frequency_spacing(p)),
+        (Rule.IF_BANDWIDTH, lambda: _if_bandwidth(p.if_bandwidth_hz)),
+        (
+            Rule.AVERAGES,
+            lambda: number_between(Message("averages"), p.averages, 0, MAX_AVERAGES),
+        ),
+        (Rule.OUTPUT_POWER, lambda: _output_power(p.output_power)),
         (Rule.X_START, lambda: _coordinate(Message("x start"), p.x_start_mm, travel.x)),
         (Rule.X_STOP, lambda: _coordinate(Message("x stop"), p.x_stop_mm, travel.x)),
         (Rule.X_POINTS, lambda: _grid_points("x", p.x_points)),
@@ -164,8 +196,11 @@ def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Pro
 
 
 def _address(address: str) -> None:
-    # Empty: that of the robot's configuration.
-    if address:
+    # Empty: that of the robot's configuration. Which of the two forms it must have is known to the
+    # driver alone.
+    if "::" in address:
+        visa_resource_name(Message("VNA address"), address)
+    elif address:
         ipv4_address(Message("VNA address"), address)
 
 
@@ -185,6 +220,41 @@ def _ascending_frequencies(p: SurveyParameters) -> None:
                 "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
                 start=f"{p.start_frequency_hz:.12g}",
                 stop=f"{p.stop_frequency_hz:.12g}",
+            )
+        )
+
+
+def _frequency_spacing(p: SurveyParameters) -> None:
+    if p.frequency_points < MIN_FREQUENCY_POINTS:
+        return
+    span_hz = p.stop_frequency_hz - p.start_frequency_hz
+    spacing_hz = span_hz / (p.frequency_points - 1)
+    # A span that is not finite or not above zero is reported with its frequencies.
+    if math.isfinite(spacing_hz) and 0.0 < spacing_hz < MIN_FREQUENCY_SPACING_HZ:
+        raise InvalidValueError(
+            Message(
+                "start frequency, stop frequency and points give frequencies {spacing} Hz apart; "
+                "they must be at least {least:g} Hz apart",
+                spacing=f"{spacing_hz:.6g}",
+                least=MIN_FREQUENCY_SPACING_HZ,
+            )
+        )
+
+
+def _if_bandwidth(bandwidth_hz: float) -> None:
+    if bandwidth_hz != 0.0:
+        number_between(
+            Message("IF bandwidth"), bandwidth_hz, MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ, "Hz"
+        )
+
+
+def _output_power(power: str) -> None:
+    if not OUTPUT_POWER.fullmatch(power):
+        raise InvalidValueError(
+            Message(
+                "output power is {power}; use up to 16 letters, digits, signs and points, such as "
+                "LOW or HIGH",
+                power=repr(power[:64]),
             )
         )
 

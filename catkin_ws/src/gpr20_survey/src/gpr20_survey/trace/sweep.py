@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NoReturn, Tuple
 
@@ -10,9 +11,14 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 MIN_POINTS, MAX_POINTS = 2, 4001
 MAX_REMARKS, MAX_REMARK_CHARACTERS = 32, 200
+# Far beyond what any analyzer has.
+MAX_IF_BANDWIDTH_HZ = 1.0e9
+MAX_AVERAGES = 1_000_000
+MAX_POWER_CHARACTERS = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +34,7 @@ class Sweep:
         sweep_started_us: Just before the sweep was triggered [us since 1970, UTC].
         sweep_ended_us: When its end was seen [us since 1970, UTC].
         quality: Remarks on the quality; empty if there are none.
+        analyzer: How the analyzer measured, as read back from it; 0 or empty: not known.
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
@@ -39,11 +46,13 @@ class Sweep:
     sweep_started_us: int
     sweep_ended_us: int
     quality: Tuple[str, ...]
+    analyzer: AnalyzerSettings
 
     def __post_init__(self) -> None:
         self._check_numbers()
         self._check_sweep_times()
         self._check_quality()
+        self._check_analyzer()
 
     @property
     def duration_s(self) -> float:
@@ -127,6 +136,24 @@ class Sweep:
                     )
                 )
 
+    def _check_analyzer(self) -> None:
+        bandwidth_hz = self.analyzer.if_bandwidth_hz
+        # Written so that NaN is refused, and a negative zero, which is the same in no stored form.
+        if not 0.0 <= bandwidth_hz <= MAX_IF_BANDWIDTH_HZ or math.copysign(1.0, bandwidth_hz) < 0.0:
+            _refuse_outside("if_bandwidth_hz", bandwidth_hz, MAX_IF_BANDWIDTH_HZ)
+        if not 0 <= self.analyzer.averages <= MAX_AVERAGES:
+            _refuse_outside("averages", self.analyzer.averages, MAX_AVERAGES)
+        power = self.analyzer.output_power
+        if len(power) > MAX_POWER_CHARACTERS or not power.isprintable():
+            refuse(
+                Message(
+                    "output_power is {power}; it must be printable and have at most {most} "
+                    "characters",
+                    power=shortened(power),
+                    most=MAX_POWER_CHARACTERS,
+                )
+            )
+
 
 def storable_remark(remark: str) -> str:
     """Return a remark as a sweep accepts it: short, and with printable characters only."""
@@ -162,3 +189,15 @@ def refuse(reason: Message) -> NoReturn:
 def shortened(text: str) -> str:
     """Return a text in quotes, cut to what a message can hold."""
     return repr(text if len(text) <= 64 else text[:61] + "...")
+
+
+def _refuse_outside(name: str, value: float, upper: float) -> NoReturn:
+    refuse(
+        Message(
+            "{name} is {value}; it must lie between {lower} and {upper}",
+            name=name,
+            value=f"{value:.12g}",
+            lower=0,
+            upper=f"{upper:.12g}",
+        )
+    )

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gpr20_common.message import Message
+
 
 @dataclass(frozen=True)
 class AnalyzerSettings:
@@ -23,6 +25,33 @@ class AnalyzerSettings:
     if_bandwidth_hz: float = 0.0
     averages: int = 0
     output_power: str = ""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether any of the three has a value."""
+        return self != AnalyzerSettings()
+
+    @property
+    def message(self) -> Message:
+        """The three values, for people."""
+        unknown = Message("unknown")
+        return Message(
+            "IF bandwidth {bandwidth}, averages {averages}, output power {power}",
+            bandwidth=f"{self.if_bandwidth_hz:.12g} Hz" if self.if_bandwidth_hz else unknown,
+            averages=self.averages or unknown,
+            power=self.output_power or unknown,
+        )
+
+    def fulfils(self, wanted: AnalyzerSettings) -> bool:
+        """Return whether these settings, as read back, are the wanted ones.
+
+        What `wanted` leaves to the instrument may have any value here.
+        """
+        return (
+            wanted.if_bandwidth_hz in (0.0, self.if_bandwidth_hz)
+            and wanted.averages in (0, self.averages)
+            and wanted.output_power in ("", self.output_power)
+        )
 
 
 @dataclass(frozen=True)
@@ -43,11 +72,8 @@ class SweepSettings:
 
         What `wanted` leaves to the instrument may have any value here.
         """
-        ours, theirs = self.analyzer, wanted.analyzer
-        return (
-            (self.start_frequency_hz, self.stop_frequency_hz, self.points)
-            == (wanted.start_frequency_hz, wanted.stop_frequency_hz, wanted.points)
-            and theirs.if_bandwidth_hz in (0.0, ours.if_bandwidth_hz)
-            and theirs.averages in (0, ours.averages)
-            and theirs.output_power in ("", ours.output_power)
-        )
+        return (self.start_frequency_hz, self.stop_frequency_hz, self.points) == (
+            wanted.start_frequency_hz,
+            wanted.stop_frequency_hz,
+            wanted.points,
+        ) and self.analyzer.fulfils(wanted.analyzer)

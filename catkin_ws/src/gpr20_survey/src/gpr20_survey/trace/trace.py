@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
@@ -69,6 +69,7 @@ class Trace(Sweep):
             *(float(self.x_coord_mm), float(self.y_coord_mm), float(self.z_coord_deg)),
             *(None if math.isnan(height) else float(height), len(self.frequency_hz)),
             *(self.sweep_started_us, self.sweep_ended_us, tuple(self.quality)),
+            *(float(self.analyzer.if_bandwidth_hz), *astuple(self.analyzer)[1:]),
         )
         digest = hashlib.blake2b(repr(words).encode(), digest_size=16)
         for values in (self.frequency_hz, self.s21_real, self.s21_imag):

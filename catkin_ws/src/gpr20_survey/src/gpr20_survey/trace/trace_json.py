@@ -12,6 +12,7 @@ from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 TEXTS = ("format", "survey_id", "sample_id")
@@ -20,6 +21,8 @@ HEIGHT = "antennae_height_m"
 NUMBERS = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
 ARRAYS = ("frequency_hz", "s21_real", "s21_imag")
 KEYS = frozenset((*TEXTS, "index", *TIMES, *NUMBERS, HEIGHT, *ARRAYS, "quality"))
+# Absent from a trace of which none is known, such as those of early versions.
+ANALYZER_KEYS = frozenset(("if_bandwidth_hz", "averages", "output_power"))
 
 
 def encode(trace: Trace) -> bytes:
@@ -46,6 +49,10 @@ def encode(trace: Trace) -> bytes:
         "sweep_ended": utc_time.iso_text(trace.sweep_ended_us),
         "quality": list(trace.quality),
     }
+    if trace.analyzer.is_known:
+        values["if_bandwidth_hz"] = float(trace.analyzer.if_bandwidth_hz)
+        values["averages"] = trace.analyzer.averages
+        values["output_power"] = trace.analyzer.output_power
     return (json.dumps(values, allow_nan=False) + "\n").encode("ascii")
 
 
@@ -70,7 +77,7 @@ def from_values(values: Any) -> Trace:
     Raises:
         TraceRefusedError: It is not the value of a trace's file.
     """
-    if not isinstance(values, dict) or values.keys() != KEYS:
+    if not isinstance(values, dict) or values.keys() not in (KEYS, KEYS | ANALYZER_KEYS):
         raise TraceRefusedError(Message("the file does not hold exactly the entries of a trace"))
     try:
         return _trace(values)
@@ -96,8 +103,23 @@ def _trace(values: Dict[str, Any]) -> Trace:
         "index": _of_type(values, "index", int),
         HEIGHT: math.nan if height is None else _of_type(values, HEIGHT, float),
         "quality": tuple(values["quality"]),
+        "analyzer": _analyzer(values),
     }
     return Trace(**fields)
+
+
+def _analyzer(values: Dict[str, Any]) -> AnalyzerSettings:
+    if not values.keys() >= ANALYZER_KEYS:
+        return AnalyzerSettings()
+    settings = AnalyzerSettings(
+        _of_type(values, "if_bandwidth_hz", float),
+        _of_type(values, "averages", int),
+        _of_type(values, "output_power", str),
+    )
+    if not settings.is_known:
+        # One trace has one form.
+        raise InvalidValueError(Message("the settings of the analyzer have no value"))
+    return settings
 
 
 def _of_type(values: Dict[str, Any], name: str, kind: type) -> Any:

@@ -14,19 +14,35 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 DATATYPE = "gpr20_msgs/Trace"
 # Of the fields that are written and read below, as ROS computes it.
-MD5SUM = "2960f4daab5f0e952630a63f0c2bce22"
+MD5SUM = "2878bcdbff04f10f82e1d7bfa25b0325"
+# Of the same fields without the last three, in recordings of earlier versions.
+FORMER_MD5SUM = "2960f4daab5f0e952630a63f0c2bce22"
 
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 _POSITION = struct.Struct("<4d")
+_BANDWIDTH_AND_AVERAGES = struct.Struct("<di")
 
 
 def encode(trace: Trace) -> bytes:
     """Return the serialized message of a trace."""
+    settings = trace.analyzer
+    return b"".join(
+        (
+            encode_former(trace),
+            _BANDWIDTH_AND_AVERAGES.pack(settings.if_bandwidth_hz, settings.averages),
+            _text(settings.output_power),
+        )
+    )
+
+
+def encode_former(trace: Trace) -> bytes:
+    """Return the serialized message of the former type, without the settings of the analyzer."""
     return b"".join(
         (
             *(_text(one) for one in (trace.format, trace.survey_id, trace.sample_id)),
@@ -55,7 +71,7 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
         TraceRefusedError: It is of another version of the type, is not whole, or a value is not
             allowed.
     """
-    if md5sum != MD5SUM:
+    if md5sum not in (MD5SUM, FORMER_MD5SUM):
         raise TraceRefusedError(
             Message(
                 "a trace was recorded with another version of {datatype}",
@@ -64,7 +80,7 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
             )
         )
     try:
-        return _Reader(data).trace()
+        return _Reader(data).trace(has_settings=md5sum == MD5SUM)
     except (struct.error, UnicodeDecodeError) as error:
         raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
 
@@ -90,7 +106,7 @@ class _Reader:
         self._data = data
         self._place = 0
 
-    def trace(self) -> Trace:
+    def trace(self, has_settings: bool) -> Trace:
         names = {name: self._text() for name in ("format", "survey_id", "sample_id")}
         (index,) = self._unpack(_LENGTH)
         timestamp_us = self._time()
@@ -110,10 +126,15 @@ class _Reader:
             sweep_started_us=self._time(),
             sweep_ended_us=self._time(),
             quality=tuple(self._list(self._text)),
+            analyzer=self._settings() if has_settings else AnalyzerSettings(),
         )
         if self._place != len(self._data):
             raise TraceRefusedError(Message("a recorded trace is longer than its fields"))
         return trace
+
+    def _settings(self) -> AnalyzerSettings:
+        if_bandwidth_hz, averages = self._unpack(_BANDWIDTH_AND_AVERAGES)
+        return AnalyzerSettings(if_bandwidth_hz, averages, self._text())
 
     def _bytes(self, size: int) -> bytes:
         data = self._data[self._place : self._place + size]

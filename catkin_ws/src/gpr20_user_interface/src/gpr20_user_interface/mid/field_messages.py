@@ -5,8 +5,23 @@ from __future__ import annotations
 from typing import Dict, Mapping, Optional
 
 from gpr20_common.message import Message
-from gpr20_survey.plan.survey_parameters import MAX_TRACES, RobotTravel, Rule
-from gpr20_user_interface.mid.parameter_form import ADDRESS, ROTATIONS, FormCheck, limits
+from gpr20_survey.plan.survey_parameters import (
+    IF_BANDWIDTHS_HZ,
+    MAX_AVERAGES,
+    MAX_TRACES,
+    MIN_FREQUENCY_SPACING_HZ,
+    RobotTravel,
+    Rule,
+)
+from gpr20_user_interface.mid.parameter_form import (
+    ADDRESS,
+    AVERAGES,
+    IF_BANDWIDTH,
+    OUTPUT_POWER,
+    ROTATIONS,
+    FormCheck,
+    limits,
+)
 
 # Fields of one number that need not be whole.
 DECIMALS = frozenset(
@@ -26,6 +41,9 @@ _TITLES: Mapping[str, Message] = {
     "y_stop_mm": Message("Y stop (mm)"),
     "y_points": Message("Y points"),
     ROTATIONS: Message("Antenna rotations (°)"),
+    IF_BANDWIDTH: Message("IF bandwidth (Hz)"),
+    AVERAGES: Message("Averages"),
+    OUTPUT_POWER: Message("Output power"),
 }
 
 
@@ -38,6 +56,17 @@ def allowed_values(name: str, travel: RobotTravel) -> Message:
     """Return what a field allows."""
     if name == ADDRESS:
         return Message("four whole numbers from 0 to 255")
+    if name == IF_BANDWIDTH:
+        return Message(
+            "empty: as set on the VNA; the MS2026C has {values}",
+            values=", ".join(f"{one:.12g}" for one in IF_BANDWIDTHS_HZ),
+        )
+    if name == AVERAGES:
+        return Message(
+            "empty: as set on the VNA; else a whole number from 1 to {upper}", upper=MAX_AVERAGES
+        )
+    if name == OUTPUT_POWER:
+        return Message("empty: as set on the VNA; the MS2026C has LOW and HIGH")
     if name == ROTATIONS:
         return Message(
             "different rotations from {lower:g} to {upper:g}, each a multiple of {step:g}, "
@@ -80,6 +109,10 @@ def _correction(name: str, check: FormCheck, travel: RobotTravel) -> Message:
 
 
 def _spacing(name: str, check: FormCheck, travel: RobotTravel) -> Optional[Message]:
+    if name == "frequency_points" and Rule.FREQUENCY_SPACING in check.broken:
+        return Message(
+            "the frequencies must be at least {least:g} Hz apart", least=MIN_FREQUENCY_SPACING_HZ
+        )
     rules = {"x_points": (Rule.X_SPACING, travel.x), "y_points": (Rule.Y_SPACING, travel.y)}
     if name not in rules or rules[name][0] not in check.broken:
         return None

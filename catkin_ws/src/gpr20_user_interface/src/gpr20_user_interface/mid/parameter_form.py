@@ -11,11 +11,14 @@ from typing import Any, Callable, Dict, FrozenSet, Iterable, Mapping, Optional, 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import (
+    IF_BANDWIDTHS_HZ,
+    MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,
     MIN_FREQUENCY_HZ,
     MIN_FREQUENCY_POINTS,
     MIN_GRID_POINTS,
+    OUTPUT_POWERS,
     RobotTravel,
     Rule,
     SurveyParameters,
@@ -25,6 +28,9 @@ from gpr20_survey.plan.survey_parameters import (
 
 ADDRESS = "vna_address"
 ROTATIONS = "polarizations_deg"
+IF_BANDWIDTH, AVERAGES, OUTPUT_POWER = "if_bandwidth_hz", "averages", "output_power"
+# Their fields may be empty: the VNA keeps the value that it has.
+ANALYZER_FIELDS = (IF_BANDWIDTH, AVERAGES, OUTPUT_POWER)
 # The arrows stop here; the checks limit the size of the whole survey.
 MAX_GRID_POINTS = 9999
 HERTZ_PER_MEGAHERTZ = 1.0e6
@@ -96,6 +102,15 @@ def _number_text(value: float) -> str:
     return f"{value:.12g}"
 
 
+def _optional(read: Callable[[str], Any]) -> Callable[[str], Any]:
+    """Return a function that reads a number, and an empty text as 0."""
+    return lambda text: read(text) if text.strip() else read("0")
+
+
+def _optional_text(value: float) -> str:
+    return _number_text(value) if value else ""
+
+
 @dataclass(frozen=True)
 class Field:
     """One field of the form.
@@ -106,6 +121,7 @@ class Field:
         read: Makes the parameter's value from the text, or raises InvalidValueError.
         write: Makes the text from a value.
         rules: Rules that are about this field.
+        choices: Texts among which the arrows choose; empty: they change a number.
     """
 
     name: str
@@ -113,12 +129,18 @@ class Field:
     read: Callable[[str], Any]
     write: Callable[[Any], str]
     rules: FrozenSet[Rule]
+    choices: Tuple[str, ...] = ()
 
 
 def _field(
-    name: str, default: str, read: Callable[[str], Any], write: Callable[[Any], str], *rules: Rule
+    name: str,
+    default: str,
+    read: Callable[[str], Any],
+    write: Callable[[Any], str],
+    *rules: Rule,
+    choices: Tuple[str, ...] = (),
 ) -> Field:
-    return Field(name, default, read, write, frozenset(rules))
+    return Field(name, default, read, write, frozenset(rules), choices)
 
 
 FIELDS: Tuple[Field, ...] = (
@@ -133,7 +155,14 @@ FIELDS: Tuple[Field, ...] = (
         Rule.FREQUENCY_ORDER,
     ),
     _field("stop_frequency_hz", "6000", hertz_from_megahertz, megahertz_text, Rule.STOP_FREQUENCY),
-    _field("frequency_points", "501", _whole_number, str, Rule.FREQUENCY_POINTS),
+    _field(
+        "frequency_points",
+        "501",
+        _whole_number,
+        str,
+        Rule.FREQUENCY_POINTS,
+        Rule.FREQUENCY_SPACING,
+    ),
     _field("x_start_mm", "50", _number, _number_text, Rule.X_START),
     _field("x_stop_mm", "150", _number, _number_text, Rule.X_STOP),
     _field("x_points", "5", _whole_number, str, Rule.X_POINTS, Rule.X_SPACING, Rule.SIZE),
@@ -141,6 +170,16 @@ FIELDS: Tuple[Field, ...] = (
     _field("y_stop_mm", "150", _number, _number_text, Rule.Y_STOP),
     _field("y_points", "5", _whole_number, str, Rule.Y_POINTS, Rule.Y_SPACING, Rule.SIZE),
     _field(ROTATIONS, "0, 90", rotations_from_text, rotations_text, Rule.POLARIZATIONS),
+    _field(
+        IF_BANDWIDTH,
+        "",
+        _optional(_number),
+        _optional_text,
+        Rule.IF_BANDWIDTH,
+        choices=("", *map(_number_text, IF_BANDWIDTHS_HZ)),
+    ),
+    _field(AVERAGES, "", _optional(_whole_number), _optional_text, Rule.AVERAGES),
+    _field(OUTPUT_POWER, "", str.strip, str, Rule.OUTPUT_POWER, choices=("", *OUTPUT_POWERS)),
 )
 FIELDS_BY_NAME: Dict[str, Field] = {field.name: field for field in FIELDS}
 
@@ -191,7 +230,9 @@ def check_form(texts: Mapping[str, str], travel: RobotTravel) -> FormCheck:
     )
 
 
-_RELATIONS = frozenset([Rule.FREQUENCY_ORDER, Rule.X_SPACING, Rule.Y_SPACING, Rule.SIZE])
+_RELATIONS = frozenset(
+    [Rule.FREQUENCY_ORDER, Rule.FREQUENCY_SPACING, Rule.X_SPACING, Rule.Y_SPACING, Rule.SIZE]
+)
 
 
 def default_parameters() -> SurveyParameters:
@@ -205,16 +246,46 @@ def texts_of(parameters: SurveyParameters) -> Dict[str, str]:
 
 
 def limits(name: str, travel: RobotTravel) -> Tuple[float, float]:
-    """Return the smallest and largest value of a field of one number, in the unit it is shown."""
+    """Return the smallest and largest number of a field that the arrows change by a step.
+
+    They are in the unit in which the field is shown.
+    """
     if name in ("x_start_mm", "x_stop_mm"):
         return coordinate_limits_mm(travel.x)
     if name in ("y_start_mm", "y_stop_mm"):
         return coordinate_limits_mm(travel.y)
     if name == "frequency_points":
         return MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS
+    if name == AVERAGES:
+        return 0, MAX_AVERAGES
     if name in ("x_points", "y_points"):
         return MIN_GRID_POINTS, MAX_GRID_POINTS
     return MIN_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ, MAX_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ
+
+
+def after_arrow(name: str, text: str, change: int, travel: RobotTravel) -> str:
+    """Return the text of a field after an arrow.
+
+    Args:
+        name: Of the field.
+        text: Its text now.
+        change: By how much a number changes; of a choice only the sign counts.
+        travel: Limits of the axes.
+    """
+    field = FIELDS_BY_NAME[name]
+    if field.choices:
+        return _next_choice(field.choices, text.strip(), change)
+    if name in ANALYZER_FIELDS:
+        changed = stepped(text or "0", change, limits(name, travel))
+        return "" if changed == "0" else changed
+    return stepped(text, change, limits(name, travel))
+
+
+def _next_choice(choices: Tuple[str, ...], text: str, change: int) -> str:
+    if text not in choices:
+        return choices[0]
+    place = choices.index(text) + (1 if change > 0 else -1)
+    return choices[min(max(place, 0), len(choices) - 1)]
 
 
 def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:

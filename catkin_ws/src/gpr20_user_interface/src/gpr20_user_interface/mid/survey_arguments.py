@@ -15,7 +15,13 @@ from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.annotation_arguments import add_annotation, annotation_from
 from gpr20_user_interface.mid.argument_reader import argument_reader
-from gpr20_user_interface.mid.parameter_form import FIELDS
+from gpr20_user_interface.mid.parameter_form import (
+    ADDRESS,
+    AVERAGES,
+    FIELDS,
+    IF_BANDWIDTH,
+    OUTPUT_POWER,
+)
 from gpr20_user_interface.mid.survey_follower import Mode, OnPause
 
 DESCRIPTION = Message(
@@ -33,7 +39,7 @@ EXIT_STATUS = Message(
 )
 
 DEFAULT_WAIT_S = 15.0
-_METAVARS = {"address": "A.B.C.D", "hz": "MHZ", "mm": "MM", "deg": "DEG,DEG"}
+_METAVARS = {"address": "A.B.C.D", "mm": "MM", "deg": "DEG,DEG", "power": "POWER"}
 _HELP: Mapping[str, Message] = {
     "vna_address": Message("address of the network analyzer"),
     "start_frequency_hz": Message("start of the sweep"),
@@ -46,6 +52,9 @@ _HELP: Mapping[str, Message] = {
     "y_stop_mm": Message("stop of the area along y"),
     "y_points": Message("stops along y"),
     "polarizations_deg": Message("antenna rotations measured at each stop"),
+    IF_BANDWIDTH: Message("IF bandwidth of the network analyzer in Hz"),
+    AVERAGES: Message("sweeps averaged for one trace"),
+    OUTPUT_POWER: Message("output power of the network analyzer; LOW or HIGH for the MS2026C"),
 }
 
 
@@ -150,20 +159,38 @@ def _refuse_parameters(
 def _add_parameters(group: argparse._ArgumentGroup, catalogue: Catalogue) -> List[argparse.Action]:
     return [
         group.add_argument(
-            "--" + field.name.replace("_hz", "_mhz").replace("_", "-"),
+            _option(field.name),
             dest=field.name,
             type=argument_reader(field.read, catalogue),
             # argparse converts a default that is a string like an argument.
             default=field.default,
-            metavar=_METAVARS.get(field.name.rsplit("_", 1)[-1], "N"),
+            metavar=_metavar(field.name),
             help=catalogue.tr(
                 "{meaning} (default {default})",
                 meaning=_HELP[field.name],
-                default=field.default or Message("that of the robot's configuration"),
+                default=field.default or _default_meaning(field.name),
             ),
         )
         for field in FIELDS
     ]
+
+
+def _option(name: str) -> str:
+    # Frequencies are given in MHz.
+    unit = name.replace("_frequency_hz", "_frequency_mhz")
+    return "--" + unit.replace("_", "-")
+
+
+def _metavar(name: str) -> str:
+    if name.endswith("_hz"):
+        return "HZ" if name == IF_BANDWIDTH else "MHZ"
+    return _METAVARS.get(name.rsplit("_", 1)[-1], "N")
+
+
+def _default_meaning(name: str) -> Message:
+    if name == ADDRESS:
+        return Message("that of the robot's configuration")
+    return Message("as set on the VNA")
 
 
 def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> None:

@@ -28,9 +28,8 @@ from gpr20_user_interface.mid.field_messages import (
 from gpr20_user_interface.mid.parameter_form import (
     ADDRESS,
     FormCheck,
+    after_arrow,
     check_form,
-    limits,
-    stepped,
     texts_of,
 )
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -135,9 +134,9 @@ class ControlView(TranslatedWidget):
             button.setMinimumHeight(COMMAND_PX)
         self._step_title.setObjectName("quiet")
         grid = QGridLayout(self)
-        grid.setContentsMargins(6, 6, 6, 4)
+        grid.setContentsMargins(6, 4, 6, 4)
         grid.setHorizontalSpacing(10)
-        grid.setVerticalSpacing(4)
+        grid.setVerticalSpacing(2)
         grid.addWidget(self.form, 0, 0)
         grid.addWidget(self._below, 1, 0)
         grid.addLayout(self._side(), 0, 1, 2, 1)
@@ -179,7 +178,7 @@ class ControlView(TranslatedWidget):
     def _on_step(self, name: str, direction: int) -> None:
         edit = self.form.edit(name)
         change = direction * self._steps.checkedId()
-        edit.setText(stepped(edit.text(), change, limits(name, self._travel)))
+        edit.setText(after_arrow(name, edit.text(), change, self._travel))
 
     def _on_tap(self, edit: TouchEdit) -> None:
         name = self.form.name_of(edit)

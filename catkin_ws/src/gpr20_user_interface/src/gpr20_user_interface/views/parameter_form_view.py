@@ -16,7 +16,12 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_user_interface.mid.parameter_form import ADDRESS, FIELDS, ROTATIONS
+from gpr20_user_interface.mid.parameter_form import (
+    ADDRESS,
+    ANALYZER_FIELDS,
+    FIELDS,
+    ROTATIONS,
+)
 from gpr20_user_interface.views.style import TOUCH_PX, set_look
 from gpr20_user_interface.views.translation import TranslatedWidget
 
@@ -25,6 +30,7 @@ MAX_LENGTH = 40
 REPEAT_DELAY_MS = 400
 REPEAT_MS = 120
 OCTETS = 4
+VISA_SEPARATOR = "::"
 ROWS = (
     ("start_frequency_hz", "stop_frequency_hz", "frequency_points"),
     ("x_start_mm", "x_stop_mm", "x_points"),
@@ -99,11 +105,15 @@ class ParameterFormView(TranslatedWidget):
     def __init__(self) -> None:
         super().__init__()
         self._octets: List[TouchEdit] = []
+        self._dots: List[QLabel] = []
+        # The name of a VISA resource: it cannot be entered here and comes from the configuration.
+        self._resource = QLabel()
         self._edits: Dict[str, TouchEdit] = {}
         self._fields: Dict[str, NumberField] = {}
         self._row_titles = [QLabel() for _ in range(1 + len(ROWS))]
         self._column_titles = [QLabel() for _ in ROWS[0]]
         self._rotation_title = QLabel()
+        self._analyzer_titles = [QLabel() for _ in ANALYZER_FIELDS]
         self._lay_out()
         for field in FIELDS:
             self.show_text(field.name, field.default)
@@ -120,11 +130,16 @@ class ParameterFormView(TranslatedWidget):
         for label, title in zip(self._column_titles, columns):
             label.setText(title)
         self._rotation_title.setText(self.tr("Antennas °"))
+        settings = (self.tr("IF bandwidth Hz"), self.tr("Averages"), self.tr("Output power"))
+        for label, name, title in zip(self._analyzer_titles, ANALYZER_FIELDS, settings):
+            label.setText(title)
+            self._edits[name].setPlaceholderText(self.tr("as set"))
 
     def texts(self) -> Dict[str, str]:
         """Return the text of every field by the name of its parameter."""
         found = {name: edit.text() for name, edit in self._edits.items()}
-        found[ADDRESS] = _address([octet.text() for octet in self._octets])
+        octets = [octet.text() for octet in self._octets]
+        found[ADDRESS] = self._resource.text() or _address(octets)
         return found
 
     def texts_with(self, edit: TouchEdit, text: str) -> Dict[str, str]:
@@ -142,7 +157,13 @@ class ParameterFormView(TranslatedWidget):
         if name != ADDRESS:
             self._edits[name].setText(text)
             return
-        parts = text.split(".", OCTETS - 1)
+        is_resource = VISA_SEPARATOR in text
+        self._resource.setText(text if is_resource else "")
+        self._resource.setToolTip(self._resource.text())
+        self._resource.setVisible(is_resource)
+        for widget in (*self._octets, *self._dots):
+            widget.setVisible(not is_resource)
+        parts = [] if is_resource else text.split(".", OCTETS - 1)
         for octet, part in zip(self._octets, parts + [""] * OCTETS):
             octet.setText(part)
 
@@ -174,27 +195,41 @@ class ParameterFormView(TranslatedWidget):
     def _lay_out(self) -> None:
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(4)
+        grid.setHorizontalSpacing(4)
+        # Two rows of titles and five of fields, with the figures below, in 480 pixels.
+        grid.setVerticalSpacing(2)
         grid.addWidget(self._row_titles[0], 0, 0)
         grid.addLayout(self._address_and_rotations(), 0, 1, 1, len(ROWS[0]))
-        for column, label in enumerate(self._column_titles, 1):
+        self._add_row(grid, 1, self._analyzer_titles, ANALYZER_FIELDS)
+        self._add_row(grid, 3, self._column_titles, ROWS[0])
+        for row, names in enumerate(ROWS[1:], 5):
+            self._add_row(grid, row, (), names)
+        for row, title in enumerate(self._row_titles[1:], 4):
+            grid.addWidget(title, row, 0)
+
+    def _add_row(
+        self, grid: QGridLayout, row: int, titles: Sequence[QLabel], names: Sequence[str]
+    ) -> None:
+        """Add fields, below a row of titles if there are any."""
+        for column, label in enumerate(titles, 1):
             label.setObjectName("quiet")
-            grid.addWidget(label, 1, column)
+            grid.addWidget(label, row, column)
             grid.setColumnStretch(column, 1)
-        for row, names in enumerate(ROWS):
-            grid.addWidget(self._row_titles[row + 1], row + 2, 0)
-            for column, name in enumerate(names, 1):
-                grid.addWidget(self._number_field(name), row + 2, column)
+        for column, name in enumerate(names, 1):
+            grid.addWidget(self._number_field(name), row + bool(titles), column)
 
     def _address_and_rotations(self) -> QHBoxLayout:
         row = QHBoxLayout()
         row.setSpacing(2)
         for number in range(OCTETS):
             if number:
-                row.addWidget(QLabel("."))
+                self._dots.append(QLabel("."))
+                row.addWidget(self._dots[-1])
             octet = self._touch_edit(f"octet{number}")
             self._octets.append(octet)
             row.addWidget(octet, 2)
+        self._resource.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        row.addWidget(self._resource, OCTETS * 2)
         row.addSpacing(12)
         row.addWidget(self._rotation_title)
         self._edits[ROTATIONS] = self._touch_edit(ROTATIONS)

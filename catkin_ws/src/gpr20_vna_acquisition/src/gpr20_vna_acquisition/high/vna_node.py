@@ -17,8 +17,11 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import Hardware
 from gpr20_msgs import srv
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSettingError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
+from gpr20_vna_acquisition.mid.analyzers import make_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -28,7 +31,7 @@ PortLookup = Callable[[str], Optional[int]]
 
 
 class VNANode:
-    """The five services of the network analyzer."""
+    """The services of the network analyzer."""
 
     def __init__(self, driver: VNADriver, hardware: Hardware) -> None:
         self._driver = driver
@@ -37,6 +40,7 @@ class VNANode:
             advertise("freq_sweep_setup", srv.FreqSweepSetup, self._set_up),
             advertise("get_freq", srv.GetFreq, self._get_freq),
             advertise("get_data", srv.GetData, self._get_data),
+            advertise("confirm_data", srv.ConfirmData, self._confirm_data),
             advertise("get_calibration_status", srv.GetCalibrationStatus, self._get_calibration),
         ]
         self._link_check = Periodic(diagnostics.PERIOD_S, driver.check_idle_link)
@@ -55,31 +59,51 @@ class VNANode:
         return srv.ConnectionResponse(success=True, identity=identity, **message_fields(message))
 
     def _set_up(self, request: srv.FreqSweepSetupRequest) -> srv.FreqSweepSetupResponse:
-        accepted = self._driver.set_up(
-            SweepSettings(request.start_frequency_hz, request.stop_frequency_hz, request.points)
+        wanted = AnalyzerSettings(request.if_bandwidth_hz, request.averages, request.output_power)
+        accepted = self._driver.set_frequency_sweep(
+            SweepSettings(
+                request.start_frequency_hz, request.stop_frequency_hz, request.points, wanted
+            )
         )
         return srv.FreqSweepSetupResponse(
             success=True,
             start_frequency_hz=accepted.start_frequency_hz,
             stop_frequency_hz=accepted.stop_frequency_hz,
             points=accepted.points,
+            sweep_duration_s=self._driver.trace_duration_s,
+            request_limit_s=self._driver.answered_within_s,
+            **vars(accepted.analyzer),
             **message_fields(Message("the VNA confirmed every setting")),
         )
 
     def _get_freq(self, _request: srv.GetFreqRequest) -> srv.GetFreqResponse:
         return srv.GetFreqResponse(success=True, frequency_hz=self._driver.get_freq().tolist())
 
-    def _get_data(self, _request: srv.GetDataRequest) -> srv.GetDataResponse:
-        sweep = self._driver.get_trace()
+    def _get_data(self, request: srv.GetDataRequest) -> srv.GetDataResponse:
+        if request.confirm_later:
+            number, sweep = self._driver.take_sweep()
+        else:
+            number, sweep = 0, self._driver.get_trace()
         return srv.GetDataResponse(
             success=True,
+            number=number,
             frequency_hz=sweep.frequency_hz.tolist(),
             s21_real=sweep.s21_real.tolist(),
             s21_imag=sweep.s21_imag.tolist(),
             sweep_started=ros_time(sweep.sweep_started_us),
             sweep_ended=ros_time(sweep.sweep_ended_us),
             quality=list(sweep.quality),
+            **vars(sweep.analyzer),
         )
+
+    def _confirm_data(self, request: srv.ConfirmDataRequest) -> srv.ConfirmDataResponse:
+        try:
+            remarks = self._driver.confirm(request.number)
+        except (VnaSettingError, VnaNotReadyError) as error:
+            return srv.ConfirmDataResponse(
+                success=False, repeat=True, **message_fields(error.message)
+            )
+        return srv.ConfirmDataResponse(success=True, quality=list(remarks))
 
     def _get_calibration(
         self, _request: srv.GetCalibrationStatusRequest
@@ -104,6 +128,7 @@ class VNANode:
             "sweeps": state.sweeps,
             "repeated attempts": state.repeats,
             "last sweep [s]": f"{state.last_sweep_s:.6f}",
+            "sweep takes [s]": f"{self._driver.trace_duration_s:.6f}",
             "last remarks": "; ".join(map(str, state.last_quality)),
             "last error": state.last_error or "",
         }
@@ -130,7 +155,9 @@ def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware: Har
     def open_link(address: str) -> Vxi11Transport:
         return connect(address, limits, port_of(address))
 
-    return VNANode(VNADriver(open_link, parameters, Clock(), rospy.logwarn), hardware)
+    deadline = RequestDeadline(Clock())
+    analyzer = make_analyzer(parameters, open_link, deadline)
+    return VNANode(VNADriver(analyzer, parameters, deadline, rospy.logwarn), hardware)
 
 
 def build_robot_node(parameters: VnaParameters) -> VNANode:

@@ -16,7 +16,7 @@ from vxi11 import rpc, vxi11
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
 
 Answer = TypeVar("Answer")
@@ -99,19 +99,28 @@ class Vxi11Transport:
         """Send a command that has no answer."""
         self._call(f"sending '{command}'", lambda link: link.write_raw(_encoded(command)))
 
-    def ask_raw(self, query: str) -> bytes:
-        """Send a query and return its answer, byte for byte."""
-        answer: bytes = self._call(f"asking '{query}'", lambda link: link.ask_raw(_encoded(query)))
-        return answer
+    def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
+        """Send a query and return its answer, byte for byte.
 
-    def ask(self, query: str) -> str:
-        """Send a query and return its answer as text without white space around it."""
-        # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
-        return self.ask_raw(query).decode("latin-1").strip()
+        Args:
+            query: The query.
+            limit_s: Time limit for the answer [s], if it is not that of the link.
+
+        Raises:
+            VnaNoAnswerError: It was sent, but nothing came back in time.
+        """
+        answer: bytes = self._call(
+            f"asking '{query}'", lambda link: link.ask_raw(_encoded(query)), limit_s
+        )
+        return answer
 
     def clear(self) -> None:
         """Empty the instrument's input and output buffers, if it supports that."""
-        self._call("clearing the instrument", _clear)
+        self._call("clearing the instrument", lambda link: _if_supported(link.clear))
+
+    def local(self) -> None:
+        """Return the control to the front panel, if the instrument supports that."""
+        self._call("returning to the front panel", lambda link: _if_supported(link.local))
 
     def close(self) -> None:
         """End the link. Never fails; closing a dead or closed link does nothing."""
@@ -119,7 +128,9 @@ class Vxi11Transport:
         if instrument is not None:
             _end(instrument)
 
-    def _call(self, what: str, function: Callable[[Any], Answer]) -> Answer:
+    def _call(
+        self, what: str, function: Callable[[Any], Answer], limit_s: Optional[float] = None
+    ) -> Answer:
         if self._instrument is None:
             raise VnaConnectionError(
                 Message(
@@ -128,13 +139,16 @@ class Vxi11Transport:
                     details=what,
                 )
             )
+        answer_s = self._limits.answer_s if limit_s is None else limit_s
         try:
-            self._instrument.client.sock.settimeout(self._limits.answer_s + SERVER_MARGIN_S)
+            self._instrument.timeout = answer_s
+            self._instrument.client.sock.settimeout(answer_s + SERVER_MARGIN_S)
             return function(self._instrument)
         except LIBRARY_ERRORS as error:
             # A late answer would be taken for that of the next query, so the link ends.
             self.close()
-            raise VnaConnectionError(
+            kind = VnaNoAnswerError if _is_timeout(error) else VnaConnectionError
+            raise kind(
                 Message(
                     "communication with the VNA at {address} failed: {reason}; check the VNA and "
                     "its network cable",
@@ -205,12 +219,17 @@ def _check_receive_size(size_bytes: int) -> None:
         )
 
 
-def _clear(instrument: Any) -> None:
+def _if_supported(call: Callable[[], Any]) -> None:
+    """Make a call that an instrument need not support."""
     try:
-        instrument.clear()
+        call()
     except vxi11.Vxi11Exception as error:
         if error.err != vxi11.ERR_OPERATION_NOT_SUPPORTED:
             raise
+    except rpc.RPCUnpackError:
+        # The server does not have the procedure. Its answer was read whole, so the link is in
+        # step; a server with another fault fails at the next exchange.
+        return
 
 
 def _end(instrument: Any) -> None:
@@ -235,11 +254,15 @@ def _encoded(message: str) -> bytes:
     return message.encode("ascii")
 
 
+def _is_timeout(error: BaseException) -> bool:
+    own_timeout = isinstance(error, vxi11.Vxi11Exception) and error.err == vxi11.ERR_IO_TIMEOUT
+    return own_timeout or isinstance(error, socket.timeout)
+
+
 def _reason(error: BaseException) -> Message:
     if isinstance(error, EOFError):
         return Message("the connection was closed by the other side")
-    own_timeout = isinstance(error, vxi11.Vxi11Exception) and error.err == vxi11.ERR_IO_TIMEOUT
-    if own_timeout or isinstance(error, socket.timeout):
+    if _is_timeout(error):
         return Message("no answer in time", details=error)
     if isinstance(error, OSError) and error.errno is not None:
         return os_reason(error)

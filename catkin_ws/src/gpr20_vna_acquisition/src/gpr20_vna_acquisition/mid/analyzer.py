@@ -20,7 +20,7 @@ class Analyzer(Protocol):
     """
 
     def connect(self, address: str) -> None:
-        """Open a link to an address; an open one is closed.
+        """Open a link to an address, with empty buffers; an open one is closed.
 
         Raises:
             InvalidValueError: The address is not one of this kind of analyzer.
@@ -70,14 +70,18 @@ class Analyzer(Protocol):
         """Return if every setting that the data depend on is still that of `configure`.
 
         Raises:
-            VnaSettingError: One was changed by hand.
+            VnaSettingError: One was changed by hand, or is lost.
+            VnaNotReadyError: `configure` has not succeeded with this instrument.
         """
 
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration."""
 
     def release(self) -> None:
-        """Leave the instrument sweeping by itself, with its front panel usable."""
+        """Leave the instrument sweeping by itself, with its front panel usable.
+
+        Never fails, and ends within seconds also after the driver was shut down.
+        """
 
     def disconnect(self) -> None:
         """End the link; never fails, and does nothing without one."""

@@ -1,105 +1,85 @@
-"""The commands and queries of one connected MS2026C."""
+"""The Anritsu MS2026C.
+
+Commands: MS20xxC programming manual (Anritsu 10580-00306), chapters 2 and 3.
+"""
 
 from __future__ import annotations
 
-from typing import Callable, List, Protocol, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.trace import utc_time
+from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
     VnaDataError,
     VnaIdentityError,
+    VnaNotReadyError,
     VnaSettingError,
-    VnaSweepError,
 )
 from gpr20_vna_acquisition.mid import settings
-from gpr20_vna_acquisition.mid.block_parser import (
-    number,
-    parse_frequencies,
-    parse_numbers,
-    whole_number,
-)
+from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
+from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
+from gpr20_vna_acquisition.mid.ms2026c_sweeps import Ms2026cSweeps
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.settings import Setting, unquoted
+from gpr20_vna_acquisition.mid.settings import Setting, described, unquoted
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-SWEEP_COMPLETE_BIT = 256
 IDENTITY_FIELDS = 4
 # Options follow the model, "MS2026C/2"; this one transforms traces to the time domain.
 TIME_DOMAIN_OPTION = "2"
 # A start above the previous stop may be refused until the new stop is set: send all twice.
 SETTING_PASSES = 2
 SETTING_POLL_S = 0.05
-# Polling more often than this loads the instrument and gains nothing.
-SHORTEST_POLL_S = 0.0005
-POLL_FRACTION = 0.1
-
-
-class Transport(Protocol):
-    """One link. Every call may raise VnaConnectionError; after that the link is dead."""
-
-    def write(self, command: str) -> None:
-        """Send a command that has no answer."""
-
-    def ask(self, query: str) -> str:
-        """Send a query and return its answer as text without white space around it."""
-
-    def ask_raw(self, query: str) -> bytes:
-        """Send a query and return its answer, byte for byte."""
-
-    def clear(self) -> None:
-        """Empty the instrument's input and output."""
-
-    def close(self) -> None:
-        """End the link; never fails."""
+CALIBRATION_QUERY = ":SENS:CORR:COLL:STAT:ACC?"
+FREQUENCIES_QUERY = ":SENSE1:FREQ:DATA?"
+RELEASE = ":INIT:CONT ON"
 
 
 class Ms2026c:
-    """Controls the instrument over one link.
+    """Implements `Analyzer`.
 
     It never sends `*RST`, which would reset the instrument's network settings.
     """
 
     def __init__(
         self,
-        transport: Transport,
+        connector: Callable[[str], Transport],
         parameters: VnaParameters,
         deadline: RequestDeadline,
-        utc_now_us: Callable[[], int],
+        utc_now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        """Use a link.
+        """Begin without a link.
 
         Args:
-            transport: The link.
+            connector: Opens a link to an address, or raises VnaConnectionError.
             parameters: What is expected of the instrument.
             deadline: Ends a request that takes too long.
             utc_now_us: Returns the time of day [us since 1970, UTC].
         """
-        self._transport = transport
         self._parameters = parameters
         self._deadline = deadline
-        self._utc_now_us = utc_now_us
-        self._has_time_domain = False
+        self._exchanges = Exchanges(connector, deadline)
+        self._sweeps = Ms2026cSweeps(self._exchanges, parameters, deadline, utc_now_us)
+        self._identity = ""
+        self._accepted: Optional[SweepSettings] = None
 
-    def close(self) -> None:
-        """End the link."""
-        self._transport.close()
+    def connect(self, address: str) -> None:
+        """Open a link to an address, four decimal numbers; an open one is closed."""
+        ipv4_address(Message("the VNA address"), address)
+        self._exchanges.open(address)
+        if self._parameters.clear_on_connect:
+            self._exchanges.clear()
 
     def identify(self) -> str:
-        """Return the identification: maker, model/options, serial number, firmware.
-
-        Raises:
-            VnaIdentityError: It is not the expected instrument.
-        """
-        if self._parameters.clear_on_connect:
-            self._transport.clear()
-        identity = unquoted(self._ask("*IDN?"))
+        """Return the identification: maker, model/options, serial number, firmware."""
+        identity = unquoted(self._exchanges.ask("*IDN?"))
         fields = [field.strip() for field in identity.split(",")]
         expected = (self._parameters.maker, self._parameters.model)
-        model, *options = fields[1].split("/") if len(fields) == IDENTITY_FIELDS else [""]
+        model = fields[1].split("/")[0] if len(fields) == IDENTITY_FIELDS else ""
         if (fields[0], model) != expected:
             raise VnaIdentityError(
                 Message(
@@ -111,183 +91,181 @@ class Ms2026c:
                     details=repr(identity[:200]),
                 )
             )
-        self._has_time_domain = TIME_DOMAIN_OPTION in options
+        if identity != self._identity:
+            self._exchanges.forget()
+            self._accepted = None
+        self._identity = identity
         return identity
 
-    def set_frequency_sweep(self, sweep: SweepSettings) -> SweepSettings:
-        """Set the frequencies and return those that the instrument confirms.
+    def check_sweep(self, settings: SweepSettings) -> None:
+        """Refuse settings that this kind of analyzer does not have."""
+        self._parameters.check_sweep(settings)
 
-        Raises:
-            VnaSettingError: The instrument did not accept a setting.
-            VnaDataError: It accepted them, but measures other frequencies.
-        """
-        wanted = settings.frequency_settings(sweep)
-        self._apply(wanted)
-        start, stop, points = (self._ask(setting.query) for setting in wanted[1:])
-        accepted = SweepSettings(number(start), number(stop), whole_number(points))
-        if accepted.points != sweep.points:
-            raise VnaSettingError(
-                Message(
-                    "the VNA's number of points changed to {points} by itself; check that nobody "
-                    "operates it by hand",
-                    points=accepted.points,
-                )
-            )
-        answer = self._ask_raw(":SENSE1:FREQ:DATA?")
-        settings.check_frequencies(parse_frequencies(answer, accepted.points), accepted)
+    def configure(self, sweep: SweepSettings) -> SweepSettings:
+        """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
+        self._accepted = None
+        calibration = self.calibration()
+        written, answers = self._apply(self._settings(sweep))
+        self._check_calibration_kept(calibration, written)
+        start, stop, points = (answers[header] for header in settings.FREQUENCY_HEADERS)
+        accepted = SweepSettings(
+            number(start), number(stop), whole_number(points), self._analyzer_settings()
+        )
+        self._check_frequencies(accepted)
+        self._sweeps.learn(accepted)
+        self._accepted = accepted
         return accepted
 
-    def set_trace(self) -> None:
-        """Set up one trace of S21 over frequency, without averaging.
+    def sweep(self) -> Sweep:
+        """Trigger the sweeps of one trace, wait for their end and return the data."""
+        return self._sweeps.take(self._configured())
 
-        Raises:
-            VnaSettingError: The instrument did not accept a setting.
-        """
-        transfer = self._parameters.transfer_format
-        self._apply(settings.trace_settings(transfer, self._has_time_domain))
-
-    def calibration_status(self) -> CalibrationStatus:
-        """Return the state of the calibration.
-
-        Raises:
-            VnaDataError: The answer is not on the documented scale.
-        """
-        status = whole_number(self._ask(":SENS:CORR:COLL:STAT:ACC?"))
-        try:
-            return CalibrationStatus(status)
-        except ValueError as error:
-            raise VnaDataError(
-                Message(
-                    "the VNA reports calibration status {status}; expected 0 to 4", status=status
-                )
-            ) from error
-
-    def sweep(self, sweep: SweepSettings) -> Sweep:
-        """Trigger one sweep, wait for its end and return its data.
-
-        Args:
-            sweep: What `set_frequency_sweep` returned.
-
-        Raises:
-            VnaSweepError: It did not end in time.
-            VnaDataError: The data are incomplete or not finite.
-            VnaSettingError: A setting was changed by hand.
-        """
-        # A sweep that is already running began before the request and must not be used.
-        self._apply([settings.HOLD])
-        started_us, started_s = self._utc_now_us(), self._deadline.now_s()
-        self._write(":INIT:IMM")
-        self._wait_for_end(sweep.points)
-        # By the monotonic clock: the time of day may be corrected meanwhile.
-        duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
-        answer = self._ask_raw(":CALC1:DATA? SDAT")
-        # Checked after the data arrived, so that a change before or during the transfer is seen.
-        self._check_unchanged(sweep)
-        numbers = parse_numbers(answer, self._parameters.transfer_format, 2 * sweep.points)
-        return Sweep(
-            frequency_hz=sweep.frequencies_hz(),
-            s21_real=numbers[0::2].copy(),
-            s21_imag=numbers[1::2].copy(),
-            sweep_started_us=started_us,
-            sweep_ended_us=started_us + duration_us,
-            quality=(),
-        )
-
-    def _wait_for_end(self, points: int) -> None:
-        begun_s = self._deadline.now_s()
-        seen_running = False
-        while True:
-            elapsed_s = self._deadline.now_s() - begun_s
-            complete = self._sweep_is_complete()
-            seen_running = seen_running or not complete
-            # INIT:IMM clears the bit, but the manual does not define how soon. A bit that was
-            # never seen cleared may be that of the previous sweep; it counts only when the
-            # sweep must have ended anyway.
-            if complete and (seen_running or elapsed_s >= self._parameters.nominal_sweep_s(points)):
-                return
-            limit_s = self._parameters.sweep_limit_s(points)
-            if elapsed_s >= limit_s:
-                raise VnaSweepError(
-                    Message(
-                        "the sweep of {points} points did not end within {limit_s:.3g} s; check "
-                        "that the VNA is in VNA mode and not operated by hand",
-                        points=points,
-                        limit_s=limit_s,
-                    )
-                )
-            longest_s = self._parameters.poll_interval_s
-            self._deadline.pause_s(min(longest_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)))
-
-    def _sweep_is_complete(self) -> bool:
-        status = whole_number(self._ask(":STAT:OPER?"))
-        return bool(status & SWEEP_COMPLETE_BIT)
-
-    def _check_unchanged(self, sweep: SweepSettings) -> None:
-        changed = self._differing(settings.watched_settings(sweep, self._has_time_domain))
+    def confirm(self) -> None:
+        """Return if every setting that the data depend on is still that of `configure`."""
+        changed = _differing(self._answers(self._settings(self._configured())))
         if changed:
             raise VnaSettingError(
                 Message(
                     "the VNA's settings were changed during the sweep: {settings}; do not operate "
                     "it by hand during a survey",
-                    settings=_described(changed),
+                    settings=described(changed),
                 )
             )
 
-    def _apply(self, wanted: Sequence[Setting]) -> None:
-        refused: List[Tuple[Setting, str]] = []
-        for _ in range(SETTING_PASSES):
-            for setting in wanted:
-                self._write(setting.command)
-            refused = self._unconfirmed(wanted)
-            if not refused:
-                return
-        raise VnaSettingError(
-            Message(
-                "the VNA did not accept a setting: {settings}; check that it is in VNA mode and "
-                "not operated by hand",
-                settings=_described(refused),
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration."""
+        status = whole_number(self._exchanges.ask(CALIBRATION_QUERY))
+        if not CalibrationStatus.NONE <= status <= CalibrationStatus.LOW:
+            raise VnaDataError(
+                Message(
+                    "the VNA reports calibration status {status}; expected 0 to 4", status=status
+                )
             )
-        )
+        return CalibrationStatus(status)
 
-    def _unconfirmed(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
+    def release(self) -> None:
+        """Leave the instrument sweeping by itself, with its front panel usable."""
+        self._exchanges.release(RELEASE)
+
+    def disconnect(self) -> None:
+        """End the link; never fails, and does nothing without one."""
+        self._exchanges.close()
+
+    @property
+    def trace_duration_s(self) -> Optional[float]:
+        """How long one trace takes, with its averages [s]; None before `configure`."""
+        return self._sweeps.trace_duration_s if self._accepted else None
+
+    @property
+    def remarks(self) -> Sequence[Message]:
+        """Which queries this instrument does not answer."""
+        optional = {
+            settings.FREQUENCY_DOMAIN.query: settings.FREQUENCY_DOMAIN.name,
+            settings.ONE_TRACE.query: settings.ONE_TRACE.name,
+            settings.IF_BANDWIDTH_QUERY: settings.IF_BANDWIDTH,
+            settings.POWER_QUERY: settings.OUTPUT_POWER,
+            FREQUENCIES_QUERY: Message("the list of frequencies"),
+        }
+        return [
+            Message(
+                "the VNA does not report {setting}; it is not checked", setting=name, details=query
+            )
+            for query, name in optional.items()
+            if self._exchanges.never_answered(query)
+        ]
+
+    def _settings(self, sweep: SweepSettings) -> List[Setting]:
+        options = self._identity.split(",")[1].split("/")[1:]
+        transfer = self._parameters.transfer_format
+        return settings.trace_settings(sweep, transfer, TIME_DOMAIN_OPTION in options)
+
+    def _configured(self) -> SweepSettings:
+        if self._accepted is None:
+            raise VnaNotReadyError(
+                Message(
+                    "the VNA's sweep is not configured; configure it first",
+                    details="service freq_sweep_setup",
+                )
+            )
+        return self._accepted
+
+    def _apply(self, wanted: Sequence[Setting]) -> Tuple[List[Setting], Dict[str, str]]:
+        """Make the settings that differ; return them, and the last answer for each header."""
+        answers = self._answers(wanted)
+        written: Dict[str, Setting] = {}
+        for _ in range(SETTING_PASSES):
+            differing = [setting for setting, _answer in _differing(answers)]
+            if not differing:
+                break
+            for setting in differing:
+                written[setting.header] = setting
+                self._exchanges.write(setting.command)
+            answers = self._answers_when_settled(wanted)
+        refused = _differing(answers)
+        if refused:
+            raise VnaSettingError(
+                Message(
+                    "the VNA did not accept a setting: {settings}; check that it is in VNA mode "
+                    "and not operated by hand",
+                    settings=described(refused),
+                )
+            )
+        return list(written.values()), {setting.header: answer for setting, answer in answers}
+
+    def _answers_when_settled(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
         deadline_s = self._deadline.now_s() + self._parameters.settle_s
         while True:
             # All of them each time: one setting may change another.
-            refused = self._differing(wanted)
-            if not refused or self._deadline.now_s() >= deadline_s:
-                return refused
+            answers = self._answers(wanted)
+            if not _differing(answers) or self._deadline.now_s() >= deadline_s:
+                return answers
             self._deadline.pause_s(SETTING_POLL_S)
 
-    def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
-        answers = [(setting, self._ask(setting.query)) for setting in wanted]
-        return [(setting, answer) for setting, answer in answers if not setting.agrees(answer)]
+    def _answers(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
+        found = []
+        for setting in wanted:
+            ask = self._exchanges.ask if setting.required else self._exchanges.ask_optional
+            answer = ask(setting.query)
+            if answer is not None:
+                found.append((setting, answer))
+        return found
 
-    def _write(self, command: str) -> None:
-        self._deadline.check()
-        self._transport.write(command)
+    def _analyzer_settings(self) -> AnalyzerSettings:
+        bandwidth = self._exchanges.ask_optional(settings.IF_BANDWIDTH_QUERY)
+        power = self._exchanges.ask_optional(settings.POWER_QUERY)
+        return AnalyzerSettings(
+            if_bandwidth_hz=0.0 if bandwidth is None else number(bandwidth),
+            # An average that is not known of could mix sweeps from before and after a move.
+            averages=whole_number(self._exchanges.ask(settings.AVERAGES_QUERY)),
+            output_power="" if power is None else unquoted(power).upper(),
+        )
 
-    def _ask(self, query: str) -> str:
-        self._deadline.check()
-        return self._transport.ask(query)
+    def _check_calibration_kept(
+        self, before: CalibrationStatus, written: Sequence[Setting]
+    ) -> None:
+        if not written or before is CalibrationStatus.NONE:
+            return
+        if self.calibration() is not CalibrationStatus.NONE:
+            return
+        raise VnaCalibrationError(
+            Message(
+                "the VNA lost its calibration when {settings} was set; calibrate it now, with "
+                "these settings, and resume: they are not written again",
+                settings=in_a_row(setting.name for setting in written),
+            )
+        )
 
-    def _ask_raw(self, query: str) -> bytes:
-        self._deadline.check()
-        return self._transport.ask_raw(query)
+    def _check_frequencies(self, accepted: SweepSettings) -> None:
+        answer = self._exchanges.ask_optional_raw(FREQUENCIES_QUERY)
+        if answer is not None:
+            reported_hz = parse_frequencies(answer, accepted.points)
+            settings.check_frequencies(reported_hz, accepted)
+
+
+def _differing(answers: Sequence[Tuple[Setting, str]]) -> List[Tuple[Setting, str]]:
+    return [(setting, answer) for setting, answer in answers if not setting.agrees(answer)]
 
 
 def _printable(text: str) -> str:
     """Return a text from the instrument for a sentence: "?" instead of what has no place in it."""
     return "".join(one if one.isascii() and one.isprintable() else "?" for one in text)
-
-
-def _described(differing: Sequence[Tuple[Setting, str]]) -> Message:
-    return in_a_row(
-        Message(
-            "{setting} is {found} instead of {expected}",
-            setting=setting.name,
-            found=repr(unquoted(answer)[:40]),
-            expected=setting.value,
-            details=f"{setting.query} answers {answer[:40]!r}",
-        )
-        for setting, answer in differing
-    )

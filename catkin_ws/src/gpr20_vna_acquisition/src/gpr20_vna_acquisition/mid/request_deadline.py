@@ -24,6 +24,11 @@ class RequestDeadline:
         self._begun_s = self._clock.now_s()
         self._deadline_s = self._begun_s + limit_s
 
+    def extend(self, duration_s: float) -> None:
+        """Allow the running request so much more time [s]."""
+        self._limit_s += duration_s
+        self._deadline_s += duration_s
+
     def close(self) -> None:
         """End the running request at its next step, and every later one at its first."""
         self._closed.set()

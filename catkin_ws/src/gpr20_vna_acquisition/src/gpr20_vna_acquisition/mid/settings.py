@@ -6,13 +6,13 @@ error queue: reading back is the only way to know whether it accepted a setting.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Callable, List
+from dataclasses import dataclass, replace
+from typing import Callable, List, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.message import Message
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_common.message import Message, in_a_row
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, number
 
@@ -31,12 +31,14 @@ class Setting:
         header: The command without value; with a question mark it is the query.
         value: What is sent after the header.
         agrees: Whether an answer to the query means that the value is set.
+        required: Whether the data depend on it. If not, the instrument need not answer the query.
     """
 
     name: Message
     header: str
     value: str
     agrees: Callable[[str], bool]
+    required: bool = True
 
     @property
     def command(self) -> str:
@@ -54,13 +56,17 @@ def unquoted(answer: str) -> str:
     return answer.strip().strip('"').strip()
 
 
-def _word(name: Message, header: str, value: str, answer: str = "") -> Setting:
+def number_setting(name: Message, header: str, value: float) -> Setting:
+    """Return a setting with a number that the instrument has exactly."""
+    return Setting(name, header, f"{value:g}", lambda text: number(text) == value)
+
+
+def word_setting(
+    name: Message, header: str, value: str, answer: str = "", required: bool = True
+) -> Setting:
+    """Return a setting with a word; `answer` is its short form, if that is another word."""
     expected = answer or value
-    return Setting(name, header, value, lambda text: unquoted(text).upper() == expected)
-
-
-def _count(name: Message, header: str, value: int) -> Setting:
-    return Setting(name, header, str(value), lambda text: number(text) == value)
+    return Setting(name, header, value, lambda text: unquoted(text).upper() == expected, required)
 
 
 def _frequency(name: Message, header: str, value_hz: float) -> Setting:
@@ -70,48 +76,61 @@ def _frequency(name: Message, header: str, value_hz: float) -> Setting:
     )
 
 
+IF_BANDWIDTH, IF_BANDWIDTH_QUERY = Message("the IF bandwidth"), ":SENS:SWE:IFBW?"
+AVERAGES, AVERAGES_QUERY = Message("the number of averages"), ":SENS:AVER:COUN?"
+OUTPUT_POWER, POWER_QUERY = Message("the output power"), ":SOUR:POW?"
+START, STOP, POINTS = FREQUENCY_HEADERS = (
+    ":SENS:FREQ:STAR",
+    ":SENS:FREQ:STOP",
+    ":SENS:SWE:POIN",
+)
+
 # In hold, the instrument sweeps only when triggered. `INIT:CONT?` answers 0 in hold.
-HOLD = _word(Message("continuous sweep"), ":INIT:CONT", "OFF", answer="0")
-S21 = _word(Message("the S-parameter of trace 1"), ":SENS:TRACE1:SPAR", "S21")
-FREQUENCY_DOMAIN = _word(Message("the domain of trace 1"), ":SENS:TRACE1:DOM", "FREQ")
-# An average would mix sweeps from before and after a move.
-NO_AVERAGE = _count(Message("the number of averages"), ":SENS:AVER:COUN", 1)
+HOLD = word_setting(Message("continuous sweep"), ":INIT:CONT", "OFF", answer="0")
+S21 = word_setting(Message("the S-parameter of trace 1"), ":SENS:TRACE1:SPAR", "S21")
+FREQUENCY_DOMAIN = word_setting(
+    Message("the domain of trace 1"), ":SENS:TRACE1:DOM", "FREQ", required=False
+)
+# More traces on the display could only make the sweep slower.
+ONE_TRACE = replace(
+    number_setting(Message("the number of traces"), ":SENS:TRAC:TOT", 1), required=False
+)
 
 
-def frequency_settings(sweep: SweepSettings) -> List[Setting]:
-    """Return the settings for measuring these frequencies, in the order in which they are sent."""
-    return [
-        HOLD,
-        _frequency(Message("the start frequency"), ":SENS:FREQ:STAR", sweep.start_frequency_hz),
-        _frequency(Message("the stop frequency"), ":SENS:FREQ:STOP", sweep.stop_frequency_hz),
-        _count(Message("the number of points"), ":SENS:SWE:POIN", sweep.points),
-    ]
-
-
-def trace_settings(transfer: TransferFormat, has_time_domain: bool) -> List[Setting]:
-    """Return the settings for one trace of S21 over frequency.
+def trace_settings(
+    sweep: SweepSettings, transfer: TransferFormat, has_time_domain: bool
+) -> List[Setting]:
+    """Return all settings for one trace of S21 over frequency, in the order in which they are sent.
 
     Args:
+        sweep: What to measure; what it leaves to the instrument is not set.
         transfer: How the numbers are to be transferred.
         has_time_domain: Whether the instrument has the option that transforms traces.
     """
     return [
-        # More traces on the display could only make the sweep slower.
-        _count(Message("the number of traces"), ":SENS:TRAC:TOT", 1),
+        HOLD,
+        _frequency(Message("the start frequency"), START, sweep.start_frequency_hz),
+        _frequency(Message("the stop frequency"), STOP, sweep.stop_frequency_hz),
+        number_setting(Message("the number of points"), POINTS, sweep.points),
+        ONE_TRACE,
         S21,
-        *_domain(has_time_domain),
-        NO_AVERAGE,
-        _word(Message("the transfer format"), ":FORM", transfer.value),
+        # Without the option the instrument does not know the command and would not answer.
+        *([FREQUENCY_DOMAIN] if has_time_domain else []),
+        *_analyzer_settings(sweep.analyzer),
+        word_setting(Message("the transfer format"), ":FORM", transfer.value),
     ]
 
 
-def watched_settings(sweep: SweepSettings, has_time_domain: bool) -> List[Setting]:
-    """Return the settings that are checked after each sweep: an operator may change them.
-
-    A changed number of points or transfer format is visible in the data themselves.
-    """
-    *frequencies, _points = frequency_settings(sweep)
-    return [*frequencies, S21, *_domain(has_time_domain), NO_AVERAGE]
+def _analyzer_settings(wanted: AnalyzerSettings) -> List[Setting]:
+    found = []
+    if wanted.if_bandwidth_hz:
+        header = _header(IF_BANDWIDTH_QUERY)
+        found.append(number_setting(IF_BANDWIDTH, header, wanted.if_bandwidth_hz))
+    if wanted.averages:
+        found.append(number_setting(AVERAGES, _header(AVERAGES_QUERY), wanted.averages))
+    if wanted.output_power:
+        found.append(word_setting(OUTPUT_POWER, _header(POWER_QUERY), wanted.output_power))
+    return found
 
 
 def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
@@ -143,6 +162,19 @@ def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
         )
 
 
-def _domain(has_time_domain: bool) -> List[Setting]:
-    # Without the option the instrument does not know the command and would not answer.
-    return [FREQUENCY_DOMAIN] if has_time_domain else []
+def described(differing: Sequence[Tuple[Setting, str]]) -> Message:
+    """Return a sentence on each setting and the answer that differs from it."""
+    return in_a_row(
+        Message(
+            "{setting} is {found} instead of {expected}",
+            setting=setting.name,
+            found=repr(unquoted(answer)[:40]),
+            expected=setting.value,
+            details=f"{setting.query} answers {answer[:40]!r}",
+        )
+        for setting, answer in differing
+    )
+
+
+def _header(query: str) -> str:
+    return query[:-1]

@@ -60,6 +60,13 @@ def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) ->
     if status in parameters.accepted_calibrations:
         return None
     listed = ", ".join(str(int(one)) for one in parameters.accepted_calibrations)
+    if status is CalibrationStatus.NOT_REPORTED:
+        return Message(
+            "the VNA does not report its calibration; to measure with what the operator "
+            "calibrated, add {status} to accepted_calibrations (now {accepted})",
+            status=int(status),
+            accepted=listed,
+        )
     return Message(
         "the VNA's calibration status is {status} ({meaning}); calibrate it, or change "
         "accepted_calibrations (now {accepted})",
@@ -141,8 +148,8 @@ def duration_remarks(
 
 
 def calibration_remarks(status: CalibrationStatus) -> Tuple[Message, ...]:
-    """Return a remark unless the calibration's accuracy is high."""
-    return () if status is CalibrationStatus.HIGH else (CALIBRATION_REMARKS[status],)
+    """Return a remark unless the calibration's accuracy is high, or never known."""
+    return (CALIBRATION_REMARKS[status],) if status in CALIBRATION_REMARKS else ()
 
 
 def retry_remarks(failures: Sequence[VnaError]) -> Tuple[Message, ...]:
@@ -172,21 +179,17 @@ class TraceQuality:
         self._parameters = parameters
         self._durations_s: Deque[float] = deque(maxlen=MOST_SWEEPS)
 
-    def remarks(
-        self, sweep: Sweep, calibration: CalibrationStatus, failures: Sequence[VnaError]
-    ) -> Tuple[Message, ...]:
+    def remarks(self, sweep: Sweep, failures: Sequence[VnaError]) -> Tuple[Message, ...]:
         """Return the remarks on a sweep, and remember how long it took.
 
         Args:
             sweep: The sweep.
-            calibration: State of the calibration right after it.
             failures: Why it had to be repeated, one error each time.
         """
         remarks = (
             level_remarks(sweep, self._parameters)
             + flat_remarks(sweep, self._parameters)
             + duration_remarks(sweep.duration_s, self._usual_s(), self._parameters)
-            + calibration_remarks(calibration)
             + retry_remarks(failures)
         )
         self._durations_s.append(sweep.duration_s)

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
-from typing import Any, Callable, Optional, Tuple
+from typing import Callable, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
-    VnaDataError,
     VnaError,
     VnaNotReadyError,
     VnaSettingError,
 )
-from gpr20_vna_acquisition.mid.ms2026c import Ms2026c, Transport
+from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,
     calibration_refusal,
+    calibration_remarks,
     refuse_impossible,
     stored_remarks,
 )
@@ -40,26 +39,27 @@ class VNADriver:
 
     def __init__(
         self,
-        connector: Callable[[str], Transport],
+        analyzer: Analyzer,
         parameters: VnaParameters,
-        clock: Clock,
+        deadline: RequestDeadline,
         warn: Callable[[str], None],
-        utc_now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
         """Make a driver that is not connected.
 
         Args:
-            connector: Opens a link to an address, or raises VnaConnectionError.
-            parameters: Which instrument is expected, and the time limits.
-            clock: Measures waiting.
-            warn: Called with a sentence for every attempt that is repeated.
-            utc_now_us: Returns the time of day [us since 1970, UTC].
+            analyzer: The instrument; only this driver uses it.
+            parameters: The time limits, and what is expected of the data.
+            deadline: Ends a request that takes too long; the analyzer has the same one.
+            warn: Called with a sentence for attempts that are repeated.
         """
         self._parameters = parameters
-        self._link = VnaLink(connector, parameters, clock, warn, utc_now_us)
+        self._analyzer = analyzer
+        self._link = VnaLink(analyzer, parameters, deadline, warn)
         self._lock = threading.RLock()
-        self._previous: Optional[Sweep] = None
         self._quality = TraceQuality(parameters)
+        self._number = 0
+        self._unconfirmed = 0
+        self._news: Tuple[Message, ...] = ()
 
     @property
     def parameters(self) -> VnaParameters:
@@ -94,10 +94,9 @@ class VNADriver:
         A previous connection is closed, and its configuration is forgotten.
 
         Raises:
-            InvalidValueError: The address is not four numbers.
+            InvalidValueError: The address is not one of this kind of instrument.
             VnaError: Nothing, or another instrument, answers there.
         """
-        ipv4_address(Message("the VNA address"), address)
         with self._lock:
             self._begin_request()
             return self._link.connect(address)
@@ -125,7 +124,7 @@ class VNADriver:
             try:
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
-                calibration = self._link.instrument().calibration_status()
+                calibration = self._link.instrument().calibration()
             except VnaNotReadyError:
                 raise
             except VnaError as error:
@@ -160,7 +159,7 @@ class VNADriver:
         with self._lock:
             self._begin_request()
             status, _failures = self._link.with_retries(
-                Message("reading the VNA's calibration"), Ms2026c.calibration_status
+                Message("reading the VNA's calibration"), lambda analyzer: analyzer.calibration()
             )
             self._link.note(calibration=status)
             return status
@@ -169,36 +168,38 @@ class VNADriver:
         """Return why no sweep is made with this calibration; None if one is."""
         return calibration_refusal(status, self._parameters)
 
-    def set_up(self, settings: SweepSettings) -> SweepSettings:
-        """Do `set_frequency_sweep` and `set_trace` within the time limit of one request."""
-        self._parameters.check_sweep(settings)
-        with self._lock:
-            self._begin_request()
-            accepted = self._set_frequencies(settings)
-            self._select_trace()
-            return accepted
-
     def set_frequency_sweep(self, settings: SweepSettings) -> SweepSettings:
-        """Set start, stop and number of points and return what the instrument confirmed.
+        """Set up what a sweep measures, and return what the instrument confirmed.
 
         Raises:
             InvalidValueError: A value is not allowed.
-            VnaError: The instrument did not accept one.
+            VnaError: The instrument did not accept one, or lost its calibration.
         """
-        self._parameters.check_sweep(settings)
+        self._analyzer.check_sweep(settings)
         with self._lock:
             self._begin_request()
-            return self._set_frequencies(settings)
+            # If this fails, it is unknown what the instrument would measure.
+            self._link.note(sweep=None)
+            # Another sweep has another usual duration.
+            self._quality = TraceQuality(self._parameters)
+            accepted, _failures = self._link.with_retries(
+                Message("setting up the VNA"),
+                lambda analyzer: analyzer.configure(settings),
+                final=(VnaSettingError,),
+            )
+            self._link.note(sweep=accepted)
+            self._news = tuple(self._analyzer.remarks)
+            return accepted
 
-    def set_trace(self) -> None:
-        """Select what a trace is: S21 over frequency, not averaged, in the transfer format.
+    @property
+    def trace_duration_s(self) -> float:
+        """How long one trace takes, as measured when the sweep was set up [s]; 0 before."""
+        return self._analyzer.trace_duration_s or 0.0
 
-        Raises:
-            VnaError: The instrument did not accept a setting.
-        """
-        with self._lock:
-            self._begin_request()
-            self._select_trace()
+    @property
+    def answered_within_s(self) -> float:
+        """When a request is answered at the latest, whatever the instrument does [s]."""
+        return self._parameters.answered_within_s(self.trace_duration_s)
 
     def get_freq(self) -> np.ndarray:
         """Return the frequencies of the sweep that is set up [Hz, float64].
@@ -209,78 +210,106 @@ class VNADriver:
         return self._set_up_sweep().frequencies_hz()
 
     def get_trace(self) -> Sweep:
-        """Return one sweep that was triggered after this call.
+        """Return one sweep that was triggered after this call, confirmed.
 
         Raises:
             VnaCalibrationError: The calibration of the sweep is not accepted.
+            VnaError: No attempt gave complete, finite, new data with the right settings.
+        """
+        with self._lock:
+            self._begin_request(self.trace_duration_s)
+            (sweep, calibration), failures = self._link.with_retries(
+                Message("the VNA's sweep"), self._confirmed_sweep
+            )
+            return self._judged(sweep, failures, self._calibration_remarks(calibration))
+
+    def take_sweep(self) -> Tuple[int, Sweep]:
+        """Return one sweep that was triggered after this call, and its number for `confirm`.
+
+        The data are valid only once `confirm` has returned.
+
+        Raises:
             VnaError: No attempt gave complete, finite, new data.
         """
         with self._lock:
-            points = self._set_up_sweep().points
-            self._begin_request(points)
-            (sweep, calibration), failures = self._link.with_retries(
-                Message("the VNA's sweep"), self._fresh_sweep
+            self._begin_request(self.trace_duration_s)
+            sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
+            self._number += 1
+            self._unconfirmed = self._number
+            return self._number, self._judged(sweep, failures, ())
+
+    def confirm(self, number: int) -> Tuple[str, ...]:
+        """Confirm the last sweep, and return the remarks on its calibration.
+
+        Args:
+            number: As `take_sweep` returned it.
+
+        Raises:
+            VnaCalibrationError: The calibration of the sweep is not accepted.
+            VnaSettingError: A setting was changed; the next sweep is set up again.
+            VnaNotReadyError: It is not the last sweep, or the instrument was connected again.
+            VnaError: The instrument does not answer.
+        """
+        with self._lock:
+            self._link.check_connected()
+            unconfirmed, self._unconfirmed = self._unconfirmed, 0
+            if number != unconfirmed:
+                raise VnaNotReadyError(
+                    Message("sweep {number} cannot be confirmed any more", number=number)
+                )
+            self._begin_request()
+            calibration, _failures = self._link.with_retries(
+                Message("confirming the VNA's settings"),
+                _confirmed_calibration,
+                final=(VnaSettingError,),
+                # Settings that are made again would hide that they were different.
+                restore=False,
             )
-            self._previous = sweep
-            self._check_calibration(calibration)
-            remarks = self._quality.remarks(sweep, calibration, failures)
-            self._link.note(
-                sweeps=self.state.sweeps + 1,
-                last_sweep_s=sweep.duration_s,
-                last_quality=remarks,
-            )
-            return replace(sweep, quality=stored_remarks(remarks))
+            return stored_remarks(self._calibration_remarks(calibration))
 
-    def _begin_request(self, points: int = 0) -> None:
-        self._link.deadline.begin(self._parameters.request_limit_s(points))
+    def _begin_request(self, trace_duration_s: float = 0.0) -> None:
+        self._link.deadline.begin(self._parameters.request_limit_s(trace_duration_s))
 
-    def _set_frequencies(self, settings: SweepSettings) -> SweepSettings:
-        # If this fails, it is unknown what the instrument would measure.
-        self._link.note(sweep=None)
-        # Another sweep has another usual duration.
-        self._quality = TraceQuality(self._parameters)
-        accepted: SweepSettings = self._set(
-            lambda instrument: instrument.set_frequency_sweep(settings)
-        )
-        self._link.note(sweep=accepted)
-        return accepted
+    def _confirmed_sweep(self, analyzer: Analyzer) -> Tuple[Sweep, CalibrationStatus]:
+        sweep = self._fresh_sweep(analyzer)
+        return sweep, _confirmed_calibration(analyzer)
 
-    def _select_trace(self) -> None:
-        self._link.note(trace_is_set=False)
-        self._set(Ms2026c.set_trace)
-        self._link.note(trace_is_set=True)
-
-    def _fresh_sweep(self, instrument: Ms2026c) -> Tuple[Sweep, CalibrationStatus]:
-        sweep = instrument.sweep(self._set_up_sweep())
-        # Noise makes every sweep differ; identical bits come from an old buffer.
-        if self._previous is not None and sweep.same_data(self._previous):
-            raise VnaDataError(
-                Message("the VNA gave exactly the same data as in the previous sweep")
-            )
+    def _fresh_sweep(self, analyzer: Analyzer) -> Sweep:
+        self._set_up_sweep()
+        sweep = analyzer.sweep()
         refuse_impossible(sweep)
-        return sweep, instrument.calibration_status()
+        return sweep
 
-    def _check_calibration(self, calibration: CalibrationStatus) -> None:
+    def _judged(
+        self, sweep: Sweep, failures: Sequence[VnaError], more: Tuple[Message, ...]
+    ) -> Sweep:
+        remarks = self._quality.remarks(sweep, failures) + more + self._news
+        self._news = ()
+        self._link.note(
+            sweeps=self.state.sweeps + 1, last_sweep_s=sweep.duration_s, last_quality=remarks
+        )
+        return replace(sweep, quality=stored_remarks(remarks))
+
+    def _calibration_remarks(self, calibration: CalibrationStatus) -> Tuple[Message, ...]:
         self._link.note(calibration=calibration)
         refusal = self.calibration_refusal(calibration)
         # The link stays open: a new one would set up the sweep while somebody calibrates.
         if refusal:
             raise VnaCalibrationError(refusal)
+        return calibration_remarks(calibration)
 
     def _set_up_sweep(self) -> SweepSettings:
         self._link.check_connected()
-        state = self.state
-        if state.sweep is None or not state.trace_is_set:
+        if self.state.sweep is None:
             raise VnaNotReadyError(
                 Message(
                     "the VNA's sweep is not configured; configure it first",
                     details="service freq_sweep_setup",
                 )
             )
-        return state.sweep
+        return self.state.sweep
 
-    def _set(self, action: Callable[[Ms2026c], Any]) -> Any:
-        result, _failures = self._link.with_retries(
-            Message("setting up the VNA"), action, final=(VnaSettingError,)
-        )
-        return result
+
+def _confirmed_calibration(analyzer: Analyzer) -> CalibrationStatus:
+    analyzer.confirm()
+    return analyzer.calibration()

@@ -5,25 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
     VnaClosedError,
+    VnaConnectionError,
     VnaDataError,
     VnaError,
-    VnaIdentityError,
     VnaNotReadyError,
+    VnaReplacedError,
     VnaSettingError,
     VnaSweepError,
     VnaTimeoutError,
 )
-from gpr20_vna_acquisition.mid.ms2026c import Ms2026c, Transport
+from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")
+# Failures that another attempt cannot undo.
+ALWAYS_FINAL = (VnaReplacedError, VnaCalibrationError)
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,7 @@ class VnaState:
         address: The requested address; empty without one.
         identity: Identification of the instrument there; empty until it answers.
         linked: Whether a link is open now. After a failure there is none until the next use.
-        sweep: The frequencies, as the instrument confirmed them; None if they are not set.
-        trace_is_set: Whether the instrument is set up to give a trace of S21.
+        sweep: What is measured, as the instrument confirmed it; None if it is not set up.
         sweeps: How many good sweeps were made.
         repeats: How many attempts of any kind had to be repeated.
         last_sweep_s: How long the last sweep took [s].
@@ -49,7 +51,6 @@ class VnaState:
     identity: str = ""
     linked: bool = False
     sweep: Optional[SweepSettings] = None
-    trace_is_set: bool = False
     sweeps: int = 0
     repeats: int = 0
     last_sweep_s: float = 0.0
@@ -69,19 +70,17 @@ class VnaLink:
 
     def __init__(
         self,
-        connector: Callable[[str], Transport],
+        analyzer: Analyzer,
         parameters: VnaParameters,
-        clock: Clock,
+        deadline: RequestDeadline,
         warn: Callable[[str], None],
-        utc_now_us: Callable[[], int],
     ) -> None:
         """Begin without a link; the arguments are those of `VNADriver`."""
-        self.deadline = RequestDeadline(clock)
-        self._connector = connector
+        self.deadline = deadline
+        self._analyzer = analyzer
         self._parameters = parameters
         self._warn = warn
-        self._utc_now_us = utc_now_us
-        self._instrument: Optional[Ms2026c] = None
+        self._linked = False
         self._state = VnaState()
 
     @property
@@ -103,7 +102,7 @@ class VnaLink:
         # The diagnostics report the old fault until the result is known.
         self._state = VnaState(address, last_error=self._state.trouble)
         try:
-            self._instrument, identity = self._open(address)
+            identity = self._open(address)
         except VnaError as error:
             self.note(last_error=error.message)
             raise
@@ -111,16 +110,16 @@ class VnaLink:
         return identity
 
     def forget(self) -> None:
-        """End the link and reset the state."""
+        """Release the instrument, end the link and reset the state."""
+        self._analyzer.release()
         self.drop()
         self._state = VnaState()
 
     def drop(self) -> None:
         """End the link; the next use makes a new one."""
-        instrument, self._instrument = self._instrument, None
+        self._linked = False
         self.note(linked=False)
-        if instrument is not None:
-            instrument.close()
+        self._analyzer.disconnect()
 
     def check_connected(self) -> None:
         """Do nothing if an instrument was connected, whether the link is open now or not.
@@ -133,33 +132,39 @@ class VnaLink:
                 Message("the VNA is not connected; connect it first", details="service connection")
             )
 
-    def instrument(self) -> Ms2026c:
+    def instrument(self, restore: bool = True) -> Analyzer:
         """Return the instrument at the end of the link; make a link if there is none.
+
+        Args:
+            restore: Whether settings that differ are made again on a new link.
 
         Raises:
             VnaError: No link can be made.
         """
-        if self._instrument is None:
+        if not self._linked:
             self.check_connected()
-            self._instrument = self._reopened()
-            self.note(linked=True)
-        return self._instrument
+            self._reopen(restore)
+        return self._analyzer
 
     def with_retries(
         self,
         what: Message,
-        action: Callable[[Ms2026c], Result],
+        action: Callable[[Analyzer], Result],
         final: Tuple[Type[VnaError], ...] = (),
+        restore: bool = True,
     ) -> Tuple[Result, List[VnaError]]:
         """Do something with the instrument; retry after a failure, each time on a new link.
 
         After a failed exchange, answers may still be on their way; a new link with empty buffers
         has none. All attempts share the time limit of the request, which the caller has begun.
+        Without a link it is retried until that time limit; other failures are counted.
 
         Args:
             what: What is done.
             action: Does it.
-            final: Failures after which it is not retried.
+            final: Failures after which it is not retried, besides those of another instrument and
+                of a lost calibration.
+            restore: Whether settings that differ are made again on a new link.
 
         Returns:
             The result, and why the attempts before it failed.
@@ -168,40 +173,45 @@ class VnaLink:
             VnaError: All attempts failed, or the time limit is exceeded.
         """
         failures: List[VnaError] = []
-        while len(failures) < self._parameters.attempts:
+        attempts = 0
+        while attempts < self._parameters.attempts:
             try:
                 if failures:
-                    self._pause_before_retry(what, failures[-1])
-                result = action(self.instrument())
+                    self._pause_before_retry(what, failures)
+                result = action(self.instrument(restore))
             except (VnaClosedError, VnaNotReadyError):
                 raise
             except VnaTimeoutError as error:
                 raise self._failed(VnaTimeoutError(_given_up(what, error, failures))) from error
             except VnaError as error:
                 failures.append(self._failed(error))
-                if isinstance(error, final):
+                if isinstance(error, (*final, *ALWAYS_FINAL)):
                     raise
+                attempts += not isinstance(error, VnaConnectionError)
             else:
                 self.note(last_error=None, link_error=None)
                 return result, failures
-        raise VnaSweepError(_failed_every_time(what, failures))
+        raise VnaSweepError(_failed_every_time(what, attempts, failures))
 
     def _failed(self, error: VnaError) -> VnaError:
         self.drop()
         self.note(last_error=error.message)
         return error
 
-    def _pause_before_retry(self, what: Message, failure: VnaError) -> None:
+    def _pause_before_retry(self, what: Message, failures: Sequence[VnaError]) -> None:
         self.note(repeats=self._state.repeats + 1)
-        self._warn(f"{what} failed and is retried: {failure}")
+        failure = failures[-1]
+        # A link that is lost for long fails the same way many times.
+        if len(failures) == 1 or failures[-2].message != failure.message:
+            self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
-    def _reopened(self) -> Ms2026c:
+    def _reopen(self, restore: bool) -> None:
         state = self._state
-        instrument, identity = self._open(state.address)
+        identity = self._open(state.address)
         try:
             if identity != state.identity:
-                raise VnaIdentityError(
+                raise VnaReplacedError(
                     Message(
                         "the VNA at {address} is now '{identity}' and was '{former}'; connect to "
                         "it again",
@@ -211,26 +221,36 @@ class VnaLink:
                         details="service connection",
                     )
                 )
-            if state.sweep and instrument.set_frequency_sweep(state.sweep) != state.sweep:
-                raise VnaSettingError(
-                    Message("the VNA did not accept exactly the same sweep as before")
-                )
-            if state.trace_is_set:
-                instrument.set_trace()
+            if state.sweep is not None:
+                self._make_settings_sure(state.sweep, restore)
         except VnaError:
-            instrument.close()
+            self.drop()
             raise
-        return instrument
+        self.note(linked=True)
 
-    def _open(self, address: str) -> Tuple[Ms2026c, str]:
-        self.deadline.check()
-        transport = self._connector(address)
-        instrument = Ms2026c(transport, self._parameters, self.deadline, self._utc_now_us)
+    def _make_settings_sure(self, sweep: SweepSettings, restore: bool) -> None:
+        """Compare the settings on a new link; an instrument that still has them keeps them."""
         try:
-            return instrument, instrument.identify()
+            self._analyzer.confirm()
+            return
+        except (VnaNotReadyError, VnaSettingError):
+            if not restore:
+                raise
+        if self._analyzer.configure(sweep) != sweep:
+            raise VnaSettingError(
+                Message("the VNA did not accept exactly the same sweep as before")
+            )
+
+    def _open(self, address: str) -> str:
+        self.deadline.check()
+        self._analyzer.connect(address)
+        try:
+            identity = self._analyzer.identify()
         except VnaError:
-            instrument.close()
+            self._analyzer.disconnect()
             raise
+        self._linked = True
+        return identity
 
 
 def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> Message:
@@ -244,8 +264,8 @@ def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> M
     )
 
 
-def _failed_every_time(what: Message, failures: Sequence[VnaError]) -> Message:
-    last, attempts = failures[-1], len(failures)
+def _failed_every_time(what: Message, attempts: int, failures: Sequence[VnaError]) -> Message:
+    last = failures[-1]
     if not isinstance(last, VnaDataError):
         return Message(
             "{what} failed {attempts} times: {reason}",

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import ipv4_address, number_between
+from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
 from gpr20_common.mid.records import bounded
 from gpr20_survey.plan.survey_parameters import (
     MAX_FREQUENCY_HZ,
@@ -16,9 +16,22 @@ from gpr20_survey.plan.survey_parameters import (
     MIN_FREQUENCY_POINTS,
 )
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
+# IF bandwidths of the MS20xxC [Hz] (programming manual, [:SENSe]:SWEep:IFBW), widest first.
+IF_BANDWIDTHS_HZ = (
+    *(100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000),
+    *(500, 200, 100, 50, 20, 10),
+)
+NARROWEST_IF_BANDWIDTH_HZ = 10.0
+# With which `seconds_per_point` was stated.
+USUAL_IF_BANDWIDTH_HZ = 10_000.0
+MAX_AVERAGES = 65_535
+OUTPUT_POWERS = ("LOW", "HIGH")
+# Closer frequencies could be one to the instrument's synthesizer [Hz].
+LEAST_SPACING_HZ = 1.0
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
 # Range of time limits and periods [s]: a socket refuses far longer ones.
@@ -32,30 +45,41 @@ class VnaParameters:
     """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
-        address: Address of the instrument, which clients offer as the default.
+        analyzer: The kind of analyzer: ms2026c, or scikit_rf for those that the Python library
+            scikit-rf can control (docs/another_analyzer.md).
+        scikit_rf_class: Only for scikit_rf: which of its classes controls the instrument.
+        visa_library: Only for scikit_rf: VISA library of PyVISA: "@py" is PyVISA-py, "@ivi" that
+            of the instrument's maker.
+        correction_query: Only for scikit_rf: a query that this instrument answers with 1 while
+            its calibration corrects the data, otherwise with 0. Empty: its calibration is not
+            reported (status 5).
+        address: Address of the instrument, which clients offer as the default: four numbers for
+            ms2026c, the name of a VISA resource for scikit_rf.
         maker: First field of the identification.
         model: Second field of the identification, without the options after its slash.
-        vxi11_port: TCP port of the VXI-11 core channel; 0 asks the portmapper.
+        vxi11_port: Only for ms2026c: TCP port of the VXI-11 core channel; 0 asks the portmapper.
         connect_timeout_s: Time limit for each step of connecting [s].
         answer_timeout_s: Time limit for one command or answer [s].
         clear_on_connect: Empty the instrument's buffers on each new link, because they may
             contain the late answer to a query of the previous one.
         settle_s: How long a setting may take until it can be read back [s]; up to 2 s
             according to the manual of the MS20xxC.
-        poll_interval_s: Longest pause between two polls of a sweep [s].
-        seconds_per_point: Nominal duration of a sweep per point [s]; 350 us is what the
-            robot's group states for its unit.
-        sweep_timeout_s: Time limit of a sweep beyond ten times its nominal duration [s].
+        poll_interval_s: Longest pause between two polls of a sweep that should have ended [s].
+        seconds_per_point: Duration of a sweep per point [s] until it is measured; 350 us is
+            what the robot's group states for its unit.
+        sweep_timeout_s: Time limit of a sweep beyond ten times its usual duration [s].
         request_timeout_s: Time limit of a whole request with its retries, beyond ten
-            times the nominal duration of a sweep [s].
-        attempts: Number of attempts before an action fails; no caller retries it.
+            times the usual duration of a sweep [s]; a link that is lost for less than this
+            does not fail the request.
+        attempts: Number of attempts before an action fails, not counting those without a link;
+            no caller retries it.
         retry_pause_s: Pause before each retry [s].
         link_check_s: How long the instrument may be unused until its link is checked [s].
-        transfer_format: How the numbers are transferred.
+        transfer_format: Only for ms2026c: how the numbers are transferred.
         min_frequency_hz: Lowest frequency of the instrument [Hz].
         max_frequency_hz: Highest frequency of the instrument [Hz].
         accepted_calibrations: Calibration statuses, on the instrument's scale, with which
-            sweeps are made: 0 none, 1 high, 2 and 3 moderate, 4 low.
+            sweeps are made: 0 none, 1 high, 2 and 3 moderate, 4 low, 5 not reported.
         min_level_db: Least median magnitude of S21 without a remark [dB]. Not the maker's
             figure: well below the level of two antennas over the ground, well above that of a
             receiver with nothing connected; measure both on the robot and choose a value between.
@@ -66,6 +90,10 @@ class VnaParameters:
             take without a remark; allows for a busy computer and network.
     """
 
+    analyzer: AnalyzerKind = AnalyzerKind.MS2026C
+    scikit_rf_class: Optional[ScikitRfClass] = None
+    visa_library: str = "@py"
+    correction_query: str = ""
     address: str = "127.0.0.1"
     maker: str = "Anritsu"
     model: str = "MS2026C"
@@ -95,7 +123,10 @@ class VnaParameters:
     duration_tolerance_s: float = bounded(0.0, 60.0, 0.25)
 
     def __post_init__(self) -> None:
-        ipv4_address("address", self.address)
+        if self.analyzer is AnalyzerKind.SCIKIT_RF:
+            self._check_scikit_rf()
+        else:
+            ipv4_address("address", self.address)
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(
@@ -124,6 +155,34 @@ class VnaParameters:
                     )
                 )
 
+    def _check_scikit_rf(self) -> None:
+        if self.scikit_rf_class is None:
+            raise InvalidValueError(
+                Message(
+                    "scikit_rf_class is missing; it must be one of {allowed}",
+                    allowed=", ".join(one.value for one in ScikitRfClass),
+                )
+            )
+        visa_resource_name("address", self.address)
+        for name in ("maker", "model"):
+            if getattr(self, name) == getattr(VnaParameters, name):
+                raise InvalidValueError(
+                    Message(
+                        "{name} is {value}, which is no analyzer of scikit_rf; it must be as in "
+                        "the VNA's identification",
+                        name=name,
+                        value=getattr(self, name),
+                        details="the answer to *IDN?",
+                    )
+                )
+        if not self.correction_query.isascii() or "\n" in self.correction_query:
+            raise InvalidValueError(
+                Message(
+                    "correction_query is {query}; it must be one line of ASCII characters",
+                    query=repr(self.correction_query[:64]),
+                )
+            )
+
     def check_sweep(self, settings: SweepSettings) -> None:
         """Refuse a sweep that the instrument cannot make.
 
@@ -140,6 +199,8 @@ class VnaParameters:
             MIN_FREQUENCY_POINTS,
             MAX_FREQUENCY_POINTS,
         )
+        if self.analyzer is AnalyzerKind.MS2026C:
+            self._check_analyzer_settings(settings.analyzer)
         if not start_hz < stop_hz:
             raise InvalidValueError(
                 Message(
@@ -152,15 +213,61 @@ class VnaParameters:
                     unit="Hz",
                 )
             )
+        spacing_hz = (stop_hz - start_hz) / (settings.points - 1)
+        if spacing_hz < LEAST_SPACING_HZ:
+            raise InvalidValueError(
+                Message(
+                    "{points} points from {start:.12g} to {stop:.12g} Hz are {spacing:.3g} Hz "
+                    "apart; they must be at least {least:g} Hz apart",
+                    points=settings.points,
+                    start=start_hz,
+                    stop=stop_hz,
+                    spacing=spacing_hz,
+                    least=LEAST_SPACING_HZ,
+                )
+            )
 
-    def nominal_sweep_s(self, points: int) -> float:
-        """Return how long a sweep takes [s]."""
-        return points * self.seconds_per_point
+    def _check_analyzer_settings(self, wanted: AnalyzerSettings) -> None:
+        if wanted.if_bandwidth_hz not in (0.0, *IF_BANDWIDTHS_HZ):
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place=Message("the IF bandwidth [Hz]"),
+                    value=f"{wanted.if_bandwidth_hz:.12g}",
+                    allowed=", ".join(map(str, (0, *IF_BANDWIDTHS_HZ))),
+                )
+            )
+        number_between(Message("the number of averages"), wanted.averages, 0, MAX_AVERAGES)
+        if wanted.output_power not in ("", *OUTPUT_POWERS):
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place=Message("the output power"),
+                    value=repr(wanted.output_power[:40]),
+                    allowed=", ".join(OUTPUT_POWERS),
+                )
+            )
 
-    def sweep_limit_s(self, points: int) -> float:
-        """Return how long a sweep may take [s]."""
-        return self.sweep_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)
+    def nominal_trace_s(self, settings: SweepSettings) -> float:
+        """Return how long a trace may be expected to take before it is measured [s]."""
+        bandwidth_hz = settings.analyzer.if_bandwidth_hz or NARROWEST_IF_BANDWIDTH_HZ
+        # A filter needs about the inverse of its bandwidth to settle.
+        point_s = self.seconds_per_point + max(
+            0.0, 1.0 / bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ
+        )
+        return settings.points * point_s * max(1, settings.analyzer.averages)
 
-    def request_limit_s(self, points: int = 0) -> float:
-        """Return how long a request with a sweep of this many points may take [s]."""
-        return self.request_timeout_s + SLOWEST_SWEEP_FACTOR * self.nominal_sweep_s(points)
+    def sweep_limit_s(self, duration_s: float) -> float:
+        """Return how long a sweep may take that is expected to take `duration_s` [s]."""
+        return self.sweep_timeout_s + SLOWEST_SWEEP_FACTOR * duration_s
+
+    def request_limit_s(self, duration_s: float = 0.0) -> float:
+        """Return how long a request with a trace of `duration_s` may take [s]."""
+        return self.request_timeout_s + SLOWEST_SWEEP_FACTOR * duration_s
+
+    def answered_within_s(self, duration_s: float) -> float:
+        """Return when such a request is answered at the latest, whatever the instrument does [s].
+
+        The time limit of a request is checked before each exchange.
+        """
+        return self.request_limit_s(duration_s) + self.answer_timeout_s + self.connect_timeout_s

@@ -131,7 +131,8 @@ class OpenSurvey:
             self._sums[manifest.trace_name(path.name)] = sum_of(content)
             message = self._topics.trace(trace, time_ns)
             self._publication.expect(trace, message)
-            self._pending[trace.index] = _PendingTrace(trace, message, list(self._recordings))
+            recorded = self._types.named(message) or message
+            self._pending[trace.index] = _PendingTrace(trace, recorded, list(self._recordings))
             self._prints[trace.index] = trace.fingerprint()
             self._indices[trace.sample_id] = trace.index
         self.commit()

@@ -11,9 +11,10 @@ from gpr20_survey.errors import StorageFailedError, TraceRefusedError, printable
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.recording.bag_writer import BagFile
-from gpr20_survey.recording.recording import Recording
+from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.recorded_traces import RecordedTraces
@@ -49,6 +50,7 @@ class RecordingRepair:
         self._topics = topics
         self._start = start
         self._repairs = repairs
+        self._types = TopicTypes(forms.md5sums())
 
     def write(self) -> List[Recording]:
         """Make both recordings whole, remove the manifest and return them, open at their ends.
@@ -119,11 +121,16 @@ class RecordingRepair:
                 trace = self._forms.true_trace(message)
                 if trace is not None and trace.index in missing:
                     missing.remove(trace.index)
-                    own = self._topics.trace(trace, message.time_ns)
-                    new.write_alone(replace(own, topic=message.topic))
+                    new.write_alone(self._of_same_type(trace, message))
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
         self._add(missing, new, recorded.name)
+
+    def _of_same_type(self, trace: Trace, message: RecordedMessage) -> RecordedMessage:
+        """Return the message of a trace, with the version of its type that its topic has."""
+        if message.md5sum == trace_message.FORMER_MD5SUM:
+            return replace(message, data=trace_message.encode_former(trace))
+        return replace(self._topics.trace(trace, message.time_ns), topic=message.topic)
 
     def _read(self, index: int) -> Trace:
         path = self._folder / survey_folder.TRACES_FOLDER / self._forms.files.files[index].name
@@ -132,7 +139,8 @@ class RecordingRepair:
     def _add(self, missing: AbstractSet[int], new: Recording, name: str) -> None:
         for index in sorted(missing):
             trace = self._read(index)
-            new.write_alone(self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US))
+            message = self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
+            new.write_alone(self._types.named(message) or message)
             if new.collected_bytes > COPIED_BYTES:
                 new.commit()
         new.commit()

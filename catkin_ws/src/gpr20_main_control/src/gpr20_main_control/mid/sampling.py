@@ -1,0 +1,186 @@
+"""One sample after another: height, sweep and confirmation at the present position."""
+
+from __future__ import annotations
+
+import uuid
+from concurrent.futures import Future
+from dataclasses import dataclass
+from functools import partial
+from typing import Callable, Optional, Tuple
+
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.clock_steps import ClockSteps
+from gpr20_main_control.mid.confirmation import Confirmation
+from gpr20_main_control.mid.instruments import Instruments
+from gpr20_main_control.mid.interruption import Interruption
+from gpr20_main_control.mid.positioner import Positioner
+from gpr20_main_control.mid.robot import Position, Robot
+from gpr20_main_control.mid.survey_plan import SurveyPlan
+from gpr20_main_control.mid.wait_status import WaitStatus
+from gpr20_main_control.mid.workers import result_of, wait_for
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_survey.trace.trace import Trace
+
+Check = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Where the axes rest, and the height that was measured there."""
+
+    position: Position
+    height_m: float
+    remarks: Tuple[str, ...]
+
+
+class Sampling:
+    """Takes the samples of one survey; at most one sweep is unconfirmed."""
+
+    def __init__(
+        self,
+        plan: SurveyPlan,
+        robot: Robot,
+        positioner: Positioner,
+        instruments: Instruments,
+        interruption: Interruption,
+        clock_steps: ClockSteps,
+        waits: WaitStatus,
+    ) -> None:
+        self._plan = plan
+        self._robot = robot
+        self._positioner = positioner
+        self._instruments = instruments
+        self._interruption = interruption
+        self._clock_steps = clock_steps
+        self._waits = waits
+        # On a robot that runs N times faster, vibrations decay N times faster.
+        self._settle_s = plan.settings.settle_s / plan.config.time_scale
+        self._settled: Optional[Settled] = None
+        self._confirmation: Optional[Confirmation] = None
+        self._confirming: Optional[Future[Trace]] = None
+
+    def settle(self, point: SurveyPoint) -> None:
+        """Return when vibrations have died down and the height is measured.
+
+        Raises:
+            DeviceError: The axes rest elsewhere, or the height could not be measured.
+            NodeLostError: A node does not answer or was restarted.
+            StopRequested: A stop of the survey was requested.
+        """
+        self._robot.description.check(self._plan.config)
+        position = self._positioner.position()
+        _check_position(point, position)
+        height_call = self._robot.workers.begin(self._instruments.height)
+        self._interruption.wait_s(self._settle_s)
+        with self._waits.shown(self._instruments.height_wait(point)) as check:
+            height_m, remarks = result_of(height_call, check)
+        _check_position(point, self._positioner.position())
+        self._settled = Settled(position, height_m, remarks)
+
+    def sweep(
+        self, point: SurveyPoint, store: Callable[[Trace], None], remark: Optional[Message] = None
+    ) -> None:
+        """Take the sweep of a point at which the axes have settled, and begin to confirm it.
+
+        Args:
+            point: Where the axes rest.
+            store: Accepts the trace once it is confirmed; called in another thread.
+            remark: A remark on the quality of this trace.
+
+        Raises:
+            DeviceError: A part failed, or the axes moved since they rested there.
+            NodeLostError: A node does not answer or was restarted.
+            StopRequested: A stop of the survey was requested.
+        """
+        try:
+            trace, number = self._swept(point, remark)
+        except TraceRefusedError as error:
+            # The operator can remove the cause, such as a wrong clock: the survey pauses.
+            raise DeviceError(error.message) from error
+        confirm = partial(self._robot.analyzer.confirm, number)
+        self._confirmation = Confirmation(trace, confirm, store)
+        self._confirming = self._robot.workers.begin(self._confirmation.run)
+
+    def confirmed(self, point: SurveyPoint, check: Optional[Check] = None) -> Trace:
+        """Return the trace of the last sweep when it is confirmed and accepted for storing.
+
+        Args:
+            point: The point of the sweep.
+            check: Called repeatedly meanwhile; an error that it raises ends the wait, and the
+                confirmation continues. None: an interruption of the survey ends the wait.
+
+        Raises:
+            UnconfirmedError: It was not confirmed; give it up.
+            DeviceError: The analyzer did not answer; give it up.
+        """
+        assert self._confirming is not None
+        wait = self._instruments.confirmation_wait(point)
+        with self._waits.shown_beside(wait, check or self._interruption.check) as check_and_show:
+            wait_for(self._confirming, check_and_show)
+        trace = self._confirming.result()
+        self._confirmation, self._confirming = None, None
+        return trace
+
+    def give_up(self) -> Optional[Trace]:
+        """Give up the last sweep, if any; return its trace if it is accepted for storing."""
+        confirmation, self._confirmation, self._confirming = self._confirmation, None, None
+        return None if confirmation is None else confirmation.give_up()
+
+    def _swept(self, point: SurveyPoint, remark: Optional[Message]) -> Tuple[Trace, int]:
+        settled = self._settled
+        assert settled is not None and self._confirmation is None
+        sweep_call = self._robot.workers.begin(self._robot.analyzer.sweep)
+        with self._waits.shown(self._instruments.sweep_wait(point)) as check:
+            measured = result_of(sweep_call, check)
+        self._interruption.check()
+        if self._positioner.position() != settled.position:
+            raise DeviceError(
+                Message(
+                    "the axes moved during the sweep at point {index}; nothing else may move them "
+                    "during a survey",
+                    index=point.index,
+                )
+            )
+        return self._trace(point, settled, measured.sweep, remark), measured.number
+
+    def _trace(
+        self,
+        point: SurveyPoint,
+        settled: Settled,
+        sweep: Sweep,
+        remark: Optional[Message],
+    ) -> Trace:
+        self._instruments.check_sweep(sweep)
+        timestamp_us = time_of_day_us()
+        remarks = [remark, self._clock_steps.check_trace(timestamp_us)]
+        texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)
+        measured = {**vars(sweep), "quality": (*sweep.quality, *settled.remarks, *texts)}
+        return Trace(
+            **measured,
+            survey_id=self._plan.survey_id,
+            sample_id=str(uuid.uuid4()),
+            index=point.index,
+            timestamp_us=timestamp_us,
+            x_coord_mm=settled.position.x_mm,
+            y_coord_mm=settled.position.y_mm,
+            z_coord_deg=settled.position.z_deg,
+            antennae_height_m=settled.height_m,
+        )
+
+
+def _check_position(point: SurveyPoint, position: Position) -> None:
+    planned = Position(point.x_mm, point.y_mm, point.z_deg)
+    if position != planned:
+        raise DeviceError(
+            Message(
+                "the axes are at {position} instead of {planned} before the sweep at point "
+                "{index}; nothing else may move them during a survey",
+                position=position.message,
+                planned=planned.message,
+                index=point.index,
+            )
+        )

@@ -1,0 +1,255 @@
+"""A sweep is confirmed while the axes move on; only then its trace is stored."""
+
+import threading
+
+import pytest
+from fake_robot import LIMIT_S, Bench
+
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, UnconfirmedError
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+CHANGED = "the start frequency was changed by hand"
+VNA = "vna_acquisition"
+
+
+class Confirmations:
+    """Confirms every sweep, except as a test sets it."""
+
+    def __init__(self, analyzer):
+        self.refused = {}
+        self.remarks = {}
+        self.held = {}
+        self.begun = {}
+        analyzer.on_confirm = self
+
+    def hold(self, number):
+        """Let a confirmation hang until `release`."""
+        self.held[number], self.begun[number] = threading.Event(), threading.Event()
+
+    def release(self):
+        for event in self.held.values():
+            event.set()
+
+    def __call__(self, number):
+        if number in self.held:
+            self.begun[number].set()
+            self.held[number].wait(LIMIT_S)
+        if number in self.refused:
+            raise self.refused[number]
+        return self.remarks.get(number, ())
+
+
+@pytest.fixture
+def confirmations(bench):
+    confirmations = Confirmations(bench.analyzer)
+    yield confirmations
+    confirmations.release()
+
+
+def refusal(repeat=True):
+    return UnconfirmedError(Message("{reason}", reason=CHANGED), repeat)
+
+
+def numbers(bench):
+    """The numbers of the stored sweeps."""
+    return [round(sample.s21_real[0]) for sample in bench.storage.samples]
+
+
+def test_the_next_move_does_not_wait_for_the_confirmation(bench, confirmations):
+    confirmations.hold(1)
+    moved = threading.Event()
+    begin_move = bench.z.begin_move
+    bench.z.begin_move = lambda target: (begin_move(target), moved.set())
+    bench.start()
+    assert confirmations.begun[1].wait(LIMIT_S)
+    # The second point is the other rotation at the first stop.
+    assert moved.wait(LIMIT_S)
+    assert bench.storage.samples == [] and bench.analyzer.sweeps == 1
+    confirmations.release()
+    bench.complete()
+
+
+def test_the_survey_ends_only_when_its_last_sweep_is_confirmed(bench, confirmations):
+    confirmations.hold(24)
+    bench.start()
+    assert confirmations.begun[24].wait(LIMIT_S)
+    bench.wait_for_visited(23)
+    assert bench.board.status.state is State.SURVEYING
+    assert len(bench.storage.samples) == 23
+    confirmations.release()
+    bench.complete()
+
+
+def test_the_trace_has_the_remarks_of_the_sweep_and_of_its_confirmation(bench, confirmations):
+    confirmations.remarks[3] = ("the level is low",)
+    bench.start()
+    bench.complete()
+    assert [one.quality for one in bench.storage.samples[1:4]] == [(), ("the level is low",), ()]
+
+
+@pytest.mark.parametrize("number", [1, 8, 24])
+def test_a_sweep_that_is_not_confirmed_is_taken_again_at_its_own_place(
+    bench, confirmations, number
+):
+    places = []
+    bench.analyzer.on_sweep = lambda: places.append(
+        (bench.x.coordinate, bench.y.coordinate, bench.z.coordinate)
+    )
+    confirmations.refused[number] = refusal()
+    bench.start()
+    bench.complete()
+    assert numbers(bench) == [*range(1, number), *range(number + 1, 26)]
+    again = bench.storage.samples[number - 1]
+    assert places[number] == places[number - 1]
+    assert places[number] == (again.x_coord_mm, again.y_coord_mm, again.z_coord_deg)
+    assert again.quality == (f"measured again: {CHANGED}",)
+    messages = [str(status.message) for status in bench.history]
+    assert f"Measuring point {number - 1} again: {CHANGED}" in messages
+    (warning,) = bench.storage.reports[-1]["warnings"]
+    assert f"the sweep at point {number - 1} was not confirmed" in warning["warning"]
+    assert State.PAUSED.name not in bench.states
+
+
+def test_the_status_shows_again_that_the_survey_measures(bench, confirmations):
+    confirmations.refused[5] = refusal()
+    confirmations.hold(8)
+    bench.start()
+    assert confirmations.begun[8].wait(LIMIT_S)
+    assert str(bench.board.status.message) == "Measuring"
+    confirmations.release()
+    bench.complete()
+
+
+def test_a_point_that_is_never_confirmed_pauses_the_survey(bench, confirmations):
+    for number in (4, 5, 6):
+        confirmations.refused[number] = refusal()
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert "point 3 was not confirmed 3 times in a row" in str(status.message)
+    assert CHANGED in str(status.message)
+    assert numbers(bench) == [1, 2, 3]
+    bench.resume_to_the_end()
+    assert numbers(bench) == [1, 2, 3, *range(7, 28)]
+
+
+def test_a_refusal_that_cannot_be_repeated_pauses_the_survey_at_once(bench, confirmations):
+    confirmations.refused[4] = refusal(repeat=False)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert CHANGED in str(status.message)
+    assert numbers(bench) == [1, 2, 3] and bench.analyzer.sweeps == 4
+    bench.resume_to_the_end()
+
+
+def test_a_confirmation_without_an_answer_pauses_the_survey(bench, confirmations):
+    confirmations.refused[4] = DeviceError(Message("the VNA driver did not answer"))
+    bench.start()
+    assert "the VNA driver did not answer" in str(bench.wait_for(State.PAUSED).message)
+    assert numbers(bench) == [1, 2, 3]
+    bench.resume_to_the_end()
+
+
+def test_a_fault_in_a_confirmation_fails_the_survey_and_stores_nothing(
+    bench, confirmations, monkeypatch
+):
+    monkeypatch.setattr(threading, "excepthook", lambda arguments: None)
+    confirmations.refused[4] = ZeroDivisionError("a fault of ours")
+    bench.start()
+    assert "a fault of ours" in str(bench.wait_for(State.FAILED).message)
+    assert numbers(bench) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("confirmed", [True, False])
+def test_a_fault_of_an_axis_loses_no_sweep_that_can_be_confirmed(bench, confirmations, confirmed):
+    confirmations.hold(3)
+    if not confirmed:
+        confirmations.refused[3] = refusal()
+
+    def fail_next_move():
+        if bench.analyzer.sweeps == 2:
+            bench.z.fail_move = "the endstop was pressed"
+
+    bench.analyzer.on_sweep = fail_next_move
+    bench.start()
+    assert confirmations.begun[3].wait(LIMIT_S)
+    confirmations.release()
+    status = bench.wait_for(State.PAUSED, State.FINISHED)
+    while "endstop" not in str(status.message):
+        assert status.state is State.PAUSED
+        bench.control.resume("")
+        status = bench.wait_for(State.PAUSED)
+    bench.analyzer.on_sweep = lambda: None
+    bench.z.fail_move = ""
+    bench.resume_to_the_end()
+    assert len(set(numbers(bench))) == 24 and (3 in numbers(bench)) is confirmed
+
+
+def test_a_stop_stores_the_last_sweep_if_it_is_confirmed(bench, confirmations):
+    confirmations.hold(3)
+    bench.start()
+    assert confirmations.begun[3].wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPING)
+    confirmations.release()
+    bench.wait_for(State.STOPPED)
+    assert numbers(bench) == [1, 2, 3]
+
+
+def test_a_stop_does_not_wait_for_ever_for_a_confirmation(bench, confirmations):
+    confirmations.hold(3)
+    bench.start()
+    assert confirmations.begun[3].wait(LIMIT_S)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    assert numbers(bench) == [1, 2]
+    report = bench.storage.reports[-1]
+    assert report["coverage"] == "mmf" + 21 * "-"
+    # Confirmed too late: its survey is closed.
+    confirmations.release()
+    bench.control.start()
+    bench.wait_for(State.FINISHED)
+    assert 3 not in numbers(bench) and len(bench.storage.samples) == 2 + 24
+
+
+@pytest.mark.parametrize("confirmed", [True, False])
+def test_ctrl_c_stores_the_last_sweep_if_it_is_confirmed(bench, confirmations, confirmed):
+    confirmations.hold(3)
+    bench.start()
+    assert confirmations.begun[3].wait(LIMIT_S)
+    bench.wait_for_visited(2)
+    if confirmed:
+        confirmations.release()
+    bench.control.shut_down(LIMIT_S)
+    assert bench.storage.closed[-1][1] == "interrupted"
+    stored = numbers(bench)
+    assert stored == list(range(1, len(stored) + 1)) and (len(stored) >= 3) is confirmed
+
+
+def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():
+    bench = Bench(return_limit_s=3600.0)
+    confirmations = Confirmations(bench.analyzer)
+    confirmations.hold(3)
+    bench.start()
+    assert confirmations.begun[3].wait(LIMIT_S)
+    bench.nodes.note_silent(VNA)
+    bench.wait_for_message("Waiting: the VNA driver stopped answering")
+    confirmations.release()
+    bench.nodes.note_alive(VNA, 2)
+    bench.complete()
+    assert numbers(bench) == [1, 2, *range(4, 26)]
+    assert State.PAUSED.name not in bench.states
+    bench.control.shut_down(LIMIT_S)
+
+
+def test_a_pause_holds_when_the_last_sweep_is_confirmed_and_stored(bench, confirmations):
+    bench.analyzer.on_sweep = lambda: bench.analyzer.sweeps == 2 and bench.control.pause()
+    confirmations.hold(3)
+    bench.start()
+    assert confirmations.begun[3].wait(LIMIT_S)
+    assert bench.board.status.state is State.PAUSING
+    confirmations.release()
+    bench.wait_for(State.PAUSED)
+    bench.wait_for_visited(3)
+    bench.analyzer.on_sweep = lambda: None
+    bench.resume_to_the_end()

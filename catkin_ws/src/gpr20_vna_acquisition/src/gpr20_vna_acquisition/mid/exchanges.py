@@ -1,0 +1,149 @@
+"""The messages to one MS2026C, over one link after the other."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Callable, Optional, Protocol, Set
+
+from gpr20_common.message import Message
+from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, VnaNotReadyError
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+
+# A query that was left unanswered this often, each time by an instrument that then answered
+# `*IDN?` on a new link, is one that the instrument does not know.
+UNANSWERED = 2
+# How long the first answer to a query may take that the instrument need not know [s]. The manual
+# allows two seconds after a setting.
+FIRST_ANSWER_S = 2.0
+
+
+class Transport(Protocol):
+    """One link. Every call may raise VnaConnectionError; after that the link is dead."""
+
+    def write(self, command: str) -> None:
+        """Send a command that has no answer."""
+
+    def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
+        """Send a query and return its answer, byte for byte.
+
+        Args:
+            query: The query.
+            limit_s: Time limit for the answer [s], if it is not that of the link.
+
+        Raises:
+            VnaNoAnswerError: There was no answer in time.
+        """
+
+    def clear(self) -> None:
+        """Empty the instrument's input and output."""
+
+    def local(self) -> None:
+        """Return the control to the front panel."""
+
+    def close(self) -> None:
+        """End the link; never fails."""
+
+
+class Exchanges:
+    """Sends commands and queries, and remembers which queries this instrument does not answer."""
+
+    def __init__(self, connector: Callable[[str], Transport], deadline: RequestDeadline) -> None:
+        """Begin without a link.
+
+        Args:
+            connector: Opens a link to an address, or raises VnaConnectionError.
+            deadline: Ends a request that takes too long.
+        """
+        self._connector = connector
+        self._deadline = deadline
+        self._transport: Optional[Transport] = None
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget what was learned: it is another instrument."""
+        self._answered: Set[str] = set()
+        self._silences: Counter = Counter()
+
+    def open(self, address: str) -> None:
+        """Open a link; an open one is closed.
+
+        Raises:
+            VnaConnectionError: Nothing answers there.
+        """
+        self.close()
+        self._deadline.check()
+        self._transport = self._connector(address)
+
+    def close(self) -> None:
+        """End the link; does nothing without one."""
+        transport, self._transport = self._transport, None
+        if transport is not None:
+            transport.close()
+
+    def clear(self) -> None:
+        """Empty the instrument's input and output."""
+        self._link().clear()
+
+    def write(self, command: str) -> None:
+        """Send a command that has no answer."""
+        self._link().write(command)
+
+    def ask(self, query: str) -> str:
+        """Send a query and return its answer as text without white space around it."""
+        return _text(self.ask_raw(query))
+
+    def ask_raw(self, query: str) -> bytes:
+        """Send a query and return its answer, byte for byte."""
+        return self._link().ask_raw(query)
+
+    def ask_optional(self, query: str) -> Optional[str]:
+        """Return the answer as `ask_optional_raw` does, as text without white space around it."""
+        answer = self.ask_optional_raw(query)
+        return None if answer is None else _text(answer)
+
+    def ask_optional_raw(self, query: str) -> Optional[bytes]:
+        """Return the answer to a query that the instrument need not know; None if it does not.
+
+        Raises:
+            VnaConnectionError: There was no answer, and it is not known yet whether there ever is.
+        """
+        if self.never_answered(query):
+            return None
+        if query in self._answered:
+            return self.ask_raw(query)
+        try:
+            answer = self._link().ask_raw(query, FIRST_ANSWER_S)
+        except VnaNoAnswerError:
+            self._silences[query] += 1
+            raise
+        self._answered.add(query)
+        return answer
+
+    def never_answered(self, query: str) -> bool:
+        """Return whether the instrument is known not to answer a query."""
+        return self._silences[query] >= UNANSWERED
+
+    def release(self, command: str) -> None:
+        """Send a last command and return the control to the front panel; no time limit applies."""
+        transport = self._transport
+        if transport is None:
+            return
+        try:
+            transport.write(command)
+            transport.local()
+        except VnaError:
+            # The link is dead: there is nobody to release.
+            self.close()
+
+    def _link(self) -> Transport:
+        self._deadline.check()
+        if self._transport is None:
+            raise VnaNotReadyError(
+                Message("the VNA is not connected; connect it first", details="service connection")
+            )
+        return self._transport
+
+
+def _text(answer: bytes) -> str:
+    # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
+    return answer.decode("latin-1").strip()

@@ -1,0 +1,277 @@
+"""The sweeps of an MS2026C: trigger, wait for the end, read new data."""
+
+from __future__ import annotations
+
+import re
+from typing import Callable, List, Optional
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.errors import (
+    VnaDataError,
+    VnaOldDataError,
+    VnaSettingError,
+    VnaSweepError,
+)
+from gpr20_vna_acquisition.mid.block_parser import parse_numbers, whole_number
+from gpr20_vna_acquisition.mid.exchanges import Exchanges
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.sweep_timing import (
+    SweepEnd,
+    SweepTiming,
+    enough_learned,
+    has_old_points,
+)
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+TRIGGER = ":INIT:IMM"
+STATUS_QUERY = ":STAT:OPER?"
+SWEEP_COMPLETE_BIT = 256
+DATA_QUERY = ":CALC1:DATA? SDAT"
+CLEAR_AVERAGE = ":SENS:AVER:CLE"
+# One message, so that nothing is averaged between the two.
+NEW_AVERAGE = f"{CLEAR_AVERAGE};{TRIGGER}"
+PREAMBLE_QUERY = ":TRAC:PRE? 1"
+AVERAGED = re.compile(rb"\bAVERAGING_COUNT=([0-9]{1,9})\b")
+# Polling more often than this loads the instrument and gains nothing [s].
+SHORTEST_POLL_S = 0.0005
+POLL_FRACTION = 0.1
+# While a duration is learned, it is measured to this part of it.
+LEARNING_POLL_FRACTION = 0.01
+
+
+class Ms2026cSweeps:
+    """Takes sweeps with the settings that were made before.
+
+    The instrument shows the end of a sweep by a bit. The manual does not define how soon a trigger
+    clears the bit of the sweep before, and the data are those of the display, whatever the bit
+    says. So the duration of a sweep is measured first, and a bit that was not seen cleared is
+    believed only when the sweep must have ended, and only with data that are new at every point
+    and do not change any more.
+    """
+
+    def __init__(
+        self,
+        exchanges: Exchanges,
+        parameters: VnaParameters,
+        deadline: RequestDeadline,
+        utc_now_us: Callable[[], int],
+    ) -> None:
+        self._exchanges = exchanges
+        self._parameters = parameters
+        self._deadline = deadline
+        self._utc_now_us = utc_now_us
+        self._timing: Optional[SweepTiming] = None
+        self._triggers = 1
+        self._trace_duration_s: Optional[float] = None
+        # The last data that were read, of whatever sweep.
+        self._shown: Optional[np.ndarray] = None
+
+    @property
+    def trace_duration_s(self) -> Optional[float]:
+        """How long one trace takes [s]; None before `learn`."""
+        return self._trace_duration_s
+
+    def learn(self, settings: SweepSettings) -> None:
+        """Measure how long a sweep takes; the instrument must be set up and held.
+
+        Raises:
+            VnaSweepError: A sweep did not end in time.
+            VnaSettingError: The instrument cannot average as it is set up.
+        """
+        limit_s = self._parameters.sweep_limit_s(self._parameters.nominal_trace_s(settings))
+        self._deadline.extend(2.0 * limit_s)
+        self._timing, self._triggers = None, 1
+        self._shown = self._displayed(settings)
+        ends: List[SweepEnd] = []
+        while not enough_learned(ends):
+            ends.append(self._learn_once(settings, limit_s))
+            # The next one is known to be new by its difference from this one.
+            self._shown = self._read(settings)
+        timing = SweepTiming(ends)
+        self._triggers = self._triggers_per_trace(settings, timing)
+        self._timing = timing
+        self._trace_duration_s = self._triggers * timing.expected_s
+
+    def take(self, settings: SweepSettings) -> Sweep:
+        """Return the data of a trace that is triggered now.
+
+        Raises:
+            VnaSweepError: A sweep did not end in time.
+            VnaOldDataError: The data, or a part of them, are not new.
+            VnaDataError: The data are incomplete or not finite.
+        """
+        if self._timing is None:
+            self.learn(settings)
+        timing = self._timing
+        assert timing is not None
+        started_us, started_s = self._utc_now_us(), self._deadline.now_s()
+        try:
+            for number in range(self._triggers):
+                end = self._sweep_once(settings, timing, new_average=number == 0)
+            # By the monotonic clock: the time of day may be corrected meanwhile.
+            duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
+            numbers = self._new_numbers(settings, end)
+        except (VnaOldDataError, VnaSweepError):
+            # What was learned is in doubt too: the next sweep learns again.
+            self._timing = None
+            raise
+        self._trace_duration_s = self._triggers * timing.expected_s
+        return Sweep(
+            frequency_hz=settings.frequencies_hz(),
+            s21_real=numbers[0::2].copy(),
+            s21_imag=numbers[1::2].copy(),
+            sweep_started_us=started_us,
+            sweep_ended_us=started_us + duration_us,
+            quality=(),
+            analyzer=settings.analyzer,
+        )
+
+    def _sweep_once(
+        self, settings: SweepSettings, timing: SweepTiming, new_average: bool
+    ) -> SweepEnd:
+        limit_s = self._parameters.sweep_limit_s(timing.expected_s)
+        begun_s = self._trigger(settings, new_average)
+        stale_bit_s, cleared, late = 0.0, False, False
+        while True:
+            asked_s = self._deadline.now_s() - begun_s
+            complete = self._is_complete()
+            elapsed_s = self._deadline.now_s() - begun_s
+            if complete and (cleared or asked_s >= timing.surely_ended_s):
+                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s)
+                timing.note(end, late)
+                return end
+            self._check_time(elapsed_s, limit_s, settings)
+            pause_s = self._pause_s(elapsed_s)
+            if complete:
+                stale_bit_s = elapsed_s
+                # A bit of the sweep before: wait until it clears, or until it does not matter.
+                pause_s = min(pause_s, max(timing.surely_ended_s - elapsed_s, SHORTEST_POLL_S))
+            elif cleared:
+                late = True
+            else:
+                cleared = True
+                pause_s = max(timing.expected_s - elapsed_s, 0.0)
+            self._deadline.pause_s(pause_s)
+
+    def _learn_once(self, settings: SweepSettings, limit_s: float) -> SweepEnd:
+        """Take a sweep of unknown duration; return when its end is certain."""
+        believed_s = self._parameters.nominal_trace_s(settings) + self._parameters.settle_s
+        begun_s = self._trigger(settings, new_average=True)
+        stale_bit_s, cleared = 0.0, False
+        while True:
+            asked_s = self._deadline.now_s() - begun_s
+            complete = self._is_complete()
+            elapsed_s = self._deadline.now_s() - begun_s
+            if complete and cleared:
+                return SweepEnd(asked_s, elapsed_s, True, stale_bit_s)
+            if complete:
+                if elapsed_s >= believed_s or self._shows_a_whole_new_sweep(settings):
+                    return SweepEnd(asked_s, elapsed_s, False)
+                stale_bit_s = elapsed_s
+            cleared = cleared or not complete
+            self._check_time(elapsed_s, limit_s, settings)
+            shortest_s = LEARNING_POLL_FRACTION * elapsed_s
+            self._deadline.pause_s(max(SHORTEST_POLL_S, shortest_s))
+
+    def _shows_a_whole_new_sweep(self, settings: SweepSettings) -> bool:
+        if self._shown is None:
+            return False
+        numbers = self._read(settings)
+        if has_old_points(numbers, self._shown, to_the_last=True):
+            return False
+        return np.array_equal(numbers, self._read(settings))
+
+    def _new_numbers(self, settings: SweepSettings, end: SweepEnd) -> np.ndarray:
+        """Read data of which every point is new."""
+        before = self._shown
+        self._shown = numbers = self._read(settings)
+        limit_s = self._deadline.now_s() + self._parameters.settle_s
+        steady = end.cleared
+        while not steady and self._deadline.now_s() < limit_s:
+            self._shown = again = self._read(settings)
+            steady = np.array_equal(numbers, again) and not has_old_points(again, before, True)
+            numbers = again
+            if not steady:
+                self._deadline.pause_s(self._parameters.poll_interval_s)
+        if not steady or has_old_points(numbers, before, to_the_last=not end.cleared):
+            raise VnaOldDataError(
+                Message("the VNA gave data of which a part is that of the previous sweep")
+            )
+        return numbers
+
+    def _displayed(self, settings: SweepSettings) -> Optional[np.ndarray]:
+        """Return the data before the first sweep; None if there are none."""
+        try:
+            return self._read(settings)
+        except VnaDataError:
+            # Nothing was measured with these settings yet.
+            return None
+
+    def _read(self, settings: SweepSettings) -> np.ndarray:
+        answer = self._exchanges.ask_raw(DATA_QUERY)
+        return parse_numbers(answer, self._parameters.transfer_format, 2 * settings.points)
+
+    def _trigger(self, settings: SweepSettings, new_average: bool) -> float:
+        """Trigger a sweep and return when it began [s], at the earliest."""
+        begun_s = self._deadline.now_s()
+        averaging = settings.analyzer.averages > 1
+        self._exchanges.write(NEW_AVERAGE if averaging and new_average else TRIGGER)
+        return begun_s
+
+    def _is_complete(self) -> bool:
+        return bool(whole_number(self._exchanges.ask(STATUS_QUERY)) & SWEEP_COMPLETE_BIT)
+
+    def _pause_s(self, elapsed_s: float) -> float:
+        return min(
+            self._parameters.poll_interval_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
+        )
+
+    def _check_time(self, elapsed_s: float, limit_s: float, settings: SweepSettings) -> None:
+        if elapsed_s >= limit_s:
+            raise VnaSweepError(
+                Message(
+                    "the sweep of {points} points did not end within {limit_s:.3g} s; check that "
+                    "the VNA is in VNA mode and not operated by hand",
+                    points=settings.points,
+                    limit_s=limit_s,
+                )
+            )
+
+    def _triggers_per_trace(self, settings: SweepSettings, timing: SweepTiming) -> int:
+        """Return how many sweeps must be triggered until an average is complete.
+
+        The manual does not say whether one trigger makes all sweeps of an average.
+        """
+        averages = settings.analyzer.averages
+        if averages <= 1:
+            return 1
+        self._exchanges.write(CLEAR_AVERAGE)
+        if self._averaged(averages) >= averages:
+            raise _not_averaging(averages)
+        self._sweep_once(settings, timing, new_average=True)
+        averaged = self._averaged(averages)
+        self._shown = self._read(settings)
+        return 1 if averaged >= averages else averages
+
+    def _averaged(self, averages: int) -> int:
+        """Return how many sweeps the present average has."""
+        answer = self._exchanges.ask_optional_raw(PREAMBLE_QUERY)
+        found = None if answer is None else AVERAGED.search(answer)
+        if found is None:
+            raise _not_averaging(averages)
+        return int(found.group(1))
+
+
+def _not_averaging(averages: int) -> VnaSettingError:
+    return VnaSettingError(
+        Message(
+            "the VNA does not show that it begins a new average of {averages} sweeps for each "
+            "trace; set the number of averages to 1",
+            averages=averages,
+        )
+    )

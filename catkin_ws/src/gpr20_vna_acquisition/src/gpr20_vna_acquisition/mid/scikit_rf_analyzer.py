@@ -1,0 +1,312 @@
+"""The analyzers that scikit-rf can control (`skrf.vi.vna`), over a VISA session."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, List, Optional, Protocol, Sequence, Tuple, TypeVar
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.checks import visa_resource_name
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
+    VnaDataError,
+    VnaError,
+    VnaNotReadyError,
+    VnaSettingError,
+)
+from gpr20_vna_acquisition.mid.identity import check_identity
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.scikit_rf_dialects import Dialect, Setting
+from gpr20_vna_acquisition.mid.scikit_rf_sweeps import ScikitRfSweeps
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+Result = TypeVar("Result")
+# A start above the previous stop may be refused until the new stop is set.
+SETTING_PASSES = 2
+CORRECTION_ON, CORRECTION_OFF = ("1", "+1", "ON"), ("0", "+0", "OFF")
+
+
+class ScikitRfLink(Protocol):
+    """One session. After any error it is dead."""
+
+    def call(
+        self, what: Message, action: Callable[[Any], Result], limit_s: Optional[float] = None
+    ) -> Result:
+        """Do something with the object of scikit-rf.
+
+        Args:
+            what: What is done.
+            action: Does it; few exchanges.
+            limit_s: Time limit for one exchange [s], if it is not that of the link.
+
+        Raises:
+            VnaConnectionError: The instrument does not answer.
+            VnaDataError: It answers something else than expected.
+        """
+
+    def release(self, action: Callable[[Any], None]) -> None:
+        """Do something, then return the control to the front panel; no request limits it."""
+
+    def close(self) -> None:
+        """End the session; never fails."""
+
+
+class ScikitRfAnalyzer:
+    """Implements `Analyzer`.
+
+    It never resets the instrument. Whether it is calibrated is not known to scikit-rf.
+    """
+
+    def __init__(
+        self,
+        connector: Callable[[str, Callable[[], None]], ScikitRfLink],
+        dialect: Dialect,
+        parameters: VnaParameters,
+        deadline: RequestDeadline,
+        utc_now_us: Callable[[], int] = time_of_day_us,
+    ) -> None:
+        """Begin without a session.
+
+        Args:
+            connector: Opens a session to a VISA resource name; its second argument is called
+                again and again during each call, and raises if the call must end.
+            dialect: How the class of scikit-rf is used.
+            parameters: What is expected of the instrument.
+            deadline: Ends a request that takes too long.
+            utc_now_us: Returns the time of day [us since 1970, UTC].
+        """
+        self._connector = connector
+        self._dialect = dialect
+        self._parameters = parameters
+        self._deadline = deadline
+        self._sweeps = ScikitRfSweeps(self._call, dialect, parameters, deadline, utc_now_us)
+        self._link: Optional[ScikitRfLink] = None
+        self._identity = ""
+        self._accepted: Optional[SweepSettings] = None
+        self._remarks: List[Message] = []
+
+    def connect(self, address: str) -> None:
+        """Open a session to a VISA resource name; an open one is closed."""
+        visa_resource_name(Message("the VNA address"), address)
+        self.disconnect()
+        self._deadline.check()
+        self._link = self._connector(address, self._deadline.check)
+
+    def identify(self) -> str:
+        """Return the identification: maker, model, serial number, firmware."""
+        identity = str(self._call(Message("identification"), lambda vna: vna.id)).strip()
+        check_identity(identity, self._parameters)
+        # Each session needs it: the object of scikit-rf remembers the format.
+        self._call(Message("the transfer format"), self._dialect.set_format)
+        if identity != self._identity:
+            self._accepted = None
+        self._identity = identity
+        return identity
+
+    def check_sweep(self, settings: SweepSettings) -> None:
+        """Refuse settings that scikit-rf cannot make; no link is needed."""
+        self._parameters.check_sweep(settings)
+        for name, value_hz in (
+            (Message("the start frequency"), settings.start_frequency_hz),
+            (Message("the stop frequency"), settings.stop_frequency_hz),
+            (Message("the IF bandwidth"), settings.analyzer.if_bandwidth_hz),
+        ):
+            if value_hz != round(value_hz):
+                raise InvalidValueError(
+                    Message(
+                        "{name} is {value_hz} Hz; this VNA is set in whole hertz",
+                        name=name,
+                        value_hz=f"{value_hz:.12g}",
+                    )
+                )
+        if settings.analyzer.output_power:
+            raise InvalidValueError(
+                Message(
+                    "the output power of this VNA can only be set by hand; leave it empty in the "
+                    "survey"
+                )
+            )
+
+    def configure(self, settings: SweepSettings) -> SweepSettings:
+        """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
+        self._accepted, self._remarks = None, []
+        before = self.calibration()
+        written = self._apply(self._dialect.settings(settings))
+        self._check_calibration_kept(before, written)
+        accepted = self._call(Message("the settings"), self._read_settings)
+        if not accepted.fulfils(settings):
+            raise VnaSettingError(
+                Message("the VNA's settings changed by themselves; do not operate it by hand")
+            )
+        self._sweeps.learn(accepted)
+        self._accepted = accepted
+        return accepted
+
+    def sweep(self) -> Sweep:
+        """Trigger the sweeps of one trace, wait for their end and return the data."""
+        return self._sweeps.take(self._configured())
+
+    def confirm(self) -> None:
+        """Return if every setting that the data depend on is still that of `configure`."""
+        changed = self._differing(self._dialect.settings(self._configured()))
+        if changed:
+            raise VnaSettingError(
+                Message(
+                    "the VNA's settings were changed during the sweep: {settings}; do not operate "
+                    "it by hand during a survey",
+                    settings=_described(changed),
+                )
+            )
+
+    def calibration(self) -> CalibrationStatus:
+        """Return NONE if the configured query says so; its accuracy is never reported."""
+        query = self._parameters.correction_query
+        what = Message("the state of the calibration")
+        if not query:
+            # The driver asks this to learn whether the instrument still answers.
+            self._call(what, lambda vna: vna.wait_for_complete())
+            return CalibrationStatus.NOT_REPORTED
+        answer = str(self._call(what, lambda vna: vna.query(query))).strip().upper()
+        if answer in CORRECTION_OFF:
+            return CalibrationStatus.NONE
+        if answer in CORRECTION_ON:
+            return CalibrationStatus.NOT_REPORTED
+        raise VnaDataError(
+            Message(
+                "the VNA answers {answer} to {query}; expected 0 or 1; check correction_query",
+                answer=repr(answer[:40]),
+                query=query,
+            )
+        )
+
+    def release(self) -> None:
+        """Leave the instrument sweeping by itself, with its front panel usable."""
+        if self._link is None:
+            return
+        try:
+            self._link.release(self._dialect.release)
+        except VnaError:
+            # The session is dead: there is nobody to release.
+            self.disconnect()
+
+    def disconnect(self) -> None:
+        """End the session; never fails, and does nothing without one."""
+        link, self._link = self._link, None
+        if link is not None:
+            link.close()
+
+    @property
+    def trace_duration_s(self) -> Optional[float]:
+        """How long one trace takes, with its averages [s]; None before `configure`."""
+        return self._sweeps.trace_duration_s if self._accepted else None
+
+    @property
+    def remarks(self) -> Sequence[Message]:
+        """What is not known about this instrument."""
+        return self._remarks
+
+    def _call(
+        self, what: Message, action: Callable[[Any], Result], limit_s: Optional[float] = None
+    ) -> Result:
+        self._deadline.check()
+        if self._link is None:
+            raise VnaNotReadyError(
+                Message("the VNA is not connected; connect it first", details="service connection")
+            )
+        return self._link.call(what, action, limit_s)
+
+    def _configured(self) -> SweepSettings:
+        if self._accepted is None:
+            raise VnaNotReadyError(
+                Message(
+                    "the VNA's sweep is not configured; configure it first",
+                    details="service freq_sweep_setup",
+                )
+            )
+        return self._accepted
+
+    def _read_settings(self, vna: Any) -> SweepSettings:
+        part = self._dialect.sweep_part(vna)
+        return SweepSettings(
+            float(part.freq_start),
+            float(part.freq_stop),
+            int(part.npoints),
+            AnalyzerSettings(
+                if_bandwidth_hz=self._dialect.if_bandwidth_hz(vna),
+                averages=self._dialect.averages(vna),
+            ),
+        )
+
+    def _apply(self, wanted: Sequence[Setting]) -> List[Setting]:
+        """Make the settings that differ and return them."""
+        differing = self._differing(wanted)
+        written = [setting for setting, _found in differing]
+        for _ in range(SETTING_PASSES):
+            for setting, _found in differing:
+                self._write(setting)
+            differing = self._differing(wanted) if differing else []
+        if differing:
+            raise VnaSettingError(
+                Message(
+                    "the VNA did not accept a setting: {settings}; check that it is in VNA mode "
+                    "and not operated by hand",
+                    settings=_described(differing),
+                )
+            )
+        return written
+
+    def _write(self, setting: Setting) -> None:
+        try:
+            self._call(setting.name, setting.write)
+        except VnaDataError as error:
+            raise VnaSettingError(
+                Message(
+                    "the VNA cannot set {setting} to {value}",
+                    setting=setting.name,
+                    value=setting.value,
+                    details=error.message.details,
+                )
+            ) from error
+
+    def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, Any]]:
+        found = [(setting, self._call(setting.name, setting.read)) for setting in wanted]
+        return [(setting, value) for setting, value in found if value != setting.value]
+
+    def _check_calibration_kept(
+        self, before: CalibrationStatus, written: Sequence[Setting]
+    ) -> None:
+        changed = [setting.name for setting in written if setting.matters_to_calibration]
+        if not changed or before is CalibrationStatus.NONE:
+            return
+        if not self._parameters.correction_query:
+            self._remarks.append(
+                Message(
+                    "{settings} of the VNA changed when it was set up; it does not report whether "
+                    "its calibration still applies",
+                    settings=in_a_row(changed),
+                )
+            )
+        elif self.calibration() is CalibrationStatus.NONE:
+            raise VnaCalibrationError(
+                Message(
+                    "the VNA lost its calibration when {settings} was set; calibrate it now, with "
+                    "these settings, and resume: they are not written again",
+                    settings=in_a_row(changed),
+                )
+            )
+
+
+def _described(differing: Sequence[Tuple[Setting, Any]]) -> Message:
+    return in_a_row(
+        Message(
+            "{setting} is {found} instead of {expected}",
+            setting=setting.name,
+            found=repr(found)[:40],
+            expected=setting.value,
+        )
+        for setting, found in differing
+    )

@@ -1,0 +1,194 @@
+"""The sweeps of an analyzer of scikit-rf: trigger, wait for the end, read new data."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Optional, Protocol, TypeVar
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.errors import (
+    VnaConnectionError,
+    VnaDataError,
+    VnaSettingError,
+    VnaSweepError,
+)
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.scikit_rf_dialects import Dialect
+from gpr20_vna_acquisition.mid.sweep_timing import has_old_points
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+Result = TypeVar("Result")
+COMPLETE = ("1", "+1")
+# A trigger during a sweep may be ignored, so the first sweep after a setting shows nothing.
+LEARNING_SWEEPS = 2
+# Part of its usual duration before which no sweep can have ended.
+EARLIEST_END = 0.5
+
+
+class Call(Protocol):
+    """Does something with the object of scikit-rf within a time limit."""
+
+    def __call__(
+        self, what: Message, action: Callable[[Any], Result], limit_s: Optional[float] = None
+    ) -> Result:
+        """Return what `action` returns."""
+
+
+class ScikitRfSweeps:
+    """Takes sweeps with the settings that were made before.
+
+    The analyzer itself says when a sweep has ended: it answers `*OPC?` only then. An analyzer that
+    answers earlier is refused, because its data would be those of the sweep before.
+    """
+
+    def __init__(
+        self,
+        call: Call,
+        dialect: Dialect,
+        parameters: VnaParameters,
+        deadline: RequestDeadline,
+        utc_now_us: Callable[[], int],
+    ) -> None:
+        self._call = call
+        self._dialect = dialect
+        self._parameters = parameters
+        self._deadline = deadline
+        self._utc_now_us = utc_now_us
+        self._sweep_s: Optional[float] = None
+        self._triggers = 1
+        # The last data that were read, of whatever sweep.
+        self._shown: Optional[np.ndarray] = None
+
+    @property
+    def trace_duration_s(self) -> Optional[float]:
+        """How long one trace takes [s]; None before `learn`."""
+        return None if self._sweep_s is None else self._triggers * self._sweep_s
+
+    def learn(self, settings: SweepSettings) -> None:
+        """Measure how long a sweep takes; the instrument must be set up and held.
+
+        Raises:
+            VnaSweepError: A sweep did not end in time.
+            VnaSettingError: The instrument does not wait for the end of its sweeps.
+        """
+        self._sweep_s = None
+        self._triggers = self._call(
+            Message("the averages"),
+            lambda vna: self._dialect.triggers(vna, settings.analyzer.averages),
+        )
+        claimed_s = self._call(Message("the sweep time"), self._dialect.sweep_time_s)
+        limit_s = self._parameters.sweep_limit_s(
+            max(claimed_s, self._parameters.nominal_trace_s(settings))
+        )
+        self._deadline.extend(LEARNING_SWEEPS * limit_s)
+        for _ in range(LEARNING_SWEEPS):
+            sweep_s = self._sweep_once(settings, limit_s)
+        if sweep_s < EARLIEST_END * claimed_s:
+            raise VnaSettingError(
+                Message(
+                    "the VNA reports the end of a sweep after {reported_s:.3g} s, but a sweep "
+                    "takes {claimed_s:.3g} s; its data would not be new",
+                    reported_s=sweep_s,
+                    claimed_s=claimed_s,
+                )
+            )
+        # The next trace is known to be new by its difference from this one.
+        self._shown = self._read(settings)
+        self._sweep_s = sweep_s
+
+    def take(self, settings: SweepSettings) -> Sweep:
+        """Return the data of a trace that is triggered now.
+
+        Raises:
+            VnaSweepError: A sweep did not end in time, or too early.
+            VnaDataError: The data are not new, incomplete, or not finite.
+            VnaSettingError: The instrument is not held.
+        """
+        sweep_s = self._sweep_s
+        assert sweep_s is not None
+        self._check_held()
+        started_us, started_s = self._utc_now_us(), self._deadline.now_s()
+        if settings.analyzer.averages > 1:
+            self._call(Message("a new average"), self._dialect.clear_averages)
+        limit_s = self._parameters.sweep_limit_s(sweep_s)
+        for _ in range(self._triggers):
+            taken_s = self._sweep_once(settings, limit_s)
+            if taken_s < EARLIEST_END * sweep_s:
+                raise VnaSweepError(
+                    Message(
+                        "the VNA reports the end of a sweep after {reported_s:.3g} s, but a sweep "
+                        "takes {claimed_s:.3g} s; its data would not be new",
+                        reported_s=taken_s,
+                        claimed_s=sweep_s,
+                    )
+                )
+        # By the monotonic clock: the time of day may be corrected meanwhile.
+        duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
+        before, self._shown = self._shown, self._read(settings)
+        if has_old_points(self._shown, before):
+            raise VnaDataError(
+                Message("the VNA gave data of which a part is that of the previous sweep")
+            )
+        return Sweep(
+            frequency_hz=settings.frequencies_hz(),
+            s21_real=self._shown[0::2].copy(),
+            s21_imag=self._shown[1::2].copy(),
+            sweep_started_us=started_us,
+            sweep_ended_us=started_us + duration_us,
+            quality=(),
+            analyzer=settings.analyzer,
+        )
+
+    def _check_held(self) -> None:
+        hold = self._dialect.hold()
+        if self._call(hold.name, hold.read) != hold.value:
+            # A trigger could be ignored, and the sweep that runs began before the request.
+            raise VnaSettingError(
+                Message("the VNA sweeps by itself; do not operate it by hand during a survey")
+            )
+
+    def _sweep_once(self, settings: SweepSettings, limit_s: float) -> float:
+        """Take one sweep and return how long it took [s]."""
+        begun_s = self._deadline.now_s()
+        try:
+            answer = self._call(Message("the sweep"), self._dialect.sweep, limit_s)
+        except VnaConnectionError as error:
+            if self._deadline.now_s() - begun_s < limit_s:
+                raise
+            raise VnaSweepError(
+                Message(
+                    "the sweep of {points} points did not end within {limit_s:.3g} s; check that "
+                    "the VNA is in VNA mode and not operated by hand",
+                    points=settings.points,
+                    limit_s=limit_s,
+                )
+            ) from error
+        if answer not in COMPLETE:
+            raise VnaDataError(
+                Message(
+                    "the VNA answers {answer} instead of 1 at the end of a sweep",
+                    answer=repr(answer[:40]),
+                    details="*OPC?",
+                )
+            )
+        return self._deadline.now_s() - begun_s
+
+    def _read(self, settings: SweepSettings) -> np.ndarray:
+        """Return real and imaginary part of each point in turn."""
+        s21 = self._call(Message("the data"), self._dialect.data)
+        if s21.shape != (settings.points,):
+            raise VnaDataError(
+                Message(
+                    "the VNA gave {found} points; expected {points}",
+                    found=s21.size,
+                    points=settings.points,
+                )
+            )
+        numbers = np.ascontiguousarray(s21).view(np.float64)
+        if not np.isfinite(numbers).all():
+            raise VnaDataError(Message("the VNA gave numbers that are not finite"))
+        return numbers

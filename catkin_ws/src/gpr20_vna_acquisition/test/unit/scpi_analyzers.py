@@ -1,0 +1,322 @@
+"""Analyzers of other makers, simulated below PyVISA: SCPI over a TCP socket.
+
+The real part of each point is the number of its sweep; the imaginary part differs at every point.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import struct
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
+
+import numpy as np
+
+SERIAL = "SIMULATED-1"
+
+
+@dataclass
+class Faults:
+    """What the instrument does wrong.
+
+    Attributes:
+        silent: Queries that it does not answer; "" stands for all.
+        drop_at: A query at which it closes the connection, once.
+        ignored: Commands that it does not carry out.
+        early_end: Whether it answers `*OPC?` before the sweep has ended.
+        old_data: Whether it always shows the same sweep.
+        answers: Other answers than the right ones, by query.
+        endless: A query that it answers without end.
+    """
+
+    silent: Set[str] = field(default_factory=set)
+    drop_at: str = ""
+    ignored: Set[str] = field(default_factory=set)
+    early_end: bool = False
+    old_data: bool = False
+    answers: Dict[str, bytes] = field(default_factory=dict)
+    endless: str = ""
+
+
+class Dropped(Exception):
+    """The instrument closes the connection."""
+
+
+class ScpiAnalyzer:
+    """What the simulated analyzers have in common: settings, and sweeps that take time."""
+
+    maker, model = "", ""
+    # Which command makes it sweep by itself, and with which value.
+    continuous: Tuple[str, str] = ("", "")
+    settings: ClassVar[Dict[str, str]] = {}
+    points_header = ""
+
+    def __init__(self, sweep_s: float = 0.02) -> None:
+        self.sweep_s = sweep_s
+        self.serial = SERIAL
+        self.faults = Faults()
+        self.values = dict(self.settings)
+        self.values[self.continuous[0]] = self.continuous[1]
+        self.written: List[str] = []
+        self.sweeps = 0
+        self.average_cleared_at = 0
+        self._begun_s = time.monotonic() - 1e6
+        self._selected = ""
+        self._stopped = threading.Event()
+
+    def stop(self) -> None:
+        """End a sweep that is waited for."""
+        self._stopped.set()
+
+    @property
+    def identity(self) -> str:
+        return f"{self.maker},{self.model},{self.serial},A.01.00"
+
+    @property
+    def points(self) -> int:
+        return int(float(self.values[self.points_header]))
+
+    @property
+    def is_continuous(self) -> bool:
+        return self.values[self.continuous[0]] == self.continuous[1]
+
+    def settings_written(self) -> List[str]:
+        """Return the commands that changed a setting of the sweep."""
+        return [one for one in self.written if one.split(" ")[0] in self.settings]
+
+    def execute(self, message: bytes) -> Optional[bytes]:
+        """Carry out one message; return the answer, if there is one."""
+        answer = None
+        for part in message.decode("ascii").strip().split(";"):
+            answer = self._execute(part.lstrip(":"))
+        return answer
+
+    def _execute(self, text: str) -> Optional[bytes]:
+        if text == self.faults.drop_at:
+            self.faults.drop_at = ""
+            raise Dropped
+        if "?" not in text:
+            self.written.append(text)
+            if text.split(" ")[0] not in self.faults.ignored:
+                self.command(*text.split(" ", 1))
+            return None
+        if {"", text} & self.faults.silent:
+            return None
+        if text in self.faults.answers:
+            return self.faults.answers[text]
+        return self.query(text)
+
+    def command(self, header: str, value: str = "") -> None:
+        if header in self.values:
+            self.values[header] = value
+
+    def query(self, text: str) -> bytes:
+        if text == "*IDN?":
+            return self.identity.encode() + b"\n"
+        if text == "*OPC?":
+            if not self.faults.early_end:
+                self._stopped.wait(max(0.0, self._begun_s + self.sweep_s - time.monotonic()))
+            return b"+1\n"
+        return self.values[text.rstrip("?")].encode() + b"\n"
+
+    def trigger(self) -> None:
+        self.sweeps += 1
+        self._begun_s = time.monotonic()
+
+    def data(self) -> np.ndarray:
+        """Return real and imaginary part of each point in turn."""
+        points, number = self.points, 1 if self.faults.old_data else self.sweeps
+        share = (time.monotonic() - self._begun_s) / self.sweep_s
+        if self.is_continuous:
+            number, share = int(time.monotonic() * 1e6), 1.0
+        new = np.arange(points) < share * points
+        numbers = np.empty(2 * points)
+        numbers[0::2] = np.where(new, number, number - 1)
+        numbers[1::2] = np.arange(1, points + 1) * 1e-3 + 1e-6 * numbers[0::2]
+        return numbers
+
+
+class PnaAnalyzer(ScpiAnalyzer):
+    """A Keysight PNA."""
+
+    maker, model = "Agilent Technologies", "N5222A"
+    continuous = ("SENS1:SWE:MODE", "CONT")
+    points_header = "SENS1:SWE:POIN"
+    settings: ClassVar[Dict[str, str]] = {
+        "SENS1:FREQ:STAR": "+1.000000000000E+007",
+        "SENS1:FREQ:STOP": "+2.650000000000E+010",
+        "SENS1:SWE:POIN": "201",
+        "SENS1:BWID": "+1.000E+005",
+        "SENS1:SWE:TYPE": "LIN",
+        "SENS1:AVER:STATE": "0",
+        "SENS1:AVER:COUN": "16",
+        "SENS1:AVER:MODE": "SWE",
+        "TRIG:SOUR": "IMM",
+        "SYST:ACT:CHAN": "1",
+        "FORM": "ASC,+0",
+        "FORM:BORD": "NORM",
+        "DISP:WIND:CAT": '"1"',
+    }
+    catalog_query, create, select = "CALC1:PAR:CAT:EXT?", "CALC1:PAR:EXT", "CALC1:PAR:SEL"
+    quote = '"'
+
+    def __init__(self, sweep_s: float = 0.02) -> None:
+        super().__init__(sweep_s)
+        self.measurements = {"CH1_S11_1": "S11"}
+
+    def command(self, header: str, value: str = "") -> None:
+        if header == "SENS1:SWE:MODE" and value == "SING":
+            self.trigger()
+            value = "HOLD"
+        if header == "SENS1:AVER:CLE":
+            self.average_cleared_at = self.sweeps
+        elif header == self.create:
+            name, what = value.replace("'", "").split(",")
+            self.measurements[name] = what
+        elif header == self.select:
+            self._selected = value.split("'")[1]
+        else:
+            super().command(header, value)
+
+    def query(self, text: str) -> bytes:
+        quoted = f"{self.quote}{{}}{self.quote}\n".format
+        if text == self.catalog_query:
+            return quoted(",".join(f"{a},{b}" for a, b in self.measurements.items())).encode()
+        if text == f"{self.select}?":
+            return quoted(self._selected).encode()
+        if text == "CALC1:DATA? SDATA":
+            return self.block(self.data())
+        if text == "SENS1:SWE:TIME?":
+            return f"{self.sweep_s:E}\n".encode()
+        if text == "SENS1:CORR:STAT?":
+            return b"1\n"
+        return super().query(text)
+
+    def block(self, numbers: np.ndarray) -> bytes:
+        if self.values["FORM"] != "REAL,64":
+            return ",".join(f"{one:.12E}" for one in numbers).encode() + b"\n"
+        order = "<" if self.values["FORM:BORD"] == "SWAP" else ">"
+        packed = struct.pack(f"{order}{len(numbers)}d", *numbers)
+        size = str(len(packed))
+        return b"#" + str(len(size)).encode() + size.encode() + packed + b"\n"
+
+
+class ZvaAnalyzer(PnaAnalyzer):
+    """A Rohde & Schwarz ZVA."""
+
+    maker, model = "Rohde-Schwarz", "ZVA24-2Port"
+    continuous = ("INIT1:CONT", "1")
+    settings: ClassVar[Dict[str, str]] = {
+        **{key: text for key, text in PnaAnalyzer.settings.items() if "MODE" not in key},
+        "INST:NSEL": "1",
+        "FORM": "ASC,0",
+    }
+    catalog_query, create = "CALC1:PAR:CAT?", "CALC1:PAR:SDEF"
+    quote = "'"
+
+    def command(self, header: str, value: str = "") -> None:
+        if header == "INIT1:IMM":
+            self.trigger()
+        else:
+            super().command(header, value)
+
+
+class FieldFoxAnalyzer(ScpiAnalyzer):
+    """A Keysight FieldFox."""
+
+    maker, model = "Keysight Technologies", "N9916A"
+    continuous = ("INIT:CONT", "1")
+    points_header = "SENS:SWE:POIN"
+    settings: ClassVar[Dict[str, str]] = {
+        "SENS:FREQ:STAR": "30000",
+        "SENS:FREQ:STOP": "1.4E+10",
+        "SENS:SWE:POIN": "201",
+        "SENS:SWE:TIME": "0",
+        "SENS:BWID": "3.000E+03",
+        "SENS:AVER:COUN": "1",
+        "CALC:PAR:COUN": "1",
+        "CALC:PAR1:DEF": "S11",
+        "CALC:PAR1:SEL": "",
+        "FORM": "REAL,32",
+    }
+
+    def command(self, header: str, value: str = "") -> None:
+        if header == "INIT:IMM":
+            self.trigger()
+        elif header == "SENS:AVER:CLE":
+            self.average_cleared_at = self.sweeps
+        else:
+            super().command(header, value)
+
+    def query(self, text: str) -> bytes:
+        if text == "CALC:DATA:SDATA?":
+            return ",".join(f"{one:.12E}" for one in self.data()).encode() + b"\n"
+        return super().query(text)
+
+
+class ScpiServer:
+    """Serves an analyzer on a TCP port of loopback, one message per line."""
+
+    def __init__(self, analyzer: ScpiAnalyzer) -> None:
+        self.analyzer = analyzer
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self._listener.getsockname()[1]
+        self.address = f"TCPIP0::127.0.0.1::{self.port}::SOCKET"
+        self._connections: List[socket.socket] = []
+        self._threads = [threading.Thread(target=self._accept, daemon=True)]
+        self._threads[0].start()
+
+    def drop_all(self) -> None:
+        """Close every connection."""
+        connections, self._connections = self._connections, []
+        for connection in connections:
+            _shut(connection)
+
+    def stop(self) -> None:
+        """Drop everybody and wait for the threads."""
+        self.analyzer.stop()
+        _shut(self._listener)
+        self.drop_all()
+        for thread in self._threads:
+            thread.join(5.0)
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                connection, _address = self._listener.accept()
+            except OSError:
+                return
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._connections.append(connection)
+            thread = threading.Thread(target=self._serve, args=(connection,), daemon=True)
+            self._threads.append(thread)
+            thread.start()
+
+    def _serve(self, connection: socket.socket) -> None:
+        try:
+            with connection, connection.makefile("rb") as lines:
+                for line in lines:
+                    answer = self.analyzer.execute(line)
+                    while line.decode().strip() == self.analyzer.faults.endless:
+                        connection.sendall(b"1," * 4096)
+                    if answer is not None:
+                        connection.sendall(answer)
+        except (OSError, ValueError, Dropped):
+            _shut(connection)
+
+
+def _shut(connection: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        connection.shutdown(socket.SHUT_RDWR)
+    connection.close()
+
+
+ANALYZERS: Dict[str, Callable[[], ScpiAnalyzer]] = {
+    "keysight.PNA": PnaAnalyzer,
+    "keysight.FieldFox": FieldFoxAnalyzer,
+    "rohde_schwarz.ZVA": ZvaAnalyzer,
+    "rohde_schwarz.ZNA": ZvaAnalyzer,
+}

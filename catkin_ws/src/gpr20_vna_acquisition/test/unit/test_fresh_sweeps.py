@@ -1,0 +1,131 @@
+"""Whatever the instrument's bit and timing are, every sweep is new at every point."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import replace
+
+import pytest
+from driver_bench import SWEEP, Bench
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_vna_acquisition.errors import VnaDataError, VnaSettingError, VnaSweepError
+
+SECONDS = st.floats(0.0, 3.0)
+
+
+def is_new(bench: Bench, triggered_after: int) -> bool:
+    sweep = bench.driver.get_trace()
+    numbers = set(sweep.s21_real)
+    return len(numbers) == 1 and numbers.pop() > triggered_after
+
+
+@given(
+    sweep_s=SECONDS,
+    stale_bit_s=SECONDS,
+    exchange_s=st.floats(0.0001, 0.05),
+    seconds_per_point=st.floats(0.0, 0.1),
+)
+def test_every_sweep_is_new_at_every_point(sweep_s, stale_bit_s, exchange_s, seconds_per_point):
+    bench = Bench(seconds_per_point=seconds_per_point)
+    bench.vna.sweep_s, bench.vna.stale_bit_s = sweep_s, stale_bit_s
+    bench.vna.exchange_s = exchange_s
+    bench.configured()
+    for _ in range(4):
+        assert is_new(bench, bench.vna.sweep_number)
+
+
+@given(st.lists(st.tuples(SECONDS, SECONDS), min_size=2, max_size=6))
+def test_no_point_is_old_when_the_instrument_changes_its_timing_without_notice(timings):
+    bench = Bench(attempts=3)
+    bench.vna.sweep_s, bench.vna.stale_bit_s = timings[0]
+    bench.configured()
+    for bench.vna.sweep_s, bench.vna.stale_bit_s in timings[1:]:
+        before = bench.vna.sweep_number
+        # An error is allowed; data of which a part is old are not.
+        with contextlib.suppress(VnaSweepError):
+            assert is_new(bench, before)
+
+
+def test_the_bit_of_the_issue_late_by_300_ms_at_2_ms_per_point_gives_new_sweeps():
+    bench = Bench()
+    bench.vna.sweep_s, bench.vna.stale_bit_s = 11 * 0.002, 0.3
+    bench.configured()
+    assert all(is_new(bench, bench.vna.sweep_number) for _ in range(20))
+    assert bench.driver.state.repeats == 0
+
+
+@pytest.mark.parametrize("exchange_s", [0.001, 0.02])
+@pytest.mark.parametrize("sweep_s", [0.175, 2.0])
+def test_a_sweep_takes_four_exchanges_and_little_more_than_its_own_time(exchange_s, sweep_s):
+    bench = Bench()
+    bench.vna.exchange_s, bench.vna.sweep_s = exchange_s, sweep_s
+    bench.configured()
+    for _ in range(5):
+        del bench.vna.sent[:]
+        begun_s = bench.clock.time_s
+        bench.driver.take_sweep()
+        assert bench.vna.sent == [":INIT:IMM", ":STAT:OPER?", ":STAT:OPER?", ":CALC1:DATA? SDAT"]
+        assert bench.clock.time_s - begun_s <= sweep_s + 4 * exchange_s + 0.01 * sweep_s
+
+
+def test_a_sweep_that_was_late_once_is_expected_later_and_then_on_time_again():
+    bench = Bench().configured()
+
+    def polls() -> int:
+        del bench.vna.sent[:]
+        bench.driver.take_sweep()
+        return bench.vna.sent.count(":STAT:OPER?")
+
+    usual_s = bench.driver.trace_duration_s
+    assert polls() == 2
+    bench.vna.sweep_s *= 1.2
+    assert polls() > 2 and bench.driver.trace_duration_s > usual_s
+    assert polls() == 2
+    bench.vna.sweep_s /= 1.2
+    assert [polls() for _ in range(40)] == [2] * 40
+    assert bench.driver.trace_duration_s == usual_s
+
+
+def test_the_duration_is_measured_again_when_a_setting_changes():
+    bench = Bench().configured()
+    bench.vna.sweep_s = 5.0
+    narrow = AnalyzerSettings(if_bandwidth_hz=10.0)
+    bench.driver.set_frequency_sweep(replace(SWEEP, analyzer=narrow))
+    assert 5.0 <= bench.driver.trace_duration_s < 5.1
+    assert is_new(bench, bench.vna.sweep_number)
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_an_average_has_all_its_sweeps_and_no_other(at_once):
+    bench = Bench()
+    bench.vna.averages_at_once = at_once
+    bench.vna.settings[":SENS:AVER:COUN"] = "4"
+    bench.configured()
+    assert bench.driver.state.sweep.analyzer.averages == 4
+    for _ in range(3):
+        bench.vna.averaged = 99
+        assert is_new(bench, bench.vna.sweep_number)
+        assert bench.vna.averaged == 4
+
+
+def test_an_average_that_cannot_be_begun_again_is_refused():
+    bench = Bench()
+    bench.vna.settings[":SENS:AVER:COUN"] = "4"
+    take = bench.vna.take
+    bench.vna.take = lambda command: None if "CLE" in command else take(command)
+    bench.vna.averaged = 4
+    with pytest.raises(VnaSettingError, match="new average of 4 sweeps"):
+        bench.configured()
+
+
+def test_data_of_which_a_part_is_old_are_an_error():
+    bench = Bench(attempts=1).configured()
+    bench.driver.get_trace()
+    half_old = bench.vna.points_data()
+    half_old[:12] = [99.0 + one for one in half_old[:12]]
+    bench.vna.spoil = lambda answer: bench.vna.block(half_old)
+    with pytest.raises((VnaDataError, VnaSweepError), match="a part is that of the previous sweep"):
+        bench.driver.get_trace()

@@ -1,0 +1,416 @@
+"""The analyzers of scikit-rf over PyVISA, at instruments that are simulated below it."""
+
+from __future__ import annotations
+
+import importlib.util
+import threading
+import time
+from typing import Iterator
+
+import numpy as np
+import pytest
+from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import Clock
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition.errors import (
+    VnaCalibrationError,
+    VnaClosedError,
+    VnaConnectionError,
+    VnaDataError,
+    VnaError,
+    VnaIdentityError,
+    VnaLibraryError,
+    VnaSettingError,
+    VnaSweepError,
+    VnaTimeoutError,
+)
+from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
+from gpr20_vna_acquisition.mid.analyzers import make_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+pytestmark = pytest.mark.real_time
+
+SWEEP = SweepSettings(600_000_000.0, 6_000_000_000.0, 51)
+# The first scikit-rf for Python 3.8 has no class of Rohde & Schwarz that works.
+HAS_ROHDE_SCHWARZ = importlib.util.find_spec("skrf.vi.vna.rohde_schwarz.rs_vna") is not None
+# The class ZNA differs from ZVA in its name alone.
+CLASSES = ["keysight.PNA", "keysight.FieldFox", *["rohde_schwarz.ZVA"] * HAS_ROHDE_SCHWARZ]
+
+
+class Bench:
+    """An instrument, and the analyzer and driver at it."""
+
+    def __init__(self, name: str, **parameters) -> None:
+        self.vna: ScpiAnalyzer = ANALYZERS[name]()
+        self.server = ScpiServer(self.vna)
+        self.address = self.server.address
+        self.parameters = VnaParameters(
+            **{
+                "analyzer": AnalyzerKind.SCIKIT_RF,
+                "scikit_rf_class": ScikitRfClass(name),
+                "address": self.address,
+                "maker": self.vna.maker,
+                "model": self.vna.model,
+                "answer_timeout_s": 0.3,
+                "connect_timeout_s": 0.5,
+                "sweep_timeout_s": 0.3,
+                "seconds_per_point": 0.0,
+                "request_timeout_s": 8.0,
+                "retry_pause_s": 0.01,
+                "attempts": 3,
+                "clear_on_connect": False,
+                "accepted_calibrations": (CalibrationStatus.NOT_REPORTED,),
+                **parameters,
+            }
+        )
+        self.deadline = RequestDeadline(Clock())
+        self.deadline.begin(60.0)
+        self.analyzer = make_analyzer(self.parameters, _no_vxi11, self.deadline)
+        self.driver = VNADriver(self.analyzer, self.parameters, self.deadline, lambda _text: None)
+
+    def configured(self, **settings) -> SweepSettings:
+        self.analyzer.connect(self.address)
+        self.analyzer.identify()
+        return self.analyzer.configure(
+            SweepSettings(*_frequencies(), analyzer=AnalyzerSettings(**settings))
+        )
+
+    def stop(self) -> None:
+        self.analyzer.disconnect()
+        self.server.stop()
+
+
+def _frequencies():
+    return SWEEP.start_frequency_hz, SWEEP.stop_frequency_hz, SWEEP.points
+
+
+def _no_vxi11(_address):
+    raise AssertionError("this analyzer does not use the link of the MS2026C")
+
+
+@pytest.fixture(params=CLASSES)
+def bench(request) -> Iterator[Bench]:
+    made = Bench(request.param)
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def pna() -> Iterator[Bench]:
+    made = Bench("keysight.PNA")
+    yield made
+    made.stop()
+
+
+def test_each_sweep_was_triggered_after_the_request(bench):
+    accepted = bench.configured()
+    assert accepted.fulfils(SWEEP) and accepted.analyzer.averages == 1
+    for _ in range(5):
+        before = bench.vna.sweeps
+        sweep = bench.analyzer.sweep()
+        bench.analyzer.confirm()
+        assert set(sweep.s21_real) == {before + 1} and bench.vna.sweeps == before + 1
+        np.testing.assert_array_equal(sweep.frequency_hz, SWEEP.frequencies_hz())
+        assert sweep.duration_s >= bench.vna.sweep_s
+    assert bench.analyzer.trace_duration_s == pytest.approx(bench.vna.sweep_s, abs=0.05)
+
+
+def test_only_settings_that_differ_are_written(bench):
+    bench.configured()
+    bench.vna.written.clear()
+    bench.analyzer.configure(SWEEP)
+    written = bench.vna.settings_written()
+    assert not [one for one in written if not one.startswith("CALC")], written
+
+
+def test_settings_are_read_back(bench):
+    bench.vna.faults.ignored.add(bench.vna.points_header)
+    with pytest.raises(VnaSettingError, match="the number of points is 201 instead of 51"):
+        bench.configured()
+
+
+def test_if_bandwidth_and_averages_are_set_and_each_trace_is_a_new_average(bench):
+    accepted = bench.configured(if_bandwidth_hz=3000.0, averages=3)
+    assert accepted.analyzer == AnalyzerSettings(3000.0, 3)
+    before = bench.vna.sweeps
+    sweep = bench.analyzer.sweep()
+    assert bench.vna.average_cleared_at == before and bench.vna.sweeps == before + 3
+    assert sweep.analyzer == accepted.analyzer
+    assert bench.analyzer.trace_duration_s >= 3 * bench.vna.sweep_s
+
+
+def test_a_setting_that_is_changed_by_hand_is_noticed(bench):
+    bench.configured()
+    header = bench.vna.points_header.replace("SWE:POIN", "FREQ:STOP")
+    bench.vna.values[header] = "5E9"
+    with pytest.raises(VnaSettingError, match="stop frequency is 5000000000 instead of 6000000000"):
+        bench.analyzer.confirm()
+
+
+def test_an_instrument_that_sweeps_by_itself_gives_no_trace(bench):
+    bench.configured()
+    header, value = bench.vna.continuous
+    bench.vna.values[header] = value
+    with pytest.raises(VnaSettingError, match="sweeps by itself"):
+        bench.analyzer.sweep()
+
+
+def test_old_data_are_refused(bench):
+    bench.vna.faults.old_data = True
+    bench.configured()
+    with pytest.raises(VnaDataError, match="previous sweep"):
+        bench.analyzer.sweep()
+
+
+def test_an_end_that_is_reported_too_early_is_refused(bench):
+    bench.vna.sweep_s = 0.2
+    bench.configured()
+    bench.vna.faults.early_end = True
+    with pytest.raises(VnaSweepError, match="would not be new"):
+        bench.analyzer.sweep()
+
+
+def test_an_instrument_that_never_waits_for_its_sweep_is_refused_at_once(pna):
+    pna.vna.faults.early_end = True
+    pna.vna.sweep_s = 0.2
+    with pytest.raises(VnaSettingError, match="would not be new"):
+        pna.configured()
+
+
+def test_release_leaves_it_sweeping_by_itself_also_after_a_shutdown(bench):
+    bench.configured()
+    assert not bench.vna.is_continuous
+    bench.deadline.close()
+    bench.analyzer.release()
+    assert_released(bench)
+
+
+def test_its_calibration_is_not_reported(bench):
+    bench.configured()
+    assert bench.analyzer.calibration() is CalibrationStatus.NOT_REPORTED
+    (remark,) = bench.analyzer.remarks
+    assert "the start frequency" in str(remark) and "does not report" in str(remark)
+    bench.analyzer.configure(SWEEP)
+    assert bench.analyzer.remarks == []
+
+
+@pytest.mark.parametrize(
+    "answer, status", [(b"0\n", CalibrationStatus.NONE), (b"1\n", CalibrationStatus.NOT_REPORTED)]
+)
+def test_a_configured_query_tells_whether_it_is_calibrated(answer, status):
+    bench = Bench("keysight.PNA", correction_query="SENS1:CORR:STAT?")
+    try:
+        bench.configured()
+        bench.vna.faults.answers["SENS1:CORR:STAT?"] = answer
+        assert bench.analyzer.calibration() is status
+        bench.vna.faults.answers["SENS1:CORR:STAT?"] = b"perhaps\n"
+        with pytest.raises(VnaDataError, match="'PERHAPS' to SENS1:CORR:STAT?"):
+            bench.analyzer.calibration()
+    finally:
+        bench.stop()
+
+
+def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said():
+    bench = Bench("keysight.PNA", correction_query="SENS1:CORR:STAT?")
+    command = bench.vna.command
+
+    def losing(header, *value):
+        if header == "SENS1:FREQ:STOP":
+            bench.vna.faults.answers["SENS1:CORR:STAT?"] = b"0\n"
+        command(header, *value)
+
+    bench.vna.command = losing
+    try:
+        with pytest.raises(VnaCalibrationError, match="lost its calibration when .* was set"):
+            bench.configured()
+    finally:
+        bench.stop()
+
+
+@pytest.mark.parametrize(
+    "settings, said",
+    [
+        (AnalyzerSettings(output_power="HIGH"), "output power of this VNA can only be set by hand"),
+        (AnalyzerSettings(if_bandwidth_hz=1.5), "whole hertz"),
+    ],
+)
+def test_settings_that_it_does_not_have_are_refused(bench, settings, said):
+    with pytest.raises(InvalidValueError, match=said):
+        bench.analyzer.check_sweep(SweepSettings(*_frequencies(), analyzer=settings))
+    bench.analyzer.check_sweep(SWEEP)
+
+
+@pytest.mark.parametrize("address", ["192.168.1.10", "TCPIP0", "a::b c", "", "x::" + "y" * 200])
+def test_an_address_that_is_no_visa_resource_is_refused(pna, address):
+    with pytest.raises(InvalidValueError, match="name of a VISA resource"):
+        pna.analyzer.connect(address)
+
+
+def test_another_instrument_is_refused(bench):
+    bench.vna.model = "SA9000"
+    bench.analyzer.connect(bench.address)
+    with pytest.raises(VnaIdentityError, match="expected"):
+        bench.analyzer.identify()
+
+
+@pytest.mark.parametrize("query", ["*IDN?", "*OPC?", ""])
+def test_no_answer_is_an_error_in_bounded_time(bench, query):
+    bench.vna.faults.silent.add(query)
+    begun_s = time.monotonic()
+    with pytest.raises(VnaError, match="no answer in time"):
+        bench.configured()
+    assert time.monotonic() - begun_s < 3.0
+
+
+def test_a_link_that_drops_is_an_error_and_a_new_one_works(bench):
+    bench.configured()
+    bench.server.drop_all()
+    with pytest.raises(VnaConnectionError):
+        bench.analyzer.sweep()
+    with pytest.raises(VnaError):
+        bench.analyzer.confirm()
+    bench.analyzer.connect(bench.address)
+    bench.analyzer.identify()
+    bench.analyzer.confirm()
+    assert bench.analyzer.sweep().s21_real[0] == bench.vna.sweeps
+
+
+def test_nothing_at_the_address_is_an_error(pna):
+    pna.server.stop()
+    with pytest.raises(VnaConnectionError):
+        pna.configured()
+
+
+def assert_released(bench: Bench) -> None:
+    # A last command has no answer.
+    deadline_s = time.monotonic() + 2.0
+    while not bench.vna.is_continuous and time.monotonic() < deadline_s:
+        time.sleep(0.001)
+    assert bench.vna.is_continuous
+
+
+def data_query(bench: Bench) -> str:
+    return "CALC:DATA:SDATA?" if "FieldFox" in str(bench.parameters) else "CALC1:DATA? SDATA"
+
+
+@pytest.mark.parametrize(
+    "answer", [b"\n", b"garbage\n", b"1,2,3\n", b"#0\n", b"1,nan\n", b"#216" + bytes(16) + b"\n"]
+)
+def test_data_that_are_wrong_are_an_error(bench, answer):
+    bench.configured()
+    bench.vna.faults.answers[data_query(bench)] = answer
+    with pytest.raises(VnaError):
+        bench.analyzer.sweep()
+
+
+def test_numbers_that_are_not_finite_are_refused(bench):
+    bench.configured()
+    data = bench.vna.data
+
+    def with_nan():
+        numbers = data()
+        numbers[7] = np.nan
+        return numbers
+
+    bench.vna.data = with_nan
+    with pytest.raises(VnaDataError, match="not finite"):
+        bench.analyzer.sweep()
+
+
+def test_an_answer_without_end_is_given_up(pna):
+    pna.configured()
+    pna.vna.faults.endless = "CALC1:PAR:SEL?"
+    before = threading.active_count()
+    begun_s = time.monotonic()
+    with pytest.raises(VnaConnectionError, match="no answer in time"):
+        pna.analyzer.sweep()
+    assert time.monotonic() - begun_s < 3.0
+    deadline_s = time.monotonic() + 5.0
+    while threading.active_count() >= before and time.monotonic() < deadline_s:
+        time.sleep(0.01)
+    assert threading.active_count() < before
+
+
+def test_a_shutdown_ends_a_sweep_that_is_waited_for(pna):
+    pna.configured()
+    pna.vna.sweep_s = 30.0
+    pna.analyzer._sweeps._sweep_s = 30.0
+    threading.Timer(0.2, pna.deadline.close).start()
+    begun_s = time.monotonic()
+    with pytest.raises(VnaClosedError):
+        pna.analyzer.sweep()
+    assert time.monotonic() - begun_s < 2.0
+
+
+def test_the_time_limit_of_the_request_ends_a_sweep(pna):
+    pna.configured()
+    pna.vna.sweep_s = 30.0
+    pna.analyzer._sweeps._sweep_s = 30.0
+    pna.deadline.begin(0.3)
+    with pytest.raises(VnaTimeoutError):
+        pna.analyzer.sweep()
+
+
+# The whole driver.
+
+
+def test_the_driver_takes_confirmed_traces(bench):
+    assert bench.driver.connect_to_vna(bench.address) == bench.vna.identity
+    bench.driver.set_frequency_sweep(SWEEP)
+    sweep = bench.driver.get_trace()
+    assert any("does not report" in remark for remark in sweep.quality)
+    number, sweep = bench.driver.take_sweep()
+    assert bench.driver.confirm(number) == ()
+    assert not any("does not report" in remark for remark in sweep.quality)
+    bench.driver.disconnect_from_vna()
+    assert_released(bench)
+
+
+def test_the_driver_repeats_a_sweep_over_a_new_link(bench):
+    bench.driver.connect_to_vna(bench.address)
+    bench.driver.set_frequency_sweep(SWEEP)
+    bench.driver.get_trace()
+    # In the middle of the sweep.
+    bench.vna.faults.drop_at = "*OPC?"
+    sweep = bench.driver.get_trace()
+    assert any("repeated once" in remark for remark in sweep.quality)
+    assert sweep.s21_real[0] == bench.vna.sweeps
+
+
+def test_the_driver_refuses_another_serial_number_at_a_reconnect(bench):
+    bench.driver.connect_to_vna(bench.address)
+    bench.driver.set_frequency_sweep(SWEEP)
+    bench.vna.serial = "SIMULATED-2"
+    bench.server.drop_all()
+    with pytest.raises(VnaIdentityError, match="SIMULATED-2"):
+        bench.driver.get_trace()
+
+
+def test_without_leave_of_the_configuration_no_trace_is_taken():
+    bench = Bench("keysight.PNA", accepted_calibrations=(CalibrationStatus.HIGH,))
+    try:
+        bench.driver.connect_to_vna(bench.address)
+        bench.driver.set_frequency_sweep(SWEEP)
+        with pytest.raises(VnaCalibrationError, match="add 5 to accepted_calibrations"):
+            bench.driver.get_trace()
+    finally:
+        bench.stop()
+
+
+# The libraries.
+
+
+def test_a_missing_library_says_what_to_install(pna, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pyvisa", None)
+    with pytest.raises(VnaLibraryError, match=r"setup.sh --scikit-rf"):
+        make_analyzer(pna.parameters, _no_vxi11, pna.deadline)
+
+
+def test_a_missing_visa_library_is_an_error():
+    with pytest.raises(VnaLibraryError, match="'/none.so' cannot be used"):
+        Bench("keysight.PNA", visa_library="/none.so")
