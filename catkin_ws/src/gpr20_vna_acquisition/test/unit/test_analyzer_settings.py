@@ -164,15 +164,15 @@ def test_a_query_that_was_answered_before_is_soon_not_taken_for_unknown(silences
     left = list(range(silences))
 
     def before(message: str) -> None:
-        bench.vna.unanswered = [":SOUR:POW?"] if left else []
-        if message == ":SOUR:POW?" and left:
+        bench.vna.unanswered = [":SENS:TRACE1:DOM?"] if left else []
+        if message == ":SENS:TRACE1:DOM?" and left:
             left.pop()
 
     bench.vna.before = before
     bench.driver.get_trace()
     del bench.vna.sent[:]
     bench.driver.get_trace()
-    assert (":SOUR:POW?" in bench.vna.sent) is known
+    assert (":SENS:TRACE1:DOM?" in bench.vna.sent) is known
 
 
 HAND = [
