@@ -14,6 +14,7 @@ from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.robot import AnalyzerSetup, Robot
 from gpr20_main_control.mid.survey_plan import SurveyPlan
+from gpr20_main_control.mid.time_limits import ANALYZER_SETUP_LIMIT_S
 from gpr20_main_control.mid.wait_status import ExpectedWait, WaitStatus
 from gpr20_main_control.mid.workers import result_of
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
@@ -152,7 +153,11 @@ class Instruments:
         self._record.check(identity, next_index, self._interruption.clock.time_of_day_us())
         calibration = self._call(analyzer.calibration, Message("calibration status"))
         wanted = self._wanted
-        setup = self._call(lambda: analyzer.configure(wanted), Message("setup of the sweep"))
+        setup = self._call(
+            lambda: analyzer.configure(wanted),
+            Message("setup of the sweep"),
+            ANALYZER_SETUP_LIMIT_S,
+        )
         accepted = setup.settings
         if not accepted.fulfils(wanted):
             same_sweep = replace(accepted, analyzer=wanted.analyzer) == wanted
@@ -177,8 +182,11 @@ class Instruments:
         self._frequencies_hz = frequencies_hz
         return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)
 
-    def _call(self, call: Callable[[], Result], action: Message) -> Result:
-        limit_s = self._robot.description.limits.analyzer_limit_s
+    def _call(
+        self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None
+    ) -> Result:
+        if limit_s is None:
+            limit_s = self._robot.description.limits.analyzer_limit_s
         with self._waits.shown(ExpectedWait(THE_ANALYZER, action, 0.0, limit_s)) as check:
             return self._robot.analyzer_calls.call(call, check)
 

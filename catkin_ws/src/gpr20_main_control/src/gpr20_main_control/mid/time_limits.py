@@ -6,6 +6,10 @@ from dataclasses import dataclass
 
 from gpr20_common.mid.checks import number_between
 
+# The driver takes sweeps when it sets up the analyzer, to learn how long one takes. With a narrow
+# IF bandwidth and averages that is minutes; a driver that is dead is noticed otherwise [s].
+ANALYZER_SETUP_LIMIT_S = 3600.0
+
 
 @dataclass(frozen=True)
 class TimeLimits:
