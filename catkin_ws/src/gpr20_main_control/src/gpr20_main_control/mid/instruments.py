@@ -14,7 +14,6 @@ from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.robot import AnalyzerSetup, Robot
 from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.time_limits import ANALYZER_SETUP_LIMIT_S
 from gpr20_main_control.mid.wait_status import ExpectedWait, WaitStatus
 from gpr20_main_control.mid.workers import result_of
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
@@ -156,7 +155,7 @@ class Instruments:
         setup = self._call(
             lambda: analyzer.configure(wanted),
             Message("setup of the sweep"),
-            ANALYZER_SETUP_LIMIT_S,
+            self._robot.description.limits.analyzer_setup_limit_s(wanted),
         )
         accepted = setup.settings
         if not accepted.fulfils(wanted):
