@@ -270,7 +270,8 @@ def test_no_answer_is_an_error_in_bounded_time(bench, query):
     begun_s = time.monotonic()
     with pytest.raises(VnaError, match="no answer in time"):
         bench.configured()
-    assert time.monotonic() - begun_s < 3.0
+    # Much sooner than an exchange that only the limit of the whole call ends.
+    assert time.monotonic() - begun_s < 1.3
 
 
 def test_a_link_that_drops_is_an_error_and_a_new_one_works(bench):
