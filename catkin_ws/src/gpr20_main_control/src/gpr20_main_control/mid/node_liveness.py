@@ -88,7 +88,10 @@ class NodeLiveness:
         self._clock = clock
         self._on_change = on_change
         self._period_s = period_s
-        self._changed = threading.Condition()
+        lock = threading.RLock()
+        self._changed = threading.Condition(lock)
+        # Wakes the threads that poll: an answer to one of them does not concern the others.
+        self._due = threading.Condition(lock)
         self._known = {name: _Known() for name in nodes}
         self._reported: Optional[Message] = None
         self._starting_until_s = clock.now_s() + START_LIMIT_S
@@ -121,7 +124,7 @@ class NodeLiveness:
         """Stop polling."""
         with self._changed:
             self._ended = True
-            self._changed.notify_all()
+            self._due.notify_all()
 
     def refresh(self) -> None:
         """Poll every node now; return when all have answered or are known to be missing."""
@@ -129,7 +132,7 @@ class NodeLiveness:
             before = {name: known.polls for name, known in self._known.items()}
             for known in self._known.values():
                 known.due_s = self._clock.now_s()
-            self._changed.notify_all()
+            self._due.notify_all()
             self._changed.wait_for(
                 lambda: all(self._known[name].result > polls for name, polls in before.items()),
                 REFRESH_LIMIT_S,
@@ -245,7 +248,7 @@ class NodeLiveness:
                     known.due_s += self._period_s - wait_s
                     known.polls += 1
                     return known.polls
-                self._changed.wait(wait_s)
+                self._due.wait(wait_s)
             return None
 
     def _note_result(self, name: str, poll: int, process: Optional[int]) -> None:
