@@ -19,11 +19,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
+import psutil
 from robot_kit import START_LIMIT_S, LaunchedRobot
 
 ROOT = Path(__file__).resolve().parents[1]
 TAP = Path(__file__).resolve().parent / "graph_tap"
 PERCENT = 100.0
+TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 # What the environment of another checkout must not inherit is left out.
 INHERITED = ("HOME", "USER", "LANG", "LC_ALL", "TERM", "DISPLAY", "TMPDIR")
 SYSTEM_PATH = "/usr/local/bin:/usr/bin:/bin"
@@ -201,6 +203,16 @@ def intervals(noted: Sequence[Event], kind: str, name: str) -> List[Tuple[float,
         elif begun:
             found.append((begun.pop(0), event.time_s))
     return sorted(found)
+
+
+def processor_s(process: psutil.Process) -> float:
+    """Return the time that a process and its children have used so far [s]."""
+    total = 0
+    for one in (process, *process.children(recursive=True)):
+        # The second field is the program's name in parentheses, and may hold spaces.
+        fields = Path(f"/proc/{one.pid}/stat").read_text().rpartition(")")[2].split()
+        total += int(fields[11]) + int(fields[12])
+    return total / TICKS_PER_S
 
 
 def median(values: Sequence[float]) -> float:

@@ -20,7 +20,16 @@ from subprocess import DEVNULL
 from typing import Dict, Iterator, List
 
 import psutil
-from graph_kit import PERCENT, arguments, finish, launched, median, print_table, run_survey
+from graph_kit import (
+    PERCENT,
+    arguments,
+    finish,
+    launched,
+    median,
+    print_table,
+    processor_s,
+    run_survey,
+)
 from graph_kit import workspaces as chosen_workspaces
 from robot_kit import MASTER, NODES, LaunchedRobot, running
 
@@ -30,7 +39,6 @@ STATES = ("launched", "after a survey", "with the window")
 # Start-up has ended after this.
 CALM_S = 8.0
 SCREEN = "800x480x24"
-TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 Load = Dict[str, float]
 
 
@@ -51,16 +59,6 @@ def screen() -> Iterator[None]:
     os.environ.pop("DISPLAY")
     if former is not None:
         os.environ["DISPLAY"] = former
-
-
-def processor_s(process: psutil.Process) -> float:
-    """Return the time that a process and its children have used so far [s]."""
-    total = 0
-    for one in (process, *process.children(recursive=True)):
-        # The second field is the program's name in parentheses, and may hold spaces.
-        fields = Path(f"/proc/{one.pid}/stat").read_text().rpartition(")")[2].split()
-        total += int(fields[11]) + int(fields[12])
-    return total / TICKS_PER_S
 
 
 def processes(robot: LaunchedRobot) -> Dict[str, psutil.Process]:

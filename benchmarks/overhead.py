@@ -31,10 +31,12 @@ from graph_kit import (
     launched,
     median,
     print_table,
+    processor_s,
     run_survey,
     samples,
     workspaces,
 )
+from robot_kit import MASTER, NODES, LaunchedRobot
 
 LAUNCH = ("time_scale:=2000", "seconds_per_point:=0")
 STEP_MM = 0.1
@@ -89,17 +91,28 @@ def stages(noted: Sequence[Event], taken: Sequence[Sample]) -> Stages:
     return found
 
 
+def processor_times(robot: LaunchedRobot) -> Dict[str, float]:
+    """Return the processor time that each process has used so far [s]."""
+    return {name: processor_s(process) for name, process in robot.processes().items()}
+
+
 def measure(root: Path, columns: int) -> Stages:
-    """Run one survey and return the times of its stages [s]."""
+    """Run one survey; return the times of its stages, and the processor's per sample [s]."""
     with launched(root, *LAUNCH, tap=True) as robot:
         stop_mm = 100.0 + STEP_MM * (columns - 1)
+        before = processor_times(robot)
         survey = run_survey(
             robot,
             *("--x-start-mm=100", f"--x-stop-mm={stop_mm:g}", f"--x-points={columns}"),
             *("--y-start-mm=100", f"--y-stop-mm={100 + STEP_MM * (ROWS - 1):g}"),
             *(f"--y-points={ROWS}", "--polarizations-deg=0", "--frequency-points=501"),
         )
-        return stages(events(robot), samples(survey))
+        taken = samples(survey)
+        used = {name: used_s - before[name] for name, used_s in processor_times(robot).items()}
+        return {
+            **stages(events(robot), taken),
+            **{name: [used_s / len(taken)] for name, used_s in used.items()},
+        }
 
 
 def row(label: str, found: Stages) -> List[str]:
@@ -130,6 +143,14 @@ def main() -> None:
     )
     names = ["sample", *ON_THE_WAY, *BESIDE]
     print_table(["checkout", *names], [row(label, found) for label, found in merged.items()])
+    print("\nprocessor time per sample, with homing and set-up [ms]")
+    print_table(
+        ["process", *merged],
+        [
+            [name, *(f"{1e3 * median(found[name]):.2f}" for found in merged.values())]
+            for name in (*NODES, MASTER)
+        ],
+    )
     figures = {
         label: {name: 1e3 * median(values) for name, values in found.items()}
         | {"samples": len(found["sample"])}

@@ -8,9 +8,10 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from axis_under_test import LIMIT_S, Axis, wait_until
 
+from gpr20_axis_driver.high.goals import LISTED_GOALS
 from gpr20_common.high.graph_message import message_from
 from gpr20_survey.axes.axis_id import AxisId
 
@@ -112,6 +113,23 @@ class AxisTest(unittest.TestCase):
         stamps = [r.header.stamp.to_sec() for r in self.x.readings if r.moving]
         # 50 Hz, and 10 Hz at rest; the median ignores a computer that stalls.
         self.assertLess(statistics.median(np.diff(stamps)), 0.05)
+        for _period in ("soon after the move", "long after it"):
+            self.x.readings.clear()
+            wait_until(lambda: len(self.x.readings) > 15)
+            stamps = [r.header.stamp.to_sec() for r in self.x.readings]
+            self.assertAlmostEqual(statistics.median(np.diff(stamps)), 0.1, delta=0.04)
+
+    def test_goals_that_ended_do_not_fill_the_status(self):
+        statuses = []
+        self.x.home()
+        status = rospy.Subscriber("x_axis/axis/status", GoalStatusArray, statuses.append)
+        for target in np.arange(1, 31) * 0.1:
+            state, _result = self.x.move(target)
+            self.assertEqual(state, GoalStatus.SUCCEEDED)
+        wait_until(lambda: statuses and statuses[-1].status_list)
+        # Those that are kept, and the one under way.
+        self.assertLessEqual(max(len(one.status_list) for one in statuses), LISTED_GOALS + 2)
+        status.unregister()
 
 
 if __name__ == "__main__":

@@ -88,6 +88,29 @@ def test_messages_are_written_before_the_job_that_came_after_them():
     disk.thread.stop(TIME_LIMIT_S)
 
 
+def test_messages_are_written_many_at_a_time_and_within_the_period():
+    writes = []
+    thread = StorageThread(
+        lambda messages: writes.append(len(messages)), QueueLimits(), Clock(), period_s=1.0
+    )
+    thread.start()
+    for number in range(100):
+        thread.offer(text_message("/t", str(number)))
+    wait_until(lambda: sum(writes) == 100)
+    thread.stop(TIME_LIMIT_S)
+    assert len([one for one in writes if one]) <= 3
+
+
+def test_messages_that_fill_half_of_the_queue_are_written_at_once():
+    written = []
+    thread = StorageThread(written.extend, QueueLimits(messages=10), Clock(), period_s=1000.0)
+    thread.start()
+    for number in range(5):
+        assert thread.offer(text_message("/t", str(number)))
+    wait_until(lambda: len(written) == 5)
+    thread.stop(TIME_LIMIT_S)
+
+
 def test_a_full_queue_of_jobs_makes_the_caller_wait_and_then_says_so():
     disk = Disk(jobs=1)
     callers = [disk.block()]

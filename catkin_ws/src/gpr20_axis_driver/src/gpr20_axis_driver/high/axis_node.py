@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from typing import Callable, Optional, Tuple
 
 import rospy
@@ -28,9 +30,12 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.control_silent import CONTROL_SILENT
 
-MOVING_RATE_HZ = 50
-# At rest every fifth tick is published: 10 Hz.
-RESTING_TICKS = 5
+MOVING_PERIOD_S = 1.0 / 50
+RESTING_PERIOD_S = 1.0 / 10
+# At rest every fifth tick is published, until the ticks become slower.
+RESTING_TICKS = round(RESTING_PERIOD_S / MOVING_PERIOD_S)
+# Moves that follow each other within this time [s] do not change the ticks.
+SOON_S = 1.0
 SHUTDOWN_LIMIT_S = 5.0
 
 
@@ -49,10 +54,12 @@ class AxisNode:
         self._stops = 0
         self._last_error: Optional[Message] = None
         self._ticks = 0
+        self._fast = False
+        self._moved_s = -math.inf
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
         self._server = GoalServer("axis", AxisAction, self._execute)
         self._diagnostics = diagnostics.Diagnostics(hardware.description.name, self._health)
-        self._periodic = Periodic(1.0 / MOVING_RATE_HZ, self._tick)
+        self._periodic = Periodic(RESTING_PERIOD_S, self._tick)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
         self._services = [
@@ -76,7 +83,7 @@ class AxisNode:
 
         try:
             self._driver.move_to_coordinate(
-                goal.target_coordinate, lambda: stopped() or contact.is_lost()
+                goal.target_coordinate, self._polled(lambda: stopped() or contact.is_lost())
             )
         except MotionStopped as stop:
             # A requested stop counts, even if the contact was lost as well.
@@ -110,9 +117,8 @@ class AxisNode:
         caller = connection_header(request).get("callerid", "")
         contact = ClientContact(self._server.watch_node(caller))
         try:
-            return self._find_zero(
-                lambda: self._driver.homing(lambda: stopped() or contact.is_lost())
-            )
+            ended = self._polled(lambda: stopped() or contact.is_lost())
+            return self._find_zero(lambda: self._driver.homing(ended))
         except MotionStopped:
             if contact.was_lost and not stopped():
                 return CommandResponse(success=False, **message_fields(CONTROL_SILENT))
@@ -148,10 +154,26 @@ class AxisNode:
         stops = self._stops
         return lambda: self._stops != stops
 
+    def _polled(self, stop_requested: Callable[[], bool]) -> Callable[[], bool]:
+        """Return what a motion asks all the time; it makes the ticks fast."""
+
+        def polled() -> bool:
+            self._moved_s = time.monotonic()
+            if not self._fast:
+                self._fast = True
+                self._periodic.set_period(MOVING_PERIOD_S)
+            return stop_requested()
+
+        return polled
+
     def _tick(self) -> None:
         self._ticks += 1
-        if self._driver.moving or self._ticks % RESTING_TICKS == 0:
+        moving = self._driver.moving
+        if moving or not self._fast or self._ticks % RESTING_TICKS == 0:
             self._publish()
+        if self._fast and not moving and time.monotonic() - self._moved_s > SOON_S:
+            self._fast = False
+            self._periodic.set_period(RESTING_PERIOD_S)
 
     def _publish(self) -> None:
         message = CurrentCoordinate()

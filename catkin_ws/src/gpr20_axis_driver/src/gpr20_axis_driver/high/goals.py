@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, Iterator, Tuple
 
 import actionlib
 import rospy
+from actionlib_msgs.msg import GoalStatus
 
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 
@@ -15,6 +16,18 @@ from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 SILENCE_LIMIT_S = 3.5
 # actionlib publishes the status five times a second.
 STATUS_LIMIT_S = 1.0
+# How many goals that have ended are still listed in the status. A client sends its next goal when
+# it has the result of the one before, so it no longer waits for these.
+LISTED_GOALS = 4
+ENDED = frozenset(
+    (
+        GoalStatus.SUCCEEDED,
+        GoalStatus.ABORTED,
+        GoalStatus.PREEMPTED,
+        GoalStatus.REJECTED,
+        GoalStatus.RECALLED,
+    )
+)
 
 
 class GoalServer(actionlib.SimpleActionServer):
@@ -27,6 +40,9 @@ class GoalServer(actionlib.SimpleActionServer):
     When a client's process dies, the system closes its connection at once, long before the
     master or anything else notices. When its computer dies or its cable is pulled, nothing closes
     the connection, but its probes remain unanswered.
+
+    actionlib lists every goal of the last five seconds in each status, and publishes two for each
+    goal: with a hundred short moves per second this would be most of the node's work.
     """
 
     def __init__(self, name: str, action: Any, execute: Callable[[Any], None]) -> None:
@@ -42,7 +58,15 @@ class GoalServer(actionlib.SimpleActionServer):
     def internal_goal_callback(self, goal: actionlib.ServerGoalHandle) -> None:
         """Accept a new goal, whatever its stamp; it replaces the previous one."""
         goal.get_goal_id().stamp = rospy.Time()
+        self._forget_old_goals()
         super().internal_goal_callback(goal)
+
+    def _forget_old_goals(self) -> None:
+        # actionlib calls this with its lock held.
+        listed = self.action_server.status_list
+        ended = [one for one in listed if one.status.status in ENDED]
+        for one in ended[:-LISTED_GOALS]:
+            listed.remove(one)
 
     def stop_status(self) -> None:
         """Return when no status is published and none will be; actionlib does so until the end.

@@ -21,21 +21,40 @@ class Periodic:
     def __init__(self, period_s: float, action: Callable[[], None]) -> None:
         self._period_s = period_s
         self._action = action
-        self._ended = threading.Event()
+        self._changed = threading.Condition()
+        self._ended = False
         self._thread = threading.Thread(target=self._repeat, daemon=True)
         self._thread.start()
         rospy.on_shutdown(self.stop)
 
+    def set_period(self, period_s: float) -> None:
+        """Change the time from the last call to the next, and between all that follow [s]."""
+        with self._changed:
+            self._period_s = period_s
+            self._changed.notify_all()
+
     def stop(self) -> None:
         """Return when no call is under way and none will come."""
-        self._ended.set()
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
         if threading.current_thread() is not self._thread:
             self._thread.join(STOP_LIMIT_S)
 
     def _repeat(self) -> None:
         due_s = time.monotonic()
-        while not self._ended.is_set():
+        while not self._ended:
             self._action()
-            # Calls that were missed are left out, not made up for in a burst.
-            due_s = max(due_s + self._period_s, time.monotonic())
-            self._ended.wait(due_s - time.monotonic())
+            due_s = self._wait_until_due(due_s)
+
+    def _wait_until_due(self, last_due_s: float) -> float:
+        """Wait until the next call is due, or there is none; return when it was due [s]."""
+        with self._changed:
+            while not self._ended:
+                due_s = last_due_s + self._period_s
+                remaining_s = due_s - time.monotonic()
+                if remaining_s <= 0.0:
+                    # Calls that were missed are left out, not made up for in a burst.
+                    return due_s if remaining_s > -self._period_s else time.monotonic()
+                self._changed.wait(remaining_s)
+        return last_due_s

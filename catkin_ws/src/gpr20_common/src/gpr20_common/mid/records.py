@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import functools
 import math
 import typing
 from typing import Any, Mapping, Optional, Type, TypeVar
@@ -52,7 +53,7 @@ def record_from(
                     "{place} is unknown; allowed: {known}", place=_below(place, name), known=known
                 )
             )
-    hints = typing.get_type_hints(record_class)
+    hints = _type_hints(record_class)
     arguments = {}
     for name, field in fields.items():
         if name in values:
@@ -62,6 +63,12 @@ def record_from(
         elif _is_required(field):
             raise InvalidValueError(Message("{place} is missing", place=_below(place, name)))
     return record_class(**arguments)
+
+
+@functools.lru_cache(maxsize=None)
+def _type_hints(record_class: type) -> Mapping[str, Any]:
+    # Python evaluates the text of every annotation again, for a millisecond.
+    return typing.get_type_hints(record_class)
 
 
 def _below(place: str, name: Any) -> str:

@@ -28,6 +28,8 @@ class ElidedLabel(QLabel):
 
     def show_text(self, text: str) -> None:
         """Show as much of a text as fits."""
+        if text == self._whole:
+            return
         self._whole = text
         self.setToolTip(text)
         self._elide()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Optional
+from typing import Dict, List, Optional, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import QGridLayout, QLabel, QTextEdit
 
+from gpr20_common.message import Message
 from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
 from gpr20_user_interface.mid.notices import node_text
 from gpr20_user_interface.mid.robot_health import HealthReport
@@ -90,6 +91,8 @@ class HealthPanel(TranslatedWidget):
         """Write the texts in the language of the application."""
         self._disk_title.setText(self.tr("Free disk"))
         self._calibration_title.setText(self.tr("Calibration"))
+        for row in self._rows:
+            row.clear()
         self.show_health(self._report)
 
     def show_health(self, report: HealthReport) -> None:
@@ -163,14 +166,23 @@ class HealthRow:
     def clear(self) -> None:
         """Show nothing: fewer nodes are known."""
         self.node = None
-        for label in (self.name, self.level, self.message):
-            label.setText("")
+        self.name.setText("")
+        self.level.setText("")
+        self.message.show_text("")
         set_look(self.level, "level", "")
 
     def show(self, node: NodeHealth) -> None:
         """Show the health of a node."""
-        self.node = node
+        former, self.node = self.node, node
+        # Most reports repeat the last one, with other values.
+        if former is not None and _looks(former) == _looks(node):
+            return
         self.name.setText(shown_text(node_title(node.name)))
         self.level.setText(shown_text(level_title(node.level)))
         set_look(self.level, "level", LOOKS[node.level])
         self.message.show_text(shown_text(node_text(node)))
+
+
+def _looks(node: NodeHealth) -> Tuple[str, HealthLevel, Message]:
+    """Return what the line of a node shows, in any language."""
+    return node.name, node.level, node_text(node)

@@ -16,6 +16,8 @@ from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.recording.recording import RecordedMessage
 
 Result = TypeVar("Result")
+# How often messages are written in a period.
+WRITES_IN_PERIOD = 8
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,9 @@ class StorageThread:
     """Does jobs one after the other and writes messages between them.
 
     A job is never dropped: when the disk is slower than the survey, the caller with the
-    next one waits. Messages are dropped, and counted, when their queue is full.
+    next one waits. Messages are dropped, and counted, when their queue is full. They wait for
+    the next job, for more of them, or for a part of the period: writing each by itself would wake
+    the thread a hundred times a second.
     """
 
     def __init__(
@@ -72,11 +76,11 @@ class StorageThread:
 
         Args:
             write_messages: Writes what was offered since its last call; called on the
-                thread at least once in a period, with nothing if there was nothing. It
-                must not raise.
+                thread several times in a period, with nothing if there was nothing. It must
+                not raise.
             limits: Sizes of the queues.
             clock: For time limits.
-            period_s: Longest time between two calls of `write_messages` [s].
+            period_s: Messages are written within this time [s].
         """
         self._write_messages = write_messages
         self._limits = limits
@@ -131,7 +135,8 @@ class StorageThread:
                 return False
             self._messages.append(message)
             self._message_bytes += size
-            self._changed.notify_all()
+            if self._many_wait:
+                self._changed.notify_all()
         return True
 
     def do(self, work: Callable[[], Result], timeout_s: float) -> Result:
@@ -195,7 +200,8 @@ class StorageThread:
     def _next(self) -> Tuple[List[RecordedMessage], Optional[_Job[Any]], bool]:
         with self._changed:
             self._changed.wait_for(
-                lambda: self._jobs or self._stopping or self._messages, self._period_s
+                lambda: self._jobs or self._stopping or self._many_wait,
+                self._period_s / WRITES_IN_PERIOD,
             )
             messages = list(self._messages)
             self._messages.clear()
@@ -203,3 +209,11 @@ class StorageThread:
             job = self._jobs.popleft() if self._jobs else None
             self._changed.notify_all()
             return messages, job, self._stopping
+
+    @property
+    def _many_wait(self) -> bool:
+        """Whether the queue of messages is half full."""
+        return (
+            2 * len(self._messages) >= self._limits.messages
+            or 2 * self._message_bytes >= self._limits.message_bytes
+        )

@@ -1,0 +1,66 @@
+"""Calls at a fixed rate that can be changed."""
+
+import threading
+import time
+
+import pytest
+
+pytest.importorskip("rospy")
+
+from gpr20_common.high.periodic import Periodic
+
+pytestmark = pytest.mark.real_time
+
+LIMIT_S = 10.0
+
+
+class Counter:
+    def __init__(self):
+        self.calls_s = []
+        self.called = threading.Condition()
+
+    def __call__(self):
+        with self.called:
+            self.calls_s.append(time.monotonic())
+            self.called.notify_all()
+
+    def wait_for(self, calls):
+        with self.called:
+            assert self.called.wait_for(lambda: len(self.calls_s) >= calls, LIMIT_S)
+
+
+def test_it_calls_at_the_period_on_average():
+    counter = Counter()
+    periodic = Periodic(0.01, counter)
+    counter.wait_for(50)
+    periodic.stop()
+    # Delays of single calls do not add up, and calls that were missed are left out.
+    assert counter.calls_s[49] - counter.calls_s[0] >= 49 * 0.01 - 0.005
+    calls = len(counter.calls_s)
+    time.sleep(0.03)
+    assert len(counter.calls_s) == calls
+
+
+def test_a_shorter_period_counts_from_the_last_call():
+    counter = Counter()
+    periodic = Periodic(1000.0, counter)
+    counter.wait_for(1)
+    periodic.set_period(0.01)
+    counter.wait_for(20)
+    periodic.stop()
+
+
+def test_it_can_be_stopped_by_its_own_action():
+    periodics = []
+    counter = Counter()
+
+    def act():
+        counter()
+        periodics[0].stop()
+
+    ready = threading.Event()
+    periodics.append(Periodic(0.001, lambda: ready.wait(LIMIT_S) and act()))
+    ready.set()
+    counter.wait_for(1)
+    periodics[0].stop()
+    assert len(counter.calls_s) == 1
