@@ -52,17 +52,16 @@ class Case:
     drops: bool = False
 
 
+# Settings that stay as they are cannot be refused.
+OF_SETTINGS = (VnaFault.REFUSE_SETTINGS, VnaFault.LOSES_CALIBRATION)
+OF_IDENTITY = (VnaFault.WRONG_IDENTITY, VnaFault.OTHER_SERIAL)
 # Of the endstops first: an axis is homed once, by the first survey that does not fail at it.
 CASES = (
     *(Case(f"endstop_{axis}", "STUCK_OPEN", at_start=True) for axis in "xy"),
     Case("endstop_y", "STUCK_CLOSED", at_start=True),
     Case("endstop_x", "STUCK_CLOSED"),
     *(Case(ADC, one.name) for one in AdcFault if one is not AdcFault.NONE),
-    # Settings that stay as they are cannot be refused.
-    *(
-        Case(VNA, one.value, one is VnaFault.REFUSE_SETTINGS, one is VnaFault.WRONG_IDENTITY)
-        for one in VnaFault
-    ),
+    *(Case(VNA, one.value, one in OF_SETTINGS, one in OF_IDENTITY) for one in VnaFault),
 )
 
 

@@ -197,7 +197,7 @@ class ReplayTest(unittest.TestCase):
         folder = self.client.folder(status.survey_id)
         self.check_end(status, "stopped", complete=False)
         self.client.forget()
-        self.assertTrue(self.client.resume(folder.name).success)
+        self.assertTrue(self.client.resume(survey=folder.name).success)
         status = self.client.wait_for_status(ControlStatus.FINISHED)
         for found in messages(folder, "/control_status"):
             codes = [one.code for one in found]

@@ -115,7 +115,7 @@ class SurveyClient:
     def go_on(self, survey_id):
         """Resume a paused survey; statuses received before are forgotten."""
         self.forget()
-        answer = self.resume(survey_id)
+        answer = self.resume(survey=survey_id)
         assert answer.success, answer.message
         # The old state may be received once more after the answer.
         self.wait(lambda: any(one.code in GOING_ON for one in self.statuses))

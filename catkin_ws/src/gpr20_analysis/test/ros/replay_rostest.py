@@ -21,6 +21,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, Trace
+from gpr20_survey.trace import trace_message
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
 from survey_kit import POINTS, make_survey, planned_trace
@@ -87,6 +88,27 @@ class ReplayTest(unittest.TestCase):
         took_s = time.monotonic() - begun_s
         self.assert_same()
         self.assertGreaterEqual(took_s, (len(POINTS) - 1) / 4)
+
+    def test_traces_of_both_versions_of_a_resumed_survey_arrive_on_one_topic(self) -> None:
+        old_trace = old_message(
+            Trace, "float64 if_bandwidth_hz", "int32 averages", "string output_power"
+        )
+        self.assertEqual(old_trace._md5sum, trace_message.FORMER_MD5SUM)
+        recording = self.data / "old.mcap"
+        settings = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
+        write_latched(
+            recording,
+            ("/trace", old_trace(index=0, sample_id="old", s21_real=[0.5], quality=["remark"])),
+            (f"/trace_{Trace._md5sum[:8]}", Trace(index=1, sample_id="new", **settings)),
+        )
+        self.run_node(recording, "--rate", "1")
+        with self.changed:
+            self.changed.wait_for(lambda: len(self.traces) >= 2, TIME_LIMIT_S)
+        old, new = self.traces
+        self.assertEqual((old.sample_id, old.s21_real, old.quality), ("old", (0.5,), ["remark"]))
+        self.assertEqual((old.if_bandwidth_hz, old.averages, old.output_power), (0.0, 0, ""))
+        self.assertEqual((new.sample_id, new.index), ("new", 1))
+        self.assertEqual({name: getattr(new, name) for name in settings}, settings)
 
     def test_messages_of_an_older_version_arrive_as_those_of_today(self) -> None:
         old_status = old_message(ControlStatus, "string message_json")

@@ -49,6 +49,7 @@ class FakeAxis:
     """An axis that arrives at once, unless a test sets something else."""
 
     def __init__(self):
+        self.received = threading.Event()
         self.coordinate = 0.0
         self.homed = False
         self.silent = False

@@ -1,13 +1,22 @@
 """The analyzer, its calibration and its sweeps, and the height beside them."""
 
+import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
+import pytest
 from fake_robot import Bench
+from survey_examples import AXES, PARAMETERS
 
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_main_control.mid.survey_plan import plan_survey
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 NOT_CALIBRATED = "the VNA's calibration status is 0 (no calibration); calibrate it"
 
@@ -100,3 +109,120 @@ def test_a_calibration_that_is_lost_during_the_survey_pauses_it(bench):
     assert NOT_CALIBRATED in str(status.message)
     bench.wait_for_visited(3)
     assert len(bench.storage.samples) == 3
+
+
+def with_own_settings(bench):
+    """Let the analyzer have values where the survey requests none."""
+
+    def accept(settings):
+        wanted = settings.analyzer
+        own = AnalyzerSettings(
+            wanted.if_bandwidth_hz or 10_000.0, wanted.averages or 1, wanted.output_power or "HIGH"
+        )
+        return replace(settings, analyzer=own)
+
+    bench.analyzer.accept = accept
+
+
+def test_the_settings_of_a_survey_are_requested_and_what_was_accepted_is_recorded(bench):
+    with_own_settings(bench)
+    bench.analyzer.sweep_duration_s = 0.35
+    bench.start(if_bandwidth_hz=100.0, averages=2)
+    bench.complete()
+    assert bench.analyzer.requested[0].analyzer == AnalyzerSettings(100.0, 2, "")
+    sweep = json.loads(bench.storage.records[0].metadata_json)["instrument"]["sweep"]
+    assert sweep == {
+        "start_frequency_hz": 600.0e6,
+        "stop_frequency_hz": 6.0e9,
+        "points": 5,
+        "if_bandwidth_hz": 100.0,
+        "averages": 2,
+        "output_power": "HIGH",
+        "sweep_duration_s": 0.35,
+    }
+    assert bench.storage.samples[0].analyzer == AnalyzerSettings(100.0, 2, "HIGH")
+
+
+def test_what_was_left_to_the_analyzer_stays_the_same_to_the_end_of_the_survey(bench):
+    with_own_settings(bench)
+    bench.analyzer.failures = 1
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.resume_to_the_end()
+    former, later = (one.analyzer for one in bench.analyzer.requested)
+    assert former == AnalyzerSettings()
+    assert later == AnalyzerSettings(10_000.0, 1, "HIGH")
+
+
+def test_a_survey_from_its_folder_requests_the_settings_that_it_began_with(bench):
+    recorded = {"if_bandwidth_hz": 500.0, "averages": 4, "output_power": "LOW"}
+    metadata = {
+        "simulated": True,
+        "parameters": asdict(PARAMETERS),
+        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
+        "instrument": {"sweep": recorded},
+    }
+    survey_id = "5ec1a5d2-0000-4000-8000-000000000000"
+    bench.storage.reopened = ReopenedSurvey(
+        survey_id, "/data/survey", json.dumps(metadata), "", (0, 1), None
+    )
+    bench.control.resume(survey_id)
+    bench.wait_for(State.FINISHED)
+    assert [one.analyzer for one in bench.analyzer.requested] == [AnalyzerSettings(500.0, 4, "LOW")]
+
+
+def test_an_analyzer_that_accepts_other_settings_is_refused(bench):
+    bench.analyzer.accept = lambda settings: replace(
+        settings, analyzer=replace(settings.analyzer, if_bandwidth_hz=1000.0)
+    )
+    bench.start(if_bandwidth_hz=100.0)
+    final = bench.wait_for(State.FAILED)
+    assert "IF bandwidth 1000 Hz" in str(final.message)
+    assert "instead of 5 points" in str(final.message) and "100 Hz" in str(final.message)
+
+
+def test_the_estimate_of_a_running_survey_uses_the_measured_duration_of_a_sweep():
+    config = RobotConfig(AXES, simulated=True, time_scale=10.0)
+    plan = plan_survey(PARAMETERS, config, SurveySettings())
+    assert plan.pending_durations_with_s(0.0) == plan.pending_durations_s
+    # Planned are 350 us for each of five frequencies, on a robot ten times as fast.
+    longer_s = 35.0 - 5 * 350e-6 / 10.0
+    assert plan.pending_durations_with_s(35.0) == [
+        pytest.approx(one + longer_s) for one in plan.pending_durations_s
+    ]
+
+
+def test_the_analyzer_is_released_when_the_survey_has_ended_and_not_while_it_is_paused(bench):
+    bench.analyzer.failures = 1
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    assert bench.analyzer.releases == 0
+    bench.resume_to_the_end()
+    bench.control.set_parameters(PARAMETERS)
+    assert bench.analyzer.releases == 1
+
+
+@pytest.mark.parametrize("end", ["stop", "fail", "refuse"])
+def test_the_analyzer_is_released_however_the_survey_ends(bench, end):
+    if end == "refuse":
+        bench.analyzer.calibration_refusal = NOT_CALIBRATED
+    elif end == "fail":
+        bench.storage.lose = 1
+    else:
+        bench.analyzer.on_sweep = lambda: bench.analyzer.sweeps == 3 and bench.control.stop()
+    bench.start()
+    bench.wait_for(State.STOPPED, State.FAILED)
+    bench.control.set_parameters(PARAMETERS)
+    assert bench.analyzer.releases == 1
+
+
+def test_an_analyzer_that_cannot_be_released_does_not_disturb_the_next_survey(bench):
+    def fail():
+        raise DeviceError(Message("the VNA driver did not answer"))
+
+    bench.analyzer.release = fail
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert len(bench.storage.samples) == 48

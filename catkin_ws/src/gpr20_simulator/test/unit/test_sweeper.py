@@ -160,13 +160,6 @@ def test_held_series_goes_on_where_it_paused(rig):
     assert rig.sweeps() == [1] * POINTS
 
 
-def test_end_of_hold_in_single_mode_is_one_sweep(rig):
-    rig.sweeper.hold(False)
-    rig.clock.advance(SWEEP_S)
-    wait_until(lambda: rig.sweeper.is_complete, "end of the sweep")
-    assert not rig.sweeper.is_running
-
-
 def test_trigger_in_a_running_series_leaves_it_running(rig):
     rig.sweeper.set_continuous(True)
     rig.sweeper.trigger()

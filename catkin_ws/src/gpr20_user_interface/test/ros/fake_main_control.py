@@ -96,6 +96,9 @@ class FakeMainControl:
         self.may_answer = threading.Event()
         self.may_answer.set()
         self.refusal: Optional[Message] = None
+        # The VNA that is connected, if it is not that of the survey.
+        self.other_analyzer = ""
+        self.resumed_with: List[str] = []
         # Points that the survey may take; a test that needs time gives them out slowly.
         self.point_limit = 10**6
         self._advertise()
@@ -217,7 +220,12 @@ class FakeMainControl:
             self._say(ControlStatus.PAUSING, "pausing after this sample")
         return _answer(CommandResponse, "pausing")
 
-    def _resume(self, _request: object) -> ResumeSurveyResponse:
+    def _resume(self, request: Any) -> ResumeSurveyResponse:
+        self.resumed_with.append(request.accept_analyzer)
+        if self.other_analyzer and request.accept_analyzer != self.other_analyzer:
+            message = verbatim(f"the VNA is {self.other_analyzer}, but the survey began with A")
+            fields = message_fields(message)
+            return ResumeSurveyResponse(success=False, other_analyzer=self.other_analyzer, **fields)
         with self._lock:
             if self.code != ControlStatus.PAUSED:
                 raise Gpr20Error(verbatim("no survey is paused"))

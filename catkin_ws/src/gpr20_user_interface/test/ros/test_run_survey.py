@@ -71,6 +71,11 @@ class RunSurvey(unittest.TestCase):
         wait_until(lambda: self.fake.visited == 5, "the survey takes points")
         return process
 
+    def paused_client(self) -> subprocess.Popen:
+        process = self.surveying_client()
+        self.fake.pause("the VNA does not answer")
+        return process
+
     def test_codes_are_those_of_the_message(self) -> None:
         for code in SurveyState:
             self.assertEqual(code, getattr(ControlStatus, code.name))
@@ -139,8 +144,7 @@ class RunSurvey(unittest.TestCase):
         self.assertEqual(self.fake.code, ControlStatus.STOPPING)
 
     def test_paused_survey_is_left_paused_and_can_be_resumed(self) -> None:
-        process = self.surveying_client()
-        self.fake.pause("the VNA does not answer")
+        process = self.paused_client()
         output = self.end_of(process)
         self.assertEqual(process.returncode, 4, output)
         self.assertIn("the VNA does not answer", output)
@@ -151,6 +155,21 @@ class RunSurvey(unittest.TestCase):
         output = self.end_of(resumed)
         self.assertEqual(resumed.returncode, 0, output)
         self.assertIn(self.fake.survey_id, output)
+
+    def test_another_vna_is_used_only_if_it_is_accepted(self) -> None:
+        self.end_of(self.paused_client())
+        self.fake.other_analyzer = "Anritsu,MS2026C/2,62011033,1.23"
+        refused = self.client("--resume")
+        output = self.end_of(refused)
+        self.assertEqual(refused.returncode, 1, output)
+        self.assertIn("the VNA is Anritsu,MS2026C/2,62011033,1.23, but", output)
+        self.assertIn("--accept-analyzer Anritsu,MS2026C/2,62011033,1.23", output)
+        self.assertEqual(self.fake.code, ControlStatus.PAUSED)
+        self.fake.point_limit = 18
+        resumed = self.client("--resume", "--accept-analyzer", self.fake.other_analyzer)
+        output = self.end_of(resumed)
+        self.assertEqual(resumed.returncode, 0, output)
+        self.assertEqual(self.fake.resumed_with, ["", self.fake.other_analyzer])
 
     def test_attached_client_follows_without_starting(self) -> None:
         first = self.surveying_client()

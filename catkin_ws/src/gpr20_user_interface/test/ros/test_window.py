@@ -85,6 +85,22 @@ class Window(WindowCase):
         wait_until(lambda: self.title() == "FINISHED", "the survey continues")
         self.assertEqual(self.window.status.progress.thousandths, 1000)
 
+    def test_another_vna_is_used_only_if_the_operator_accepts_it(self) -> None:
+        self.start()
+        self.fake.pause("the VNA is another one")
+        self.fake.other_analyzer = "Anritsu,MS2026C/2,62011033,1.23"
+        question = self.window.question
+        for button in (question.close_button, question.accept_button):
+            wait_until(lambda: self.enabled() == "stop resume", "RESUME is unlocked")
+            self.click("resume")
+            wait_until(question.isVisible, "a question opens")
+            self.keep_picture("other_vna")
+            self.assertIn(self.fake.other_analyzer, question.details.toPlainText())
+            self.fake.point_limit = 18
+            self.touch(button)
+        wait_until(lambda: self.title() == "FINISHED", "the survey continues")
+        self.assertEqual(self.fake.resumed_with, ["", "", self.fake.other_analyzer])
+
     def test_axis_limits_of_the_robot_lock_start(self) -> None:
         self.fake.describe_robot()
         self.enter("x_stop_mm", "700")

@@ -23,7 +23,13 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.field_messages import allowed_values, field_title
-from gpr20_user_interface.mid.notices import Refused, node_notice, refusal_notice, state_notice
+from gpr20_user_interface.mid.notices import (
+    Refused,
+    analyzer_notice,
+    node_notice,
+    refusal_notice,
+    state_notice,
+)
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.robot_health import (
     CALIBRATION,
@@ -145,6 +151,14 @@ def test_no_dialog_is_cut_off(spoken, name):
     assert_fits(spoken)
     assert spoken.notice.details.height() >= TOUCH_PX
     reason = spoken.notice.reason
+    assert reason.height() >= 4 * reason.fontMetrics().height()
+
+
+def test_no_question_is_cut_off(spoken):
+    spoken.question.ask(analyzer_notice(WITH_DETAILS, "Anritsu,MS2026C/2,62011033,1.23"), list)
+    assert_fits(spoken)
+    assert spoken.question.details.height() >= TOUCH_PX
+    reason = spoken.question.reason
     assert reason.height() >= 4 * reason.fontMetrics().height()
 
 

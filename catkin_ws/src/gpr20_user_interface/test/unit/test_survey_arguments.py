@@ -63,6 +63,17 @@ def test_every_parameter_can_be_given():
 def test_a_survey_that_exists_can_be_followed(line, mode, resume_id):
     options = parse_arguments(line.split())
     assert (options.mode, options.resume_id) == (mode, resume_id)
+    assert options.accept_analyzer == ""
+
+
+def test_another_vna_is_accepted_only_for_a_survey_that_is_resumed(capsys):
+    accepting = ["--accept-analyzer", "Anritsu,MS2026C/2,62011033,1.23"]
+    options = parse_arguments(["--resume", *accepting])
+    assert options.accept_analyzer == "Anritsu,MS2026C/2,62011033,1.23"
+    for others in ([], ["--attach"]):
+        with pytest.raises(SystemExit):
+            parse_arguments([*others, *accepting])
+        assert "only with --resume" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

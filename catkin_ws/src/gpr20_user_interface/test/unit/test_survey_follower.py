@@ -106,6 +106,13 @@ def test_refused_start_is_told_with_the_reason(robot):
     assert str(robot.follower.outcome.message) == "axes are not there"
 
 
+def test_another_vna_ends_with_its_identity_and_nothing_is_accepted_by_itself(robot):
+    refused = Answer(Request.START, False, verbatim("the VNA is B, not A"), other_analyzer="B")
+    robot.say(state("IDLE", ""), refused)
+    assert robot.status is ExitStatus.REFUSED
+    assert robot.follower.outcome.other_analyzer == "B"
+
+
 def test_absent_main_control_is_waited_for_within_the_limit(robot):
     assert robot.wait(10).status is None
     assert robot.wait(0.5).status is ExitStatus.REFUSED

@@ -41,8 +41,8 @@ class ControlThatRecords:
     def pause_survey(self):
         self.asked.append("pause")
 
-    def resume_survey(self, survey_id=""):
-        self.asked.append(f"resume {survey_id}".strip())
+    def resume_survey(self, survey_id="", accept_analyzer=""):
+        self.asked.append(f"resume {survey_id} {accept_analyzer}".strip())
 
     def check_master(self):
         self.asked.append("limits")
@@ -147,6 +147,57 @@ def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     assert window.notice.reason.toPlainText() == "the disk is full"
     assert window.notice.isVisible()
     assert window.control.start.isEnabled()
+
+
+OTHER = "Anritsu,MS2026C/2,62011033,1.23"
+REFUSED = Answer(
+    Request.RESUME,
+    False,
+    verbatim(f"the VNA is {OTHER}, but the survey was measured with Anritsu,MS2026C/2,1,1.23"),
+    other_analyzer=OTHER,
+)
+
+
+@pytest.mark.parametrize("folder", ["", "20260921T141320_0f8fad5b"])
+def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, folder):
+    window, control, _ = parts
+    window.on_event(state(SurveyState.PAUSED))
+    window.survey.resume(folder)
+    # The status of the failed check may come first.
+    window.on_event(state(SurveyState.CHECKING))
+    window.on_event(state(SurveyState.PAUSED))
+    window.on_event(REFUSED)
+    assert window.question.isVisible() and not window.notice.isVisible()
+    assert window.question.reason.toPlainText() == str(REFUSED.message)
+    assert OTHER in window.question.details.toPlainText()
+    assert window.question.accept_button.text() == "CONTINUE WITH THIS VNA"
+    click(window.question.accept_button)
+    assert not window.question.isVisible()
+    assert control.asked[1:] == [f"resume {folder}".strip(), f"resume {folder} {OTHER}"]
+    window.on_event(Answer(Request.RESUME, True, verbatim("")))
+    assert not window.notice.isVisible() and not window.question.isVisible()
+
+
+def test_another_vna_is_not_used_if_the_operator_declines(parts):
+    window, control, _ = parts
+    window.on_event(state(SurveyState.PAUSED))
+    window.refresh()
+    click(window.control.pause)
+    window.on_event(REFUSED)
+    click(window.question.close_button)
+    assert not window.question.isVisible()
+    window.refresh()
+    assert window.control.pause.isEnabled()
+    assert control.asked[1:] == ["resume"]
+
+
+def test_another_refusal_after_the_question_is_a_notice(parts):
+    window, _, _ = parts
+    window.on_event(REFUSED)
+    click(window.question.accept_button)
+    window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
+    assert window.notice.reason.toPlainText() == "the VNA does not answer"
+    assert window.notice.isVisible() and not window.question.isVisible()
 
 
 def test_granted_request_opens_no_dialog(parts):

@@ -67,6 +67,9 @@ class Survey:
     def resume(self, folder=""):
         self.asked.append(f"resume {folder}".strip())
 
+    def resume_with(self, analyzer):
+        self.asked.append(f"resume with {analyzer}")
+
 
 class Storage:
     """Answers nothing, remembers what it was asked."""

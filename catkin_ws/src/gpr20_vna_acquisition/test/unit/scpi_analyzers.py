@@ -258,11 +258,16 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
 
 
 class ScpiServer:
-    """Serves an analyzer on a TCP port of loopback, one message per line."""
+    """Serves an analyzer on a TCP port of loopback, one message per line.
 
-    def __init__(self, analyzer: ScpiAnalyzer) -> None:
+    Args:
+        analyzer: The analyzer.
+        port: The port; 0: any free one.
+    """
+
+    def __init__(self, analyzer: ScpiAnalyzer, port: int = 0) -> None:
         self.analyzer = analyzer
-        self._listener = socket.create_server(("127.0.0.1", 0))
+        self._listener = socket.create_server(("127.0.0.1", port))
         self.port = self._listener.getsockname()[1]
         self.address = f"TCPIP0::127.0.0.1::{self.port}::SOCKET"
         self._connections: List[socket.socket] = []

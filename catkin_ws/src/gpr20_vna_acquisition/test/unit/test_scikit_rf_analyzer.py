@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import subprocess
+import sys
 import threading
 import time
 from typing import Iterator
@@ -13,6 +16,8 @@ from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
+from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
@@ -27,6 +32,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSweepError,
     VnaTimeoutError,
 )
+from gpr20_vna_acquisition.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -117,7 +123,7 @@ def test_each_sweep_was_triggered_after_the_request(bench):
         assert set(sweep.s21_real) == {before + 1} and bench.vna.sweeps == before + 1
         np.testing.assert_array_equal(sweep.frequency_hz, SWEEP.frequencies_hz())
         assert sweep.duration_s >= bench.vna.sweep_s
-    assert bench.analyzer.trace_duration_s == pytest.approx(bench.vna.sweep_s, abs=0.05)
+    assert bench.analyzer.trace_duration_s >= bench.vna.sweep_s
 
 
 def test_only_settings_that_differ_are_written(bench):
@@ -226,7 +232,7 @@ def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said():
 
     bench.vna.command = losing
     try:
-        with pytest.raises(VnaCalibrationError, match="lost its calibration when .* was set"):
+        with pytest.raises(VnaCalibrationError, match="lost its calibration when it was set up"):
             bench.configured()
     finally:
         bench.stop()
@@ -402,13 +408,88 @@ def test_without_leave_of_the_configuration_no_trace_is_taken():
         bench.stop()
 
 
+# Another kind of session.
+
+
+class Vxi11Device:
+    """The analyzer behind the simulator's VXI-11 server."""
+
+    def __init__(self, vna: ScpiAnalyzer, clear_support: ClearSupport) -> None:
+        self._vna = vna
+        self._clear_support = clear_support
+        self.cleared = 0
+
+    def is_reachable(self) -> bool:
+        return True
+
+    def opened(self) -> NetworkFault:
+        return NetworkFault.NONE
+
+    def execute(self, message: bytes) -> Outcome:
+        return Outcome(self._vna.execute(message) or b"")
+
+    def clear(self) -> ClearSupport:
+        self.cleared += 1
+        return self._clear_support
+
+    def set_remote(self, remote: bool) -> None:
+        pass
+
+
+@pytest.mark.parametrize("support", [ClearSupport.FULL, ClearSupport.ERROR_8])
+def test_a_session_over_vxi11_begins_with_empty_buffers(support):
+    bench = Bench("keysight.PNA", clear_on_connect=True)
+    device = Vxi11Device(bench.vna, support)
+    server = Vxi11Server(device)
+    server.start()
+    bench.address = f"TCPIP0::127.0.0.1,{server.port}::inst0::INSTR"
+    try:
+        bench.configured()
+        assert device.cleared == 1
+        assert bench.analyzer.sweep().s21_real[0] == bench.vna.sweeps
+        bench.analyzer.confirm()
+        bench.analyzer.release()
+        assert_released(bench)
+    finally:
+        bench.stop()
+        server.stop()
+
+
 # The libraries.
 
 
+def test_a_robot_with_an_ms2026c_imports_none_of_them():
+    program = """
+import sys
+from gpr20_common.low.clock import Clock
+from gpr20_vna_acquisition.mid.analyzers import make_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+make_analyzer(VnaParameters(), None, RequestDeadline(Clock()))
+print(*{"skrf", "pyvisa", "pyvisa_py"} & set(sys.modules))
+"""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    ended = subprocess.run(
+        [sys.executable, "-c", program],
+        env=environment,
+        stdout=subprocess.PIPE,
+        timeout=60.0,
+        check=True,
+    )
+    assert ended.stdout == b"\n"
+
+
 def test_a_missing_library_says_what_to_install(pna, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "pyvisa", None)
+    monkeypatch.setitem(sys.modules, "pyvisa", None)
     with pytest.raises(VnaLibraryError, match=r"setup.sh --scikit-rf"):
         make_analyzer(pna.parameters, _no_vxi11, pna.deadline)
+
+
+def test_a_class_that_the_installed_scikit_rf_does_not_have_is_an_error():
+    limits = VisaLimits(1.0, 1.0, clear=False)
+    for name, needs in (("keysight.PNA", "skrf.vi.vna.of_tomorrow"), ("keysight.None", "")):
+        with pytest.raises(VnaLibraryError, match="install a newer version"):
+            VisaLibrary(name, "@py", limits, needs)
 
 
 def test_a_missing_visa_library_is_an_error():

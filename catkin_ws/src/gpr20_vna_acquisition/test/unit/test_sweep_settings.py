@@ -98,7 +98,7 @@ def test_refuses_a_logarithmic_grid():
         ("link_check_s", 3601.0),
         ("maker", ""),
         ("model", " "),
-        ("accepted_calibrations", (1, 5)),
+        ("accepted_calibrations", (1, 6)),
     ],
 )
 def test_parameters_that_make_no_sense_are_named(name, value):

@@ -171,7 +171,7 @@ def test_an_instrument_that_measures_other_frequencies_is_refused():
         bench.configured()
 
 
-@pytest.mark.parametrize("status", list(CalibrationStatus))
+@pytest.mark.parametrize("status", list(CalibrationStatus)[: CalibrationStatus.NOT_REPORTED])
 def test_calibration_is_read_by_its_meaning(bench, status):
     bench.vna.calibration = str(int(status))
     assert bench.driver.check_calibration_status() is status

@@ -157,6 +157,6 @@ class Plan:
         """Return all differences between a trace and the plan for its index."""
         return self._fit.misfits(trace)
 
-    def unlike_the_others(self, trace: Trace) -> List[Message]:
+    def changed_settings(self, trace: Trace) -> List[Message]:
         """Return how the analyzer's settings differ from those at the start of the survey."""
-        return self._fit.unlike_the_others(trace)
+        return self._fit.changed_settings(trace)

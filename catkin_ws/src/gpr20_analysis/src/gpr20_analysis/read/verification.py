@@ -203,7 +203,7 @@ class _Verifier:
                 Message("{file} changed while it was read: {reason}", file=name, reason=reason)
             )
             return
-        misfits = plan.misfits(trace) or plan.unlike_the_others(trace)
+        misfits = plan.misfits(trace) or plan.changed_settings(trace)
         self._found.faults += misfits
         self._found.stored += not misfits
 

@@ -48,6 +48,7 @@ class RosAxis:
         self._lock = threading.Lock()
         self._last: Optional[CurrentCoordinate] = None
         self._received_s = 0.0
+        self._received = threading.Event()
         self._outcomes: queue.Queue = queue.Queue()
         # Not a SimpleActionClient: it drops what it receives about a goal before send_goal()
         # has returned, so the result of a very short move could be lost.
@@ -59,6 +60,11 @@ class RosAxis:
         self._subscriber = rospy.Subscriber(
             f"{group}/current_coord", CurrentCoordinate, self._note, queue_size=10
         )
+
+    @property
+    def received(self) -> threading.Event:
+        """Set at each new reading; who waits for one clears it."""
+        return self._received
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
@@ -154,6 +160,7 @@ class RosAxis:
         with self._lock:
             self._last = message
             self._received_s = self._clock.now_s()
+        self._received.set()
 
     def _ignore(self, publisher: str) -> None:
         if publisher in self._ignored:

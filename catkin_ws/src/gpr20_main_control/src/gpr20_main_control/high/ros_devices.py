@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any, Tuple
 
 import numpy as np
@@ -52,6 +51,8 @@ from gpr20_survey.trace.trace import Trace
 # Reopening and closing read every file of a survey; opening a survey closes another one that is
 # still open [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
+# Services that are called for each trace; none of them moves anything.
+AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
 # Services that are called for each trace; none of them moves anything.
 AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
 # The analyzer is set up with a sweep, which takes minutes with a narrow IF bandwidth and many
@@ -165,18 +166,17 @@ class RosAnalyzer:
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,
-            **asdict(settings.analyzer),
+            **vars(settings.analyzer),
         )
-        accepted = AnalyzerSettings(answer.if_bandwidth_hz, answer.averages, answer.output_power)
         limit_s = answer.request_limit_s + MARGIN_S
         self._data.time_limit_s = self._confirmation.time_limit_s = limit_s
-        return AnalyzerSetup(
-            SweepSettings(
-                answer.start_frequency_hz, answer.stop_frequency_hz, answer.points, accepted
-            ),
-            answer.sweep_duration_s,
-            limit_s,
+        accepted = SweepSettings(
+            answer.start_frequency_hz,
+            answer.stop_frequency_hz,
+            answer.points,
+            _analyzer_settings(answer),
         )
+        return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
 
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
@@ -289,5 +289,5 @@ class RosStorage:
 
 
 def _analyzer_settings(data: Any) -> AnalyzerSettings:
-    """Return with what a sweep was measured."""
+    """Return with what a sweep is measured."""
     return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)

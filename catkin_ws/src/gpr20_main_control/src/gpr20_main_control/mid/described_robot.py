@@ -49,6 +49,7 @@ class DescribedRobot:
         self._on_change = on_change
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
+        self._config: Optional[RobotConfig] = None
 
     @property
     def nodes(self) -> Mapping[str, NodeDescription]:
@@ -60,6 +61,7 @@ class DescribedRobot:
         """Note what a node is now."""
         with self._described:
             self._nodes[description.node] = description
+            self._config = None
             self._described.notify_all()
         self._on_change(self)
 
@@ -73,8 +75,11 @@ class DescribedRobot:
             InvalidValueError: A node has not described itself, or they disagree.
         """
         with self._described:
-            self._described.wait_for(lambda: self.problem() is None, wait_s)
-            return robot_config(self._nodes)
+            # Asked for at every sample, and seldom another one.
+            if self._config is None:
+                self._described.wait_for(lambda: self.problem() is None, wait_s)
+                self._config = robot_config(self._nodes)
+            return self._config
 
     def analyzer_address(self) -> str:
         """Return the address of the analyzer in the robot's configuration.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Callable, Optional, Tuple, TypeVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from gpr20_main_control.mid.robot import AnalyzerSetup, Robot
 from gpr20_main_control.mid.survey_plan import SurveyPlan
 from gpr20_main_control.mid.wait_status import ExpectedWait, WaitStatus
 from gpr20_main_control.mid.workers import result_of
-from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES
+from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_settings import HeightPolicy
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -24,6 +24,7 @@ from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
 Result = TypeVar("Result")
+THE_ANALYZER = Message("the VNA")
 
 
 @dataclass(frozen=True)
@@ -116,14 +117,13 @@ class Instruments:
 
     def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the sweep at a point."""
-        assert self._setup is not None
         action = Message("sweep at point {index}", index=point.index)
-        return self._analyzer_wait(action, self._setup.sweep_duration_s)
+        return self._request_wait(action, swept=True)
 
     def confirmation_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the confirmation of a sweep."""
         action = Message("settings after the sweep at point {index}", index=point.index)
-        return self._analyzer_wait(action)
+        return self._request_wait(action, swept=False)
 
     def check_sweep(self, sweep: Sweep) -> None:
         """Refuse a sweep of other frequencies than those of the survey.
@@ -155,11 +155,13 @@ class Instruments:
         setup = self._call(lambda: analyzer.configure(wanted), Message("setup of the sweep"))
         accepted = setup.settings
         if not accepted.fulfils(wanted):
+            same_sweep = replace(accepted, analyzer=wanted.analyzer) == wanted
+            described = _settings_message if same_sweep else _sweep_message
             raise DeviceError(
                 Message(
                     "the VNA accepted {accepted} instead of {wanted}",
-                    accepted=_sweep_message(accepted),
-                    wanted=_sweep_message(wanted),
+                    accepted=described(accepted),
+                    wanted=described(wanted),
                 )
             )
         # What was left to the instrument stays as it is now: to the end of the survey.
@@ -176,14 +178,26 @@ class Instruments:
         return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)
 
     def _call(self, call: Callable[[], Result], action: Message) -> Result:
-        with self._waits.shown(self._analyzer_wait(action)) as check:
+        limit_s = self._robot.description.limits.analyzer_limit_s
+        with self._waits.shown(ExpectedWait(THE_ANALYZER, action, 0.0, limit_s)) as check:
             return self._robot.analyzer_calls.call(call, check)
 
-    def _analyzer_wait(self, action: Message, expected_s: float = 0.0) -> ExpectedWait:
-        limit_s = self._robot.description.limits.analyzer_limit_s
-        if self._setup is not None:
-            limit_s = max(limit_s, self._setup.request_limit_s)
-        return ExpectedWait(PLAIN_NAMES[ANALYZER], action, expected_s, limit_s)
+    def _request_wait(self, action: Message, swept: bool) -> ExpectedWait:
+        """Return what to expect of the sweep of a trace, or of another request about it."""
+        assert self._setup is not None
+        expected_s = self._setup.sweep_duration_s if swept else 0.0
+        return ExpectedWait(THE_ANALYZER, action, expected_s, self._setup.request_limit_s)
+
+
+def _settings_message(settings: SweepSettings) -> Message:
+    analyzer = settings.analyzer
+    return Message(
+        "{sweep}, IF bandwidth {bandwidth_hz:g} Hz, {averages} averages, output power {power}",
+        sweep=_sweep_message(settings),
+        bandwidth_hz=analyzer.if_bandwidth_hz,
+        averages=analyzer.averages,
+        power=analyzer.output_power or "-",
+    )
 
 
 def _sweep_message(settings: SweepSettings) -> Message:

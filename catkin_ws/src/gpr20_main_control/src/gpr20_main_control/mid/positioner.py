@@ -257,7 +257,7 @@ class Positioner:
                 reading.homed and not reading.moving and self._at_target(axis_id, reading, target)
             )
 
-        if not self._wait(arrived):
+        if not self._wait(arrived, changed=self._axes[axis_id].received):
             if not self._reading(axis_id).homed:
                 raise DeviceError(
                     Message(
@@ -276,13 +276,30 @@ class Positioner:
                 )
             )
 
-    def _wait(self, condition: Callable[[], bool], limit_s: float = READING_LIMIT_S) -> bool:
+    def _wait(
+        self,
+        condition: Callable[[], bool],
+        limit_s: float = READING_LIMIT_S,
+        changed: Optional[threading.Event] = None,
+    ) -> bool:
+        """Wait for a condition [s]; return whether it is true.
+
+        Args:
+            condition: What is waited for.
+            limit_s: How long at most [s].
+            changed: Set when the condition may have become true; None if nothing says so.
+        """
         deadline_s = self._clock.now_s() + limit_s
-        while not condition():
+        while True:
+            if changed is not None:
+                # Before the condition: what happens after it has been checked sets it again.
+                changed.clear()
+            if condition():
+                return True
             if self._clock.now_s() > deadline_s:
                 return False
-            self._interruption.wait_s(POLL_S)
-        return True
+            self._clock.wait_s(changed or self._interruption.stop, POLL_S)
+            self._interruption.check()
 
     def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:
         return abs(reading.coordinate - target) < 0.5 * self._parameters[axis_id].step_size

@@ -5,6 +5,7 @@ Every call returns or raises `DeviceError` within its own time limit.
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, field
 from typing import Mapping, Optional, Protocol, Tuple
 
@@ -76,6 +77,10 @@ class MoveOutcome:
 
 class Axis(Protocol):
     """One axis of the positioner."""
+
+    @property
+    def received(self) -> threading.Event:
+        """Set at each new reading; who waits for one clears it."""
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""

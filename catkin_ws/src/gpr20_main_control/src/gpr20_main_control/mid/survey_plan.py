@@ -14,7 +14,7 @@ from gpr20_main_control.mid.analyzer_record import UsedAnalyzer, recorded_analyz
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_cost import SECONDS_PER_FREQUENCY, planned_durations_s
+from gpr20_survey.plan.survey_cost import planned_durations_s, sweep_duration_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -99,12 +99,12 @@ class SurveyPlan:
         """Durations of the points that are not on the disk yet [s]."""
         return [self.durations_s[point.index] for point in self.pending]
 
-    def pending_durations_with_s(self, sweep_duration_s: float) -> List[float]:
+    def pending_durations_with_s(self, measured_s: float) -> List[float]:
         """Return the same durations [s] with sweeps as long as measured [s]; 0 if unknown."""
-        if not sweep_duration_s:
+        if not measured_s:
             return self.pending_durations_s
-        planned_s = SECONDS_PER_FREQUENCY * self.parameters.frequency_points
-        longer_s = sweep_duration_s - planned_s / self.config.time_scale
+        planned_s = sweep_duration_s(self.parameters.sweep_settings)
+        longer_s = measured_s - planned_s / self.config.time_scale
         return [duration_s + longer_s for duration_s in self.pending_durations_s]
 
 

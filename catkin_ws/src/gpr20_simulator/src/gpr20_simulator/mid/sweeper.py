@@ -171,10 +171,7 @@ class Sweeper:
         self._wake.set()
 
     def hold(self, held: bool) -> None:
-        """Pause; or go on: in a series where it paused, else with one new sweep."""
-        if not held and not self.is_continuous:
-            self.trigger()
-            return
+        """Pause; or go on with a series where it paused."""
         with self._lock:
             if held:
                 self._pause()

@@ -60,7 +60,7 @@ class PlanFit:
             or _other_settings(trace, self._wanted)
         )
 
-    def unlike_the_others(self, trace: Trace) -> List[Message]:
+    def changed_settings(self, trace: Trace) -> List[Message]:
         """Return how the analyzer's settings differ from those at the start of the survey."""
         return _other_settings(trace, self._recorded)
 

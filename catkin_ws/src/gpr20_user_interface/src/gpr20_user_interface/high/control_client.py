@@ -152,10 +152,15 @@ class ControlClient(RosEvents):
         """Ask to pause the survey; the answer is an event."""
         self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
 
-    def resume_survey(self, survey_id: str = "") -> None:
-        """Ask to resume the paused survey or the one named; the answer is an event."""
+    def resume_survey(self, survey_id: str = "", accept_analyzer: str = "") -> None:
+        """Ask to resume the paused survey or the one named; the answer is an event.
+
+        Args:
+            survey_id: Id or folder; empty: the paused survey.
+            accept_analyzer: Identity of another analyzer that the operator accepts.
+        """
         self._stop_obsolete.set()
-        self._ask(Request.RESUME, lambda: self._ask_resume(survey_id))
+        self._ask(Request.RESUME, lambda: self._ask_resume(survey_id, accept_analyzer))
 
     def set_replay_paused(self, paused: bool) -> None:
         """Ask the replay to pause or to continue; its next mark shows whether it did."""
@@ -250,8 +255,8 @@ class ControlClient(RosEvents):
             return Message("{axis} axis does NOT answer", axis=axis, details=error)
         return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer))
 
-    def _ask_resume(self, survey_id: str) -> Any:
-        return self._resume.call(START_TIMEOUT_S, survey=survey_id)
+    def _ask_resume(self, survey_id: str, accept_analyzer: str) -> Any:
+        return self._resume.call(START_TIMEOUT_S, survey=survey_id, accept_analyzer=accept_analyzer)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         in_background(lambda: self._emit(_answer(request, ask)))
@@ -285,7 +290,8 @@ def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
 
 def _answer_from(request: Request, response: Any) -> Answer:
     survey_id = getattr(response, "survey_id", "")
-    return Answer(request, response.success, message_from(response), survey_id)
+    other_analyzer = getattr(response, "other_analyzer", "")
+    return Answer(request, response.success, message_from(response), survey_id, other_analyzer)
 
 
 def _no_answer(error: Exception) -> Message:

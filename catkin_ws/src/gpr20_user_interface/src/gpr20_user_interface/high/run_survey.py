@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
+import queue
 import sys
 from typing import Callable, Dict
 
@@ -19,6 +21,7 @@ from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefuse
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.low import terminal_question
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay, terminal_line
@@ -33,7 +36,7 @@ from gpr20_user_interface.mid.survey_arguments import (
     terminal_language,
 )
 from gpr20_user_interface.mid.survey_follower import Limits, Mode, SurveyFollower
-from gpr20_user_interface.mid.survey_outcome import ExitStatus
+from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 from gpr20_user_interface.mid.survey_session import Follower, SurveySession, outcome_lines
 
 
@@ -80,34 +83,62 @@ def _follow(
     options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue
 ) -> int:
     client = ControlClient(router.take)
-    requests: Dict[Request, Callable[[], None]] = {
-        Request.START: lambda: client.start_survey(options.parameters, options.annotation),
-        Request.STOP: client.stop_survey,
-        Request.RESUME: lambda: client.resume_survey(options.resume_id),
-    }
-    limits = Limits(wait_s=options.wait_s)
-    robot = SurveyFollower(options.mode, options.on_pause, limits, Clock())
-    display = _display(options.bar, catalogue)
-    client.listen()
-    follower: Follower = robot
+    follower: Follower = _survey_follower(options)
     events = router.robot
+    client.listen()
     if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
         if options.mode is not Mode.ATTACH:
             client.close()
             print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
             return ExitStatus.REFUSED
         follower, events = ReplayFollower(), router.replay
-    session = SurveySession(follower, events, lambda request: requests[request](), display)
     keeper, link = ConnectionKeeper(), LinkWatch(router.take)
-    outcome = session.run()
+    outcome = _run_session(options, client, follower, events, catalogue)
+    if outcome.other_analyzer and _accepts(outcome.other_analyzer, signals, catalogue):
+        options = dataclasses.replace(options, accept_analyzer=outcome.other_analyzer)
+        follower = _survey_follower(options)
+        outcome = _run_session(options, client, follower, events, catalogue)
     link.close()
     keeper.close()
     client.close()
+    if outcome.other_analyzer and signals.received:
+        return ExitStatus.STOPPED
+    return outcome.status
+
+
+def _survey_follower(options: Options) -> SurveyFollower:
+    return SurveyFollower(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
+
+
+def _run_session(
+    options: Options,
+    client: ControlClient,
+    follower: Follower,
+    events: queue.SimpleQueue,
+    catalogue: Catalogue,
+) -> Outcome:
+    """Follow a survey to its end, and print how it ended."""
+    requests: Dict[Request, Callable[[], None]] = {
+        Request.START: lambda: client.start_survey(options.parameters, options.annotation),
+        Request.STOP: client.stop_survey,
+        Request.RESUME: lambda: client.resume_survey(options.resume_id, options.accept_analyzer),
+    }
+    display = _display(options.bar, catalogue)
+    session = SurveySession(follower, events, lambda request: requests[request](), display)
+    outcome = session.run()
     messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
     lines = [terminal_line(message, catalogue) for message in messages]
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
-    return outcome.status
+    return outcome
+
+
+def _accepts(analyzer: str, signals: StopSignals, catalogue: Catalogue) -> bool:
+    """Ask whether the survey is continued with another analyzer, if somebody can answer."""
+    if not terminal_question.can_ask():
+        return False
+    question = catalogue.tr("Continue with the VNA {identity}? [y/N]", identity=analyzer)
+    return terminal_question.is_confirmed(question, lambda: signals.received)
 
 
 def _display(bar: Bar, catalogue: Catalogue) -> Display:

@@ -185,12 +185,22 @@ class AnnotationDefaults:
 
 @dataclass(frozen=True)
 class Answer:
-    """How a request ended: the answer of the main control, or that there was none."""
+    """How a request ended: the answer of the main control, or that there was none.
+
+    Attributes:
+        request: What was asked for.
+        success: Whether it was accepted.
+        message: What the main control says.
+        survey_id: Of the survey that begins; empty if none does.
+        other_analyzer: Identity of the present analyzer, if it is not that of the survey, which
+            is resumed only if the operator accepts it; else empty.
+    """
 
     request: Request
     success: bool
     message: Message
     survey_id: str = ""
+    other_analyzer: str = ""
 
 
 @dataclass(frozen=True)

@@ -75,6 +75,24 @@ def refusal_notice(refused: Refused, reason: Message) -> Notice:
     return Notice(title, reason, next_step, reason.all_details)
 
 
+def analyzer_notice(reason: Message, identity: str) -> Notice:
+    """Return what the question says before a survey is continued with another analyzer.
+
+    Args:
+        reason: The refusal of the main control, which names both analyzers.
+        identity: What the present analyzer says it is.
+    """
+    return Notice(
+        Message("The VNA is not the one of this survey."),
+        reason,
+        Message(
+            "Connect the survey's VNA and press RESUME again, or continue with this VNA. The "
+            "survey then names both."
+        ),
+        (identity, *reason.all_details),
+    )
+
+
 def state_notice(state: ControlState) -> Notice:
     """Return the whole status message of the main control."""
     return Notice(state.title, state.message, details=state.message.all_details)

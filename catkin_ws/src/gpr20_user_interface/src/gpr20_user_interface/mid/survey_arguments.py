@@ -72,6 +72,7 @@ class Options:
 
     mode: Mode
     resume_id: str
+    accept_analyzer: str
     parameters: SurveyParameters
     annotation: Annotation
     wait_s: float
@@ -114,12 +115,15 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     _add_run_options(parser.add_argument_group(catalogue.tr("how to run it")), catalogue)
     given = parser.parse_args(arguments)
     mode = _mode(given.attach, given.resume)
+    if given.accept_analyzer and mode is not Mode.RESUME:
+        parser.error(catalogue.tr("--accept-analyzer can be given only with --resume"))
     if mode is not Mode.START:
         _refuse_parameters(parser, parameters, arguments, mode, catalogue)
     return Options(
         mode=mode,
         # Folders may be given with their path; the main control knows where they are.
         resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
+        accept_analyzer=given.accept_analyzer,
         parameters=SurveyParameters(**{field.name: getattr(given, field.name) for field in FIELDS}),
         annotation=annotation_from(given),
         wait_s=given.wait,
@@ -209,6 +213,15 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
         const="",
         metavar="SURVEY",
         help=tr("resume the paused survey, or the one with this id or folder, and follow it"),
+    )
+    group.add_argument(
+        "--accept-analyzer",
+        default="",
+        metavar="IDENTITY",
+        help=tr(
+            "with --resume: continue with another network analyzer than that of the survey; its "
+            "identity is in the message of the refusal"
+        ),
     )
     group.add_argument(
         "--on-pause",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from typing import List, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -201,7 +201,8 @@ class SurveyFollower:
         if self._phase is not _Phase.REQUESTED:
             return []
         if not answer.success:
-            self._end(*self._refusal(answer))
+            self._phase = _Phase.ENDED
+            self.outcome = self._refusal(answer)
             return []
         # The id of a resumed survey comes with its next status.
         self._begin(answer.survey_id, self._state)
@@ -212,11 +213,11 @@ class SurveyFollower:
     def _stopping(self) -> bool:
         return self._stop_wanted_s is not None
 
-    def _refusal(self, answer: Answer) -> Tuple[ExitStatus, Message]:
+    def _refusal(self, answer: Answer) -> Outcome:
         if self._stopping:
             message = Message("The survey was not started: {reason}", reason=answer.message)
-            return ExitStatus.STOPPED, message
-        return ExitStatus.REFUSED, answer.message
+            return Outcome(ExitStatus.STOPPED, message)
+        return Outcome(ExitStatus.REFUSED, answer.message, answer.other_analyzer)
 
     def _begin(self, survey_id: str, state: Optional[ControlState]) -> None:
         self._phase = _Phase.FOLLOWING

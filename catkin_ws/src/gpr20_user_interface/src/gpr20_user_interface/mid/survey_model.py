@@ -42,10 +42,18 @@ STALE_S = 3.0
 
 @dataclass(frozen=True)
 class Refusal:
-    """A request that was refused or failed, and why."""
+    """A request that was refused or failed, and why.
+
+    Attributes:
+        request: What was asked for.
+        reason: Why it was refused.
+        other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
+            if the operator has nothing to accept.
+    """
 
     request: Request
     reason: Message
+    other_analyzer: str = ""
 
 
 @dataclass(frozen=True)
@@ -183,7 +191,9 @@ class SurveyModel:
             return None if failed is None else Refusal(failed, event.message)
         if isinstance(event, Answer):
             self._answered(event)
-            return None if event.success else Refusal(event.request, event.message)
+            if event.success:
+                return None
+            return Refusal(event.request, event.message, event.other_analyzer)
         self._note(event)
         return None
 

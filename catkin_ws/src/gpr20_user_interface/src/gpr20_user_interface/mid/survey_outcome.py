@@ -22,7 +22,15 @@ class ExitStatus(enum.IntEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """How it ended: a number for the shell and a sentence."""
+    """How it ended: a number for the shell and a sentence.
+
+    Attributes:
+        status: For the shell.
+        message: What happened.
+        other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
+            if there is nothing to accept.
+    """
 
     status: ExitStatus
     message: Message
+    other_analyzer: str = ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import shlex
 from typing import Callable, List, Optional, Protocol
 
 from gpr20_common.message import Message
@@ -177,6 +178,13 @@ def outcome_lines(
     lines = [_HEADLINES[outcome.status], outcome.message]
     if survey_id:
         lines.append(Message("Survey id: {survey}", survey=survey_id))
+    if outcome.other_analyzer:
+        lines.append(
+            Message(
+                "To continue with this VNA, resume with `--accept-analyzer {identity}`.",
+                identity=shlex.quote(outcome.other_analyzer),
+            )
+        )
     if outcome.status is ExitStatus.PAUSED:
         lines.append(_RESUME_HINT)
     elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored:

@@ -30,8 +30,13 @@ class SurveyControl(Protocol):
     def pause_survey(self) -> None:
         """Ask to pause the survey."""
 
-    def resume_survey(self, survey_id: str = "") -> None:
-        """Ask to resume the paused survey, or one by its id or the name of its folder."""
+    def resume_survey(self, survey_id: str = "", accept_analyzer: str = "") -> None:
+        """Ask to resume the paused survey, or one by its id or the name of its folder.
+
+        Args:
+            survey_id: Id or folder; empty: the paused survey.
+            accept_analyzer: Identity of another analyzer that the operator accepts.
+        """
 
     def check_master(self) -> None:
         """Check that the master answers; the answer is an event with the limits of the axes."""
@@ -53,6 +58,7 @@ class WindowPresenter:
         self._control = control
         self._estimator = estimator
         self._parameters: Optional[SurveyParameters] = None
+        self._resumed = ""
         self.preview: Optional[SurveyPreview] = None
         self.snapshot = model.snapshot()
 
@@ -114,8 +120,14 @@ class WindowPresenter:
 
     def resume(self, folder: str = "") -> None:
         """Ask to resume the paused survey, or one that ended early."""
+        self._resumed = folder
         self._model.request_sent(Request.RESUME)
         self._control.resume_survey(folder)
+
+    def resume_with(self, analyzer: str) -> None:
+        """Ask again to resume the survey, with another analyzer that the operator accepts."""
+        self._model.request_sent(Request.RESUME)
+        self._control.resume_survey(self._resumed, analyzer)
 
     def end(self) -> None:
         """Drop the estimate that is in progress."""

@@ -16,6 +16,7 @@ from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.next_annotation import NextAnnotation
 from gpr20_user_interface.mid.notices import (
     Refused,
+    analyzer_notice,
     node_notice,
     refusal_notice,
     state_notice,
@@ -36,6 +37,7 @@ from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.profiles_view import ProfilesView
+from gpr20_user_interface.views.question import AnalyzerQuestion
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style import STYLE_SHEET, new_button
@@ -106,6 +108,7 @@ class MainWindow(TranslatedWidget):
         self.next_annotation = NextAnnotation()
         self.annotation = AnnotationSheet(self)
         self.notice = NoticeView(self)
+        self.question = AnalyzerQuestion(self)
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
@@ -133,7 +136,9 @@ class MainWindow(TranslatedWidget):
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
         refusal = self.survey.on_event(event)
-        if refusal is not None:
+        if refusal is not None and refusal.other_analyzer:
+            self._ask_about_analyzer(refusal.reason, refusal.other_analyzer)
+        elif refusal is not None:
             self._show_refusal(Refused[refusal.request.name], refusal.reason)
         if isinstance(event, Answer):
             self.refresh()
@@ -232,6 +237,14 @@ class MainWindow(TranslatedWidget):
 
     def _show_refusal(self, refused: Refused, reason: Message) -> None:
         self.notice.show_notice(refusal_notice(refused, reason))
+
+    def _ask_about_analyzer(self, reason: Message, identity: str) -> None:
+        # The status of the survey may have opened a notice with the same reason.
+        self.notice.hide()
+        self.question.ask(
+            analyzer_notice(reason, identity),
+            lambda: self._ask(lambda: self.survey.resume_with(identity)),
+        )
 
     def _ask(self, ask: Callable[[], None]) -> None:
         ask()

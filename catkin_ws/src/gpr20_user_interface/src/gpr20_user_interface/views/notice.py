@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QLabel, QTextEdit, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QTextEdit, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.notices import Notice
 from gpr20_user_interface.views.overlay import Overlay
@@ -30,6 +30,8 @@ class NoticeView(Overlay):
         self.next_step = QLabel()
         self.next_step.setWordWrap(True)
         self.close_button = new_button(self.hide)
+        self.buttons = QHBoxLayout()
+        self.buttons.addWidget(self.close_button, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(24, 12, 24, 12)
         layout.setSpacing(8)
@@ -38,7 +40,7 @@ class NoticeView(Overlay):
         layout.addWidget(self.next_step)
         layout.addWidget(self.details_title)
         layout.addWidget(self.details, 2)
-        layout.addWidget(self.close_button)
+        layout.addLayout(self.buttons)
 
     def show_notice(self, notice: Notice) -> None:
         """Open with the texts of a notice."""

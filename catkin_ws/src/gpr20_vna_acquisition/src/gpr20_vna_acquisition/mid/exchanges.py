@@ -9,9 +9,10 @@ from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, VnaNotReadyError
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
-# A query that was left unanswered this often, each time by an instrument that then answered
-# `*IDN?` on a new link, is one that the instrument does not know.
-UNANSWERED = 2
+# A query that was left unanswered this often in a row, each time by an instrument that then
+# answered `*IDN?` on a new link, is one that the instrument does not know. One that it has answered
+# needs more evidence.
+UNANSWERED, UNANSWERED_AGAIN = 2, 4
 # How long the first answer to a query may take that the instrument need not know [s]. The manual
 # allows two seconds after a setting.
 FIRST_ANSWER_S = 2.0
@@ -109,19 +110,20 @@ class Exchanges:
         """
         if self.never_answered(query):
             return None
-        if query in self._answered:
-            return self.ask_raw(query)
+        known = query in self._answered
         try:
-            answer = self._link().ask_raw(query, FIRST_ANSWER_S)
+            answer = self._link().ask_raw(query, None if known else FIRST_ANSWER_S)
         except VnaNoAnswerError:
             self._silences[query] += 1
             raise
         self._answered.add(query)
+        self._silences[query] = 0
         return answer
 
     def never_answered(self, query: str) -> bool:
-        """Return whether the instrument is known not to answer a query."""
-        return self._silences[query] >= UNANSWERED
+        """Return whether the instrument is known not to answer a query any more."""
+        enough = UNANSWERED_AGAIN if query in self._answered else UNANSWERED
+        return self._silences[query] >= enough
 
     def release(self, command: str) -> None:
         """Send a last command and return the control to the front panel; no time limit applies."""

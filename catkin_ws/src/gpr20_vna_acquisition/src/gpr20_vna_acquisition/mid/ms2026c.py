@@ -8,13 +8,12 @@ from __future__ import annotations
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
-    VnaCalibrationError,
     VnaDataError,
     VnaIdentityError,
     VnaNotReadyError,
@@ -26,6 +25,7 @@ from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import Ms2026cSweeps
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.settings import Setting, described, unquoted
+from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 IDENTITY_FIELDS = 4
@@ -247,13 +247,7 @@ class Ms2026c:
             return
         if self.calibration() is not CalibrationStatus.NONE:
             return
-        raise VnaCalibrationError(
-            Message(
-                "the VNA lost its calibration when {settings} was set; calibrate it now, with "
-                "these settings, and resume: they are not written again",
-                settings=in_a_row(setting.name for setting in written),
-            )
-        )
+        raise calibration_lost(one.name for one in written if one is not settings.HOLD)
 
     def _check_frequencies(self, accepted: SweepSettings) -> None:
         answer = self._exchanges.ask_optional_raw(FREQUENCIES_QUERY)

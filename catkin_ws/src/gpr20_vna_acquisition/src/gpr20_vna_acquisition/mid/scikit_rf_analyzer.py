@@ -12,7 +12,6 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
-    VnaCalibrationError,
     VnaDataError,
     VnaError,
     VnaNotReadyError,
@@ -22,6 +21,7 @@ from gpr20_vna_acquisition.mid.identity import check_identity
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.scikit_rf_dialects import Dialect, Setting
 from gpr20_vna_acquisition.mid.scikit_rf_sweeps import ScikitRfSweeps
+from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")
@@ -291,13 +291,7 @@ class ScikitRfAnalyzer:
                 )
             )
         elif self.calibration() is CalibrationStatus.NONE:
-            raise VnaCalibrationError(
-                Message(
-                    "the VNA lost its calibration when {settings} was set; calibrate it now, with "
-                    "these settings, and resume: they are not written again",
-                    settings=in_a_row(changed),
-                )
-            )
+            raise calibration_lost(changed)
 
 
 def _described(differing: Sequence[Tuple[Setting, Any]]) -> Message:

@@ -13,6 +13,7 @@ from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaDataError,
+    VnaOldDataError,
     VnaSettingError,
     VnaSweepError,
 )
@@ -77,7 +78,7 @@ class ScikitRfSweeps:
         """
         self._sweep_s = None
         self._triggers = self._call(
-            Message("the averages"),
+            Message("the number of averages"),
             lambda vna: self._dialect.triggers(vna, settings.analyzer.averages),
         )
         claimed_s = self._call(Message("the sweep time"), self._dialect.sweep_time_s)
@@ -105,7 +106,8 @@ class ScikitRfSweeps:
 
         Raises:
             VnaSweepError: A sweep did not end in time, or too early.
-            VnaDataError: The data are not new, incomplete, or not finite.
+            VnaDataError: The data are incomplete, or not finite.
+            VnaOldDataError: The data, or a part of them, are not new.
             VnaSettingError: The instrument is not held.
         """
         sweep_s = self._sweep_s
@@ -129,8 +131,8 @@ class ScikitRfSweeps:
         # By the monotonic clock: the time of day may be corrected meanwhile.
         duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
         before, self._shown = self._shown, self._read(settings)
-        if has_old_points(self._shown, before):
-            raise VnaDataError(
+        if has_old_points(self._shown, before, to_the_last=False):
+            raise VnaOldDataError(
                 Message("the VNA gave data of which a part is that of the previous sweep")
             )
         return Sweep(

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import statistics
 from collections import deque
-from typing import Deque, Optional, Sequence, Tuple
+from typing import Deque, Iterable, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
-from gpr20_vna_acquisition.errors import VnaDataError, VnaError
+from gpr20_vna_acquisition.errors import VnaCalibrationError, VnaDataError, VnaError
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 # A duration is unusual if it differs from the usual one by more than this factor.
@@ -73,6 +73,17 @@ def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) ->
         status=int(status),
         meaning=status.meaning,
         accepted=listed,
+    )
+
+
+def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
+    """Return the error of an analyzer that lost its calibration when these settings were made."""
+    return VnaCalibrationError(
+        Message(
+            "the VNA lost its calibration when it was set up ({settings}); calibrate it now, with "
+            "these settings, and resume: they are not written again",
+            settings=in_a_row(settings),
+        )
     )
 
 

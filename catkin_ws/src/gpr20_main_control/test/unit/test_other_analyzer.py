@@ -1,0 +1,173 @@
+"""Another analyzer than the one that a survey began with: used only when it is accepted."""
+
+import json
+from dataclasses import asdict
+
+import pytest
+from fake_robot import LIMIT_S, Bench
+from survey_examples import AXES, PARAMETERS
+
+from gpr20_common.low.clock import Clock
+from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
+from gpr20_main_control.mid.analyzer_record import AnalyzerRecord, recorded_analyzers
+from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+FORMER = "Anritsu,MS2026C/2,SIMULATED,1.0"
+OTHER = "Anritsu,MS2026C/2,SIMULATED-2,1.0"
+THIRD = "Anritsu,MS2026C/2,SIMULATED-3,1.0"
+UPDATED = "Anritsu,MS2026C/2,SIMULATED,1.1"
+NOW_US = 1_800_000_000_000_000
+
+
+@pytest.fixture
+def bench():
+    # A request waits for the check of the analyzer, in real time.
+    bench = Bench(clock=Clock())
+    yield bench
+    bench.control.shut_down(LIMIT_S)
+
+
+def pause_with(bench, identity, sweeps=5):
+    """Pause a survey after some sweeps; the analyzer has another identity then."""
+
+    def fail():
+        if bench.analyzer.sweeps == sweeps:
+            bench.analyzer.failures, bench.analyzer.identity = 1, identity
+            bench.analyzer.on_sweep = lambda: None
+
+    bench.analyzer.on_sweep = fail
+    survey_id = bench.start()
+    bench.wait_for(State.PAUSED)
+    return survey_id
+
+
+def recorded(bench):
+    return [(one["identity"], one["from_index"]) for one in bench.storage.reports[-1]["analyzers"]]
+
+
+def test_a_survey_does_not_continue_with_another_analyzer(bench):
+    pause_with(bench, OTHER)
+    # However often it is requested.
+    for _tap in range(2):
+        with pytest.raises(OtherAnalyzerError) as refused:
+            bench.control.resume("")
+        assert refused.value.identity == OTHER
+        message = str(bench.wait_for(State.PAUSED).message)
+        assert OTHER in message and FORMER in message and "accept the other" in message
+    assert bench.analyzer.sweeps == 5
+    bench.analyzer.identity = FORMER
+    bench.resume_to_the_end()
+    assert recorded(bench) == [(FORMER, 0)]
+
+
+def test_a_survey_continues_with_the_analyzer_that_is_accepted_and_records_both(bench):
+    survey_id = pause_with(bench, OTHER)
+    bench.control.resume(survey_id, OTHER)
+    bench.complete()
+    assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
+    # The first report with both precedes the first trace of the other one.
+    reports = [one for one in bench.storage.reports if len(one["analyzers"]) == 2]
+    assert reports[0]["coverage"] == "mmmmmf" + 18 * "-"
+    assert all(one["accepted"] for one in reports[0]["analyzers"])
+
+
+def test_an_accepted_analyzer_stays_accepted_and_the_former_one_does_not(bench):
+    pause_with(bench, OTHER)
+
+    def fail():
+        if bench.analyzer.sweeps == 9:
+            bench.analyzer.failures, bench.analyzer.on_sweep = 1, lambda: None
+
+    bench.analyzer.on_sweep = fail
+    bench.control.resume("", OTHER)
+    bench.wait_for(State.PAUSED)
+    bench.analyzer.identity = FORMER
+    with pytest.raises(OtherAnalyzerError):
+        bench.control.resume("")
+    bench.analyzer.identity = OTHER
+    bench.resume_to_the_end()
+    assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
+
+
+def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
+    pause_with(bench, THIRD)
+    with pytest.raises(OtherAnalyzerError, match="not .*SIMULATED-2.*, which was accepted") as no:
+        bench.control.resume("", OTHER)
+    assert no.value.identity == THIRD
+    bench.analyzer.identity = FORMER
+    with pytest.raises(OtherAnalyzerError) as no:
+        bench.control.resume("", OTHER)
+    # Nothing to ask the operator: the former one is back.
+    assert no.value.identity == ""
+    bench.resume_to_the_end()
+
+
+def test_a_second_request_accepts_nothing(bench):
+    pause_with(bench, OTHER)
+    bench.control.resume("", OTHER)
+    with pytest.raises(RequestRefusedError, match="no survey can be resumed while another one"):
+        bench.control.resume("", THIRD)
+    bench.complete()
+    assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
+
+
+def test_new_firmware_does_not_make_another_analyzer(bench):
+    pause_with(bench, UPDATED)
+    bench.resume_to_the_end()
+    assert recorded(bench) == [(FORMER, 0)]
+
+
+def cut_off_survey(bench, report="", instrument=FORMER):
+    metadata = {
+        "simulated": True,
+        "parameters": asdict(PARAMETERS),
+        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
+        "instrument": {"identity": instrument},
+    }
+    bench.storage.reopened = ReopenedSurvey(
+        "5ec1a5d2-0000-4000-8000-000000000000",
+        "/data/survey_5ec1a5d2",
+        json.dumps(metadata),
+        report,
+        (0, 1),
+        None,
+    )
+
+
+def test_a_survey_from_its_folder_asks_for_the_other_analyzer_too(bench):
+    cut_off_survey(bench)
+    bench.analyzer.identity = OTHER
+    with pytest.raises(OtherAnalyzerError) as refused:
+        bench.control.resume("survey_5ec1a5d2")
+    assert refused.value.identity == OTHER
+    assert bench.board.status.state is State.PAUSED
+    bench.control.resume("survey_5ec1a5d2", OTHER)
+    bench.wait_for(State.FINISHED)
+    assert recorded(bench) == [(FORMER, 0), (OTHER, 2)]
+
+
+def test_a_survey_from_its_folder_remembers_which_analyzer_was_accepted(bench):
+    used = [
+        {"identity": FORMER, "from_index": 0, "accepted": "2026-01-01T00:00:00.000000Z"},
+        {"identity": OTHER, "from_index": 1, "accepted": "2026-01-01T01:00:00.000000Z"},
+    ]
+    cut_off_survey(bench, json.dumps({"controls": [], "analyzers": used}))
+    bench.analyzer.identity = OTHER
+    bench.control.resume("survey_5ec1a5d2")
+    bench.wait_for(State.FINISHED)
+    assert bench.storage.reports[-1]["analyzers"] == used
+
+
+@pytest.mark.parametrize("instrument", [None, 5, {}, {"identity": 3}])
+def test_a_survey_that_does_not_name_its_analyzer_continues_with_any(instrument):
+    metadata = json.dumps({"instrument": instrument})
+    record = AnalyzerRecord(recorded_analyzers(metadata, ""))
+    record.check(OTHER, 3, NOW_US)
+    assert [one.identity for one in record.used] == [OTHER]
+
+
+@pytest.mark.parametrize("used", ["x", [3], [{}], [{"identity": 1, "from_index": 0}]])
+def test_a_record_of_analyzers_that_is_none_is_refused(used):
+    with pytest.raises(SurveyError, match="report in survey.json cannot be read"):
+        recorded_analyzers("{}", json.dumps({"analyzers": used}))

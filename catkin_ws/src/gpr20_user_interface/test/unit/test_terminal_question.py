@@ -1,0 +1,46 @@
+import os
+import pty
+
+import pytest
+
+from gpr20_user_interface.low import terminal_question
+
+NO = ("n", "", "x")
+
+
+@pytest.fixture
+def keyboard(monkeypatch):
+    """Descriptor on which a test types; the question reads the other end."""
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs, "r") as stream:
+        monkeypatch.setattr("sys.stdin", stream)
+        yield ours
+    os.close(ours)
+
+
+@pytest.mark.parametrize(
+    ("typed", "confirmed"),
+    [
+        ("y", True),
+        ("Yes", True),
+        ("s", True),
+        ("s\u00ed", True),
+        ("n", False),
+        ("", False),
+        ("x", False),
+    ],
+)
+def test_only_a_clear_yes_confirms(keyboard, capsys, typed, confirmed):
+    os.write(keyboard, f"{typed}\n".encode())
+    assert terminal_question.is_confirmed("Continue?", lambda: False) is (typed not in NO)
+    assert capsys.readouterr().out.startswith("Continue? ")
+
+
+def test_a_stop_ends_the_question_with_no(keyboard):
+    assert not terminal_question.is_confirmed("Continue?", lambda: True)
+
+
+def test_an_input_that_ends_is_no(monkeypatch):
+    with open(os.devnull) as stream:
+        monkeypatch.setattr("sys.stdin", stream)
+        assert not terminal_question.is_confirmed("Continue?", lambda: False)
