@@ -17,6 +17,7 @@ there to the trigger. Beside it: `height`, `confirm` and `store`, each from requ
 from __future__ import annotations
 
 import argparse
+import threading
 import time
 from pathlib import Path
 from typing import Dict, List, Sequence, Tuple
@@ -43,6 +44,8 @@ STEP_MM = 0.1
 ROWS = 3
 # The first samples fill caches.
 WARM_UP = 20
+BEGIN_LIMIT_S = 5.0
+POLL_S = 0.2
 ON_THE_WAY = ("sweep", "get_data", "next goal", "goal to result", "settle", "request")
 BESIDE = ("height", "confirm", "store", "write")
 Stages = Dict[str, List[float]]
@@ -91,28 +94,53 @@ def stages(noted: Sequence[Event], taken: Sequence[Sample]) -> Stages:
     return found
 
 
-def processor_times(robot: LaunchedRobot) -> Dict[str, float]:
-    """Return the processor time that each process has used so far [s]."""
-    return {name: processor_s(process) for name, process in robot.processes().items()}
+class ProcessorTimes:
+    """The processor time of each process while samples are taken, without homing and set-up."""
+
+    def __init__(self, robot: LaunchedRobot) -> None:
+        self._robot = robot
+        self._begun = threading.Event()
+        self._before: Dict[str, float] = {}
+        self._count = 0
+        threading.Thread(target=self._wait_for_begin, daemon=True).start()
+
+    def per_sample_s(self) -> Dict[str, float]:
+        """Return what each process has used for each sample since the first ones [s].
+
+        Raises:
+            SystemExit: The survey was over before.
+        """
+        if not self._begun.wait(BEGIN_LIMIT_S):
+            raise SystemExit("the survey is too short to be measured; give more --columns")
+        count = self._stored() - self._count
+        return {name: (used_s - self._before[name]) / count for name, used_s in self._now().items()}
+
+    def _wait_for_begin(self) -> None:
+        while self._stored() < WARM_UP:
+            time.sleep(POLL_S)
+        self._before, self._count = self._now(), self._stored()
+        self._begun.set()
+
+    def _stored(self) -> int:
+        return sum(1 for _ in self._robot.data.glob("*/traces/*.json"))
+
+    def _now(self) -> Dict[str, float]:
+        return {name: processor_s(process) for name, process in self._robot.processes().items()}
 
 
 def measure(root: Path, columns: int) -> Stages:
     """Run one survey; return the times of its stages, and the processor's per sample [s]."""
     with launched(root, *LAUNCH, tap=True) as robot:
         stop_mm = 100.0 + STEP_MM * (columns - 1)
-        before = processor_times(robot)
+        times = ProcessorTimes(robot)
         survey = run_survey(
             robot,
             *("--x-start-mm=100", f"--x-stop-mm={stop_mm:g}", f"--x-points={columns}"),
             *("--y-start-mm=100", f"--y-stop-mm={100 + STEP_MM * (ROWS - 1):g}"),
             *(f"--y-points={ROWS}", "--polarizations-deg=0", "--frequency-points=501"),
         )
-        taken = samples(survey)
-        used = {name: used_s - before[name] for name, used_s in processor_times(robot).items()}
-        return {
-            **stages(events(robot), taken),
-            **{name: [used_s / len(taken)] for name, used_s in used.items()},
-        }
+        used = {name: [used_s] for name, used_s in times.per_sample_s().items()}
+        return {**stages(events(robot), samples(survey)), **used}
 
 
 def row(label: str, found: Stages) -> List[str]:
@@ -143,7 +171,7 @@ def main() -> None:
     )
     names = ["sample", *ON_THE_WAY, *BESIDE]
     print_table(["checkout", *names], [row(label, found) for label, found in merged.items()])
-    print("\nprocessor time per sample, with homing and set-up [ms]")
+    print("\nprocessor time per sample [ms]")
     print_table(
         ["process", *merged],
         [
