@@ -9,6 +9,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from survey_client import SurveyClient, json_traces
 
 from gpr20_common.high.graph_message import message_from
@@ -22,6 +23,7 @@ OWN = {"if_bandwidth_hz": 10_000.0, "averages": 1, "output_power": "HIGH"}
 SPANISH = read_translations(FOLDER / "es.po")
 # main_control says what it waits for within this time [s].
 SAID_WITHIN_S = 3.0
+FOUND_WITHIN_S = 30.0
 
 
 class InstrumentFaultsTest(unittest.TestCase):
@@ -225,6 +227,18 @@ class InstrumentFaultsTest(unittest.TestCase):
             self.fault(fault)
             self.check_complete(self.begin())
             self.fault("NONE")
+
+    def test_13_after_a_survey_the_instrument_is_left_to_its_front_panel(self):
+        self.check_complete(self.begin())
+        deadline_s = time.monotonic() + FOUND_WITHIN_S
+        while time.monotonic() < deadline_s:
+            report = rospy.wait_for_message("/diagnostics", DiagnosticArray, FOUND_WITHIN_S)
+            for status in report.status:
+                values = {pair.key: pair.value for pair in status.values}
+                if values.get("vna_is_remote") == "False":
+                    self.assertEqual(values["vna_is_continuous"], "True")
+                    return
+        self.fail("the instrument is still remote")
 
 
 if __name__ == "__main__":
