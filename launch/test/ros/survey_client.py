@@ -18,7 +18,8 @@ LIMIT_S = 120.0
 # Of all nodes: where these are, every node is there.
 SERVICES = (
     *(f"{axis}_axis/{name}" for axis in "xyz" for name in ("homing", "stop")),
-    *("connection", "freq_sweep_setup", "get_freq", "get_data", "get_calibration_status"),
+    *("connection", "freq_sweep_setup", "get_freq", "get_data", "confirm_data"),
+    "get_calibration_status",
     *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
     "annotate_survey",
     *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
