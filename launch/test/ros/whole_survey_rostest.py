@@ -61,6 +61,7 @@ GRAPH_SERVICES = {
     "/freq_sweep_setup",
     "/get_freq",
     "/get_data",
+    "/confirm_data",
     "/get_calibration_status",
     "/open_survey",
     "/reopen_survey",
