@@ -16,6 +16,8 @@ from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 NO_TARGET = -1.0
+# A position that stays the same is published at each fifth tick: 2 Hz.
+UNCHANGED_TICKS = 5
 
 
 class SurveyTopics:
@@ -28,6 +30,8 @@ class SurveyTopics:
     def __init__(self) -> None:
         """Advertise the topics."""
         self.simulated = False
+        self._position: Tuple[float, ...] = ()
+        self._unchanged = 0
         self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
         self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
         self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
@@ -85,15 +89,21 @@ class SurveyTopics:
         self._parameters.publish(SurveyParametersMessage(**asdict(parameters)))
 
     def publish_current(self, robot: Robot) -> None:
-        """Publish the position of the axes, once all of them have reported theirs."""
+        """Publish the position of the axes, once all of them have reported theirs.
+
+        Called 10 times a second; a position that has not changed is published twice a second.
+        """
         readings = [axis.reading() for axis in robot.axes.values()]
-        if any(reading is None for reading in readings):
+        present = tuple(reading.coordinate for reading in readings if reading is not None)
+        if len(present) < len(readings):
+            return
+        self._unchanged = self._unchanged + 1 if present == self._position else 0
+        self._position = present
+        if self._unchanged % UNCHANGED_TICKS:
             return
         message = Coordinates()
         message.header.stamp = rospy.Time.now()
-        message.x_mm, message.y_mm, message.z_deg = (
-            reading.coordinate for reading in readings if reading is not None
-        )
+        message.x_mm, message.y_mm, message.z_deg = present
         self._current.publish(message)
 
 
