@@ -95,7 +95,7 @@ class Ms2026cSweeps:
         timing = SweepTiming(ends)
         self._triggers = self._triggers_per_trace(settings, timing)
         self._timing = timing
-        self._trace_duration_s = self._triggers * timing.expected_s
+        self._trace_duration_s = self._triggers * timing.duration_s
 
     def take(self, settings: SweepSettings) -> Sweep:
         """Return the data of a trace that is triggered now.
@@ -120,7 +120,7 @@ class Ms2026cSweeps:
             # What was learned is in doubt too: the next sweep learns again.
             self._timing = None
             raise
-        self._trace_duration_s = self._triggers * timing.expected_s
+        self._trace_duration_s = self._triggers * timing.duration_s
         return Sweep(
             frequency_hz=settings.frequencies_hz(),
             s21_real=numbers[0::2].copy(),
@@ -134,7 +134,7 @@ class Ms2026cSweeps:
     def _sweep_once(
         self, settings: SweepSettings, timing: SweepTiming, new_average: bool
     ) -> SweepEnd:
-        limit_s = self._parameters.sweep_limit_s(timing.expected_s)
+        limit_s = self._parameters.sweep_limit_s(timing.duration_s)
         begun_s = self._trigger(settings, new_average)
         stale_bit_s, cleared, late = 0.0, False, False
         while True:

@@ -43,6 +43,7 @@ class SweepTiming:
         # The shortest is the one that the computer disturbed least.
         self._usual_s = min(end.asked_s for end in ends)
         self._recent_s = deque([self._usual_s], maxlen=REMEMBERED)
+        self._exchange_s = min(end.duration_s for end in ends) - self._usual_s
         longest_s = max(end.duration_s for end in ends)
         stale_s = max(end.stale_bit_s for end in ends)
         self._surely_ended_s = DOUBT_FACTOR * longest_s + stale_s
@@ -51,6 +52,11 @@ class SweepTiming:
     def expected_s(self) -> float:
         """When to ask for the end of a sweep, so that the first answer shows it [s]."""
         return max(self._recent_s)
+
+    @property
+    def duration_s(self) -> float:
+        """How long a sweep takes until its end is known [s]."""
+        return self.expected_s + self._exchange_s
 
     @property
     def surely_ended_s(self) -> float:
