@@ -9,6 +9,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor
+from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_msgs.srv import GetCalibrationStatusResponse, GetHeightResponse
 
 REFUSAL = Message("the height sensor reads {height_m:g} m", height_m=1.6, details="ADC 1023")
@@ -47,5 +48,5 @@ def test_a_calibration_that_is_not_accepted_is_refused_with_the_drivers_message(
     fields = message_fields(refusal)
     answer_with(monkeypatch, GetCalibrationStatusResponse(success=True, accepted=False, **fields))
     with pytest.raises(DeviceError) as refused:
-        RosAnalyzer(1.0).calibration()
+        RosAnalyzer(TimeLimits(analyzer_limit_s=1.0)).calibration()
     assert refused.value.message == refusal

@@ -11,6 +11,7 @@ from gpr20_common.message import Message, received_message
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.survey_status import Status
 from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -60,3 +61,15 @@ def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(
     verdict = coverage.verdict().message
     assert published.verdict == str(verdict)
     assert received_message("", published.verdict_json) == verdict
+
+
+def test_a_change_publishes_only_what_has_changed(topics):
+    point = SurveyPoint(3, 100.0, 50.0, 90.0)
+    topics.publish_change(Status(), Status(target=point))
+    assert len(topics._target.published) == 1
+    assert topics._progress.published == []
+    topics.publish_change(Status(target=point), Status(target=point, visited_points=1))
+    assert len(topics._target.published) == len(topics._progress.published) == 1
+    assert topics._target.published[0].x_mm == 100.0
+    topics.publish_change(Status(target=point), Status())
+    assert topics._target.published[1].x_mm == -1.0

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import os
+import pty
+import select
 import signal
 import subprocess
 import sys
@@ -27,6 +29,19 @@ from gpr20_survey.plan.survey_state import SurveyState
 SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
 
 
+def read_until(terminal: int, text: str) -> str:
+    """Return what a program writes on its terminal until it contains a text, or to its end."""
+    output = b""
+    while not text or text.encode() not in output:
+        if not select.select([terminal], [], [], LIMIT_S)[0]:
+            raise AssertionError(output.decode())
+        try:
+            output += os.read(terminal, 4096)
+        except OSError:  # the program has ended
+            break
+    return output.decode()
+
+
 class RunSurvey(unittest.TestCase):
     def setUp(self) -> None:
         self.namespace = "/" + self._testMethodName
@@ -40,7 +55,10 @@ class RunSurvey(unittest.TestCase):
                 process.kill()
             process.communicate()
 
-    def client(self, *arguments: str, master: str = "") -> subprocess.Popen:
+    def client(self, *arguments: str, master: str = "", terminal: int = -1) -> subprocess.Popen:
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        if terminal >= 0:
+            streams = dict.fromkeys(("stdin", "stdout", "stderr"), terminal)
         folder = rospkg.RosPack().get_path("gpr20_user_interface")
         process = subprocess.Popen(
             [
@@ -49,8 +67,7 @@ class RunSurvey(unittest.TestCase):
                 *arguments,
                 f"__ns:={self.namespace}",
             ],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
+            **streams,
             universal_newlines=True,
             env={
                 **os.environ,
@@ -170,6 +187,26 @@ class RunSurvey(unittest.TestCase):
         output = self.end_of(resumed)
         self.assertEqual(resumed.returncode, 0, output)
         self.assertEqual(self.fake.resumed_with, ["", self.fake.other_analyzer])
+
+    def test_another_vna_is_asked_for_on_a_terminal(self) -> None:
+        for reply, code in (("n", 1), ("y", 0)):
+            with self.subTest(reply):
+                self.end_of(self.paused_client())
+                self.fake.other_analyzer = "Anritsu,MS2026C/2,62011033,1.23"
+                self.fake.point_limit = 18
+                ours, theirs = pty.openpty()
+                resumed = self.client("--resume", "--bar", "never", terminal=theirs)
+                os.close(theirs)
+                output = read_until(ours, "[y/N]")
+                os.write(ours, f"{reply}\n".encode())
+                output += read_until(ours, "")
+                self.assertEqual(resumed.wait(LIMIT_S), code, output)
+                os.close(ours)
+                self.fake.other_analyzer = ""
+                if reply == "n":
+                    self.assertEqual(self.fake.code, ControlStatus.PAUSED)
+                    self.end_of(self.client("--resume"))
+        self.assertEqual(self.fake.code, ControlStatus.FINISHED)
 
     def test_attached_client_follows_without_starting(self) -> None:
         first = self.surveying_client()

@@ -113,6 +113,21 @@ def test_another_vna_ends_with_its_identity_and_nothing_is_accepted_by_itself(ro
     assert robot.follower.outcome.other_analyzer == "B"
 
 
+@pytest.mark.parametrize("former", ["PAUSED", "STOPPED", "FAILED"])
+def test_a_survey_that_is_accepted_with_another_vna_is_followed(clock, former):
+    robot = Robot(clock, Mode.RESUME)
+    refused = Answer(Request.RESUME, False, verbatim("the VNA is B, not A"), other_analyzer="B")
+    robot.say(state(former), state("CHECKING"), refused)
+    assert robot.status is ExitStatus.REFUSED
+    assert robot.follower.ask_again() == [Request.RESUME]
+    # That of the refused request comes late.
+    robot.say(state(former)).wait(60)
+    robot.say(state("CHECKING"), Answer(Request.RESUME, True, verbatim("resumed")))
+    assert robot.status is None
+    robot.say(state("SURVEYING"), state("FINISHED"))
+    assert robot.status is ExitStatus.FINISHED
+
+
 def test_absent_main_control_is_waited_for_within_the_limit(robot):
     assert robot.wait(10).status is None
     assert robot.wait(0.5).status is ExitStatus.REFUSED

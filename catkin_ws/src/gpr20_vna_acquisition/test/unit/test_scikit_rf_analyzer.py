@@ -270,7 +270,8 @@ def test_no_answer_is_an_error_in_bounded_time(bench, query):
     begun_s = time.monotonic()
     with pytest.raises(VnaError, match="no answer in time"):
         bench.configured()
-    assert time.monotonic() - begun_s < 3.0
+    # Much sooner than an exchange that only the limit of the whole call ends.
+    assert time.monotonic() - begun_s < 1.3
 
 
 def test_a_link_that_drops_is_an_error_and_a_new_one_works(bench):
@@ -326,6 +327,39 @@ def test_numbers_that_are_not_finite_are_refused(bench):
     bench.vna.data = with_nan
     with pytest.raises(VnaDataError, match="not finite"):
         bench.analyzer.sweep()
+
+
+@pytest.mark.parametrize(
+    "name, query, answer",
+    [
+        ("keysight.PNA", "SENS1:SWE:TIME?", b"9.91E37\n"),
+        ("keysight.PNA", "SENS1:BWID?", b"9.91E37\n"),
+        ("keysight.FieldFox", "SENS:SWE:TIME?", b"inf\n"),
+        ("keysight.FieldFox", "SENS:BWID?", b"nan\n"),
+        ("keysight.FieldFox", "SENS:AVER:COUN?", b"1E9\n"),
+    ],
+)
+def test_impossible_values_are_refused(name, query, answer):
+    bench = Bench(name)
+    bench.vna.faults.answers[query] = answer
+    try:
+        with pytest.raises(VnaDataError, match="the VNA states"):
+            bench.configured()
+    finally:
+        bench.stop()
+
+
+def test_one_slow_sweep_while_the_duration_is_learned_does_no_harm(pna):
+    trigger, slow = pna.vna.trigger, iter((0.02, 0.3, 0.02))
+
+    def sometimes_slow():
+        pna.vna.sweep_s = next(slow, 0.02)
+        trigger()
+
+    pna.vna.trigger = sometimes_slow
+    pna.configured()
+    for _ in range(3):
+        pna.analyzer.sweep()
 
 
 def test_an_answer_without_end_is_given_up(pna):

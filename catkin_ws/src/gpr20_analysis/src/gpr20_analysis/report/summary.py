@@ -239,6 +239,7 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
         )
         rows.append((Message("sweep accepted by the VNA"), text))
     rows += _rows(_mapping(described, "instrument"), INSTRUMENT)
+    rows += _later_analyzers(described)
     rows += _rows(_mapping(described, "settings"), SETTINGS)
     for axis, own in _mapping(described, "axes").items():
         unit = Message("deg") if own.get("type") == "ROT" else verbatim("mm")
@@ -254,6 +255,19 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
     if verdict is not None:
         rows.append((Message("verdict of the robot"), verdict))
     return rows
+
+
+def _later_analyzers(described: Mapping[str, Any]) -> List[Row]:
+    """Return the analyzers with which a survey was continued."""
+    used = _mapping(described, "report").get("analyzers")
+    return [
+        (
+            Message("VNA from trace {index}", index=str(one.get("from_index"))),
+            verbatim(str(one.get("identity"))),
+        )
+        for one in (used[1:] if isinstance(used, list) else [])
+        if isinstance(one, dict)
+    ]
 
 
 def _description(survey: xr.Dataset) -> Mapping[str, Any]:

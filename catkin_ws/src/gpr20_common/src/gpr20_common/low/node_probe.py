@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import xmlrpc.client
 from typing import Optional
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.pid_query import PidQuery
 from gpr20_common.message import Message
 
 
@@ -26,7 +26,7 @@ class NodeProbe:
         self._node = node
         self._time_limit_s = time_limit_s
         self._master = limited_server(master_uri, time_limit_s)
-        self._server_of_node: Optional[xmlrpc.client.ServerProxy] = None
+        self._query: Optional[PidQuery] = None
 
     def process(self) -> int:
         """Return the number of the node's process.
@@ -35,7 +35,7 @@ class NodeProbe:
             NodeGoneError: It has ended; the message says how that is known.
             NodeSilentError: It does not answer; the message says why.
         """
-        is_known = self._server_of_node is not None
+        is_known = self._query is not None
         try:
             return self._ask()
         except NodeGoneError:
@@ -46,16 +46,16 @@ class NodeProbe:
 
     def _ask(self) -> int:
         try:
-            if self._server_of_node is None:
-                self._server_of_node = limited_server(self._look_up(), self._time_limit_s)
+            if self._query is None:
+                self._query = PidQuery(self._look_up(), self._caller_id, self._time_limit_s)
             # The address is kept: a master that is gone does not make its nodes silent.
-            return int(value_of(self._server_of_node.getPid(self._caller_id)))
+            return self._query.ask()
         except NodeGoneError:
             raise
         except NO_ANSWER as error:
             # A master that refuses connections says nothing about the node.
-            refused = isinstance(error, ConnectionRefusedError) and self._server_of_node is not None
-            self._server_of_node = None
+            refused = isinstance(error, ConnectionRefusedError) and self._query is not None
+            self._query = None
             raise (NodeGoneError if refused else NodeSilentError)(self._silence(error)) from error
 
     def _look_up(self) -> str:

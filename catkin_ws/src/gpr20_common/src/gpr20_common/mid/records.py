@@ -53,7 +53,7 @@ def record_from(
                     "{place} is unknown; allowed: {known}", place=_below(place, name), known=known
                 )
             )
-    hints = _type_hints(record_class)
+    hints = _type_hints(record_class)  # type: ignore[arg-type]
     arguments = {}
     for name, field in fields.items():
         if name in values:

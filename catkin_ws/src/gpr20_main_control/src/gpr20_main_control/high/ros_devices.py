@@ -25,6 +25,7 @@ from gpr20_main_control.mid.robot import (
     SurveyRecord,
     UnconfirmedSweep,
 )
+from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -53,11 +54,6 @@ from gpr20_survey.trace.trace import Trace
 WHOLE_SURVEY_LIMIT_S = 620.0
 # Services that are called for each trace; none of them moves anything.
 AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
-# Services that are called for each trace; none of them moves anything.
-AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
-# The analyzer is set up with a sweep, which takes minutes with a narrow IF bandwidth and many
-# averages [s].
-SETUP_LIMIT_S = 900.0
 # The driver ends a request within the limit that it stated; its answer needs some time too [s].
 MARGIN_S = 5.0
 
@@ -131,11 +127,12 @@ class DeviceService:
 class RosAnalyzer:
     """Implements `gpr20_main_control.mid.robot.Analyzer`."""
 
-    def __init__(self, limit_s: float) -> None:
+    def __init__(self, limits: TimeLimits) -> None:
         def service(name: str, service_class: Any) -> DeviceService:
+            limit_s = limits.analyzer_limit_s
             return DeviceService(PLAIN_NAMES[ANALYZER], name, service_class, limit_s)
 
-        self._limit_s = limit_s
+        self._limits = limits
         self._connection = service("connection", Connection)
         self._setup = service("freq_sweep_setup", FreqSweepSetup)
         self._frequencies = service("get_freq", GetFreq)
@@ -161,8 +158,7 @@ class RosAnalyzer:
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
         answer = self._setup.call_within(
-            # The driver takes a sweep to learn how long one takes.
-            max(self._limit_s, SETUP_LIMIT_S),
+            self._limits.analyzer_setup_limit_s(settings),
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,

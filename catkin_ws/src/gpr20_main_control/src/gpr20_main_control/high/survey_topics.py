@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Tuple
 
 import rospy
 
@@ -43,7 +44,10 @@ class SurveyTopics:
         if (before.state, before.full_message) != (after.state, after.full_message):
             rospy.loginfo("%s: %s", after.state.name, after.full_message)
             self.publish_status(after)
-        self.publish_progress(after)
+        if before.target != after.target:
+            self._publish_target(after)
+        if progress_of(before) != progress_of(after):
+            self._progress.publish(progress_message(after))
 
     def publish_status(self, status: Status) -> None:
         """Publish state and message."""
@@ -91,6 +95,11 @@ class SurveyTopics:
             reading.coordinate for reading in readings if reading is not None
         )
         self._current.publish(message)
+
+
+def progress_of(status: Status) -> Tuple[str, int, int, float]:
+    """Return what the message with the progress of the survey tells."""
+    return status.survey_id, status.total_points, status.visited_points, status.remaining_s
 
 
 def progress_message(status: Status) -> SurveyData:

@@ -152,7 +152,11 @@ class Instruments:
         self._record.check(identity, next_index, self._interruption.clock.time_of_day_us())
         calibration = self._call(analyzer.calibration, Message("calibration status"))
         wanted = self._wanted
-        setup = self._call(lambda: analyzer.configure(wanted), Message("setup of the sweep"))
+        setup = self._call(
+            lambda: analyzer.configure(wanted),
+            Message("setup of the sweep"),
+            self._robot.description.limits.analyzer_setup_limit_s(wanted),
+        )
         accepted = setup.settings
         if not accepted.fulfils(wanted):
             same_sweep = replace(accepted, analyzer=wanted.analyzer) == wanted
@@ -177,8 +181,11 @@ class Instruments:
         self._frequencies_hz = frequencies_hz
         return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)
 
-    def _call(self, call: Callable[[], Result], action: Message) -> Result:
-        limit_s = self._robot.description.limits.analyzer_limit_s
+    def _call(
+        self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None
+    ) -> Result:
+        if limit_s is None:
+            limit_s = self._robot.description.limits.analyzer_limit_s
         with self._waits.shown(ExpectedWait(THE_ANALYZER, action, 0.0, limit_s)) as check:
             return self._robot.analyzer_calls.call(call, check)
 

@@ -49,7 +49,14 @@ class _Known:
         polls: How many polls have begun.
         result: The last of these polls that had a result; earlier ones say nothing new.
         due_s: When the next poll begins [s].
+        tickets: How many times threads have asked for a poll; each in its turn.
+        served: How many of them got one.
+        due: Notified when `due_s` has changed.
+        turn: Notified when `served` has changed.
     """
+
+    due: threading.Condition
+    turn: threading.Condition
 
     process: Optional[int] = None
     accepted: Optional[int] = None
@@ -58,6 +65,8 @@ class _Known:
     polls: int = 0
     result: int = 0
     due_s: float = 0.0
+    tickets: int = 0
+    served: int = 0
 
 
 class NodeLiveness:
@@ -88,11 +97,11 @@ class NodeLiveness:
         self._clock = clock
         self._on_change = on_change
         self._period_s = period_s
+        # Conditions share a lock: an answer wakes only the threads that wait for it.
         lock = threading.RLock()
         self._changed = threading.Condition(lock)
-        # Wakes the threads that poll: an answer to one of them does not concern the others.
-        self._due = threading.Condition(lock)
-        self._known = {name: _Known() for name in nodes}
+        self._new_known = lambda: _Known(threading.Condition(lock), threading.Condition(lock))
+        self._known = {name: self._new_known() for name in nodes}
         self._reported: Optional[Message] = None
         self._starting_until_s = clock.now_s() + START_LIMIT_S
         self._ended = False
@@ -111,7 +120,7 @@ class NodeLiveness:
             if name in self._nodes:
                 return
             self._nodes[name] = node
-            self._known[name] = _Known()
+            self._known[name] = self._new_known()
         self._start_watch(name)
 
     def _start_watch(self, name: str) -> None:
@@ -124,7 +133,9 @@ class NodeLiveness:
         """Stop polling."""
         with self._changed:
             self._ended = True
-            self._due.notify_all()
+            for known in self._known.values():
+                known.due.notify_all()
+                known.turn.notify_all()
 
     def refresh(self) -> None:
         """Poll every node now; return when all have answered or are known to be missing."""
@@ -132,7 +143,7 @@ class NodeLiveness:
             before = {name: known.polls for name, known in self._known.items()}
             for known in self._known.values():
                 known.due_s = self._clock.now_s()
-            self._due.notify_all()
+                known.due.notify_all()
             self._changed.wait_for(
                 lambda: all(self._known[name].result > polls for name, polls in before.items()),
                 REFRESH_LIMIT_S,
@@ -242,14 +253,25 @@ class NodeLiveness:
         """Wait until the node is due; return the number of the poll, None if the watch ended."""
         with self._changed:
             known = self._known[name]
-            while not self._ended:
-                wait_s = known.due_s - self._clock.now_s()
-                if wait_s <= 0.0:
-                    known.due_s += self._period_s - wait_s
-                    known.polls += 1
-                    return known.polls
-                self._due.wait(wait_s)
-            return None
+            # One thread waits for the time; the others are spare while its poll has no answer.
+            ticket, known.tickets = known.tickets, known.tickets + 1
+            while known.served != ticket and not self._ended:
+                known.turn.wait()
+            try:
+                return self._wait_until_due(known)
+            finally:
+                known.served += 1
+                known.turn.notify_all()
+
+    def _wait_until_due(self, known: _Known) -> Optional[int]:
+        while not self._ended:
+            wait_s = known.due_s - self._clock.now_s()
+            if wait_s <= 0.0:
+                known.due_s += self._period_s - wait_s
+                known.polls += 1
+                return known.polls
+            known.due.wait(wait_s)
+        return None
 
     def _note_result(self, name: str, poll: int, process: Optional[int]) -> None:
         with self._changed:

@@ -130,8 +130,12 @@ class Positioner:
         self._wait(lambda: all(self._reading(axis_id).homed for axis_id in pending))
         return pending
 
-    def move_to(self, point: SurveyPoint) -> None:
+    def move_to(self, point: SurveyPoint, on_begun: Callable[[], None]) -> None:
         """Move the axes to a point and return when all of them rest there.
+
+        Args:
+            point: Where to.
+            on_begun: Called when the axes have their targets.
 
         Raises:
             DeviceError: An axis failed; the others have been stopped.
@@ -142,6 +146,7 @@ class Positioner:
         self.position()
         try:
             moving = [axis_id for axis_id in self._axes if self._begin(axis_id, targets[axis_id])]
+            on_begun()
             for axis_id in moving:
                 self._finish(axis_id, targets[axis_id])
             for axis_id, target in targets.items():

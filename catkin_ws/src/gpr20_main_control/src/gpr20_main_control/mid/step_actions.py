@@ -162,9 +162,9 @@ class StepActions:
         raise AssertionError("the last attempt returns or raises")
 
     def _move(self, step: Union[steps.Move, steps.Repeat]) -> None:
-        self._status.set_target(step.point)
         self._interruption.check()
-        self._positioner.move_to(step.point)
+        # Announced when the axes have begun to move, which need not wait for it.
+        self._positioner.move_to(step.point, lambda: self._status.set_target(step.point))
 
     def _settle(self, step: steps.Settle) -> None:
         self._sampling.settle(step.point)

@@ -22,6 +22,7 @@ STOPPING_LIMIT_S = 60.0
 CONFIRMING_LIMIT_S = 5.0
 # Steps of a shutdown; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
 LEAVING_LIMIT_S = 2.5
+LEAVING_CONFIRMING_LIMIT_S = 1.5
 # The next survey waits for the thread of this one, and must not be kept waiting [s].
 RELEASE_LIMIT_S = 5.0
 
@@ -101,7 +102,7 @@ class SurveyEnding:
         """
         self._archive.stop_timing()
         self._positioner.stop()
-        resolve(self._limit(LEAVING_LIMIT_S))
+        resolve(self._limit(LEAVING_CONFIRMING_LIMIT_S))
         if all_stored() and self.finish_now(self._archive.leaving_check(LEAVING_LIMIT_S)):
             return
         message = Message("Interrupted: the robot is shut down. Resume the survey later.")

@@ -6,7 +6,7 @@ import dataclasses
 import os
 import queue
 import sys
-from typing import Callable, Dict
+from typing import Callable, Dict, Sequence
 
 import rospy
 
@@ -83,7 +83,8 @@ def _follow(
     options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue
 ) -> int:
     client = ControlClient(router.take)
-    follower: Follower = _survey_follower(options)
+    robot = SurveyFollower(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
+    follower: Follower = robot
     events = router.robot
     client.listen()
     if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
@@ -96,8 +97,7 @@ def _follow(
     outcome = _run_session(options, client, follower, events, catalogue)
     if outcome.other_analyzer and _accepts(outcome.other_analyzer, signals, catalogue):
         options = dataclasses.replace(options, accept_analyzer=outcome.other_analyzer)
-        follower = _survey_follower(options)
-        outcome = _run_session(options, client, follower, events, catalogue)
+        outcome = _run_session(options, client, robot, events, catalogue, robot.ask_again())
     link.close()
     keeper.close()
     client.close()
@@ -106,16 +106,13 @@ def _follow(
     return outcome.status
 
 
-def _survey_follower(options: Options) -> SurveyFollower:
-    return SurveyFollower(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
-
-
 def _run_session(
     options: Options,
     client: ControlClient,
     follower: Follower,
     events: queue.SimpleQueue,
     catalogue: Catalogue,
+    first: Sequence[Request] = (),
 ) -> Outcome:
     """Follow a survey to its end, and print how it ended."""
     requests: Dict[Request, Callable[[], None]] = {
@@ -125,7 +122,7 @@ def _run_session(
     }
     display = _display(options.bar, catalogue)
     session = SurveySession(follower, events, lambda request: requests[request](), display)
-    outcome = session.run()
+    outcome = session.run(first)
     messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
     lines = [terminal_line(message, catalogue) for message in messages]
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)

@@ -87,6 +87,7 @@ class SurveyFollower:
         self._state: Optional[ControlState] = None
         self.survey_id = ""
         self._seen = False
+        self._awaits_begin = False
         self._stop_wanted_s: Optional[float] = None
         self._stop_due_s: Optional[float] = None
         self._stop_refusal: Optional[Message] = None
@@ -117,6 +118,15 @@ class SurveyFollower:
         if isinstance(event, LinkState):
             self._take_link(event)
         return []
+
+    def ask_again(self) -> List[Request]:
+        """Return the request that was refused, to be sent again; its answer is awaited."""
+        self._phase = _Phase.REQUESTED
+        self.outcome = None
+        # What the refused request led to may still be reported.
+        self._state = None
+        self._awaits_begin = True
+        return [_FIRST_REQUEST[self._mode]]
 
     def _take_link(self, link: LinkState) -> None:
         if self._link_down and not link.down:
@@ -169,6 +179,9 @@ class SurveyFollower:
     def _take_state(self, state: ControlState) -> List[Request]:
         if self._phase is _Phase.WAITING:
             return self._take_first_state(state)
+        if self._awaits_begin and (state.code not in RUNNING or state.code is SurveyState.PAUSED):
+            return []
+        self._awaits_begin = False
         self._state = state
         if self._phase is _Phase.FOLLOWING:
             self._follow(state)

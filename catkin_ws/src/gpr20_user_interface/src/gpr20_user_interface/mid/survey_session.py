@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import shlex
-from typing import Callable, List, Optional, Protocol
+from typing import Callable, List, Optional, Protocol, Sequence
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.displays import Display, time_text
@@ -92,9 +92,15 @@ class SurveySession:
         self._progress: Optional[Progress] = None
         self.stored = False
 
-    def run(self) -> Outcome:
-        """Return when the survey has ended: how it ended."""
+    def run(self, requests: Sequence[Request] = ()) -> Outcome:
+        """Return when the survey has ended: how it ended.
+
+        Args:
+            requests: To send first.
+        """
         try:
+            for request in requests:
+                self._send(request)
             while self._follower.outcome is None:
                 event = self._next_event()
                 requests = self._follower.tick() if event is None else self._follower.handle(event)

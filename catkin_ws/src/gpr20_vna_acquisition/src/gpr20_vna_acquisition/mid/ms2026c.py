@@ -15,20 +15,19 @@ from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
-    VnaIdentityError,
     VnaNotReadyError,
     VnaSettingError,
 )
 from gpr20_vna_acquisition.mid import settings
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
+from gpr20_vna_acquisition.mid.identity import check_identity
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import Ms2026cSweeps
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.settings import Setting, described, unquoted
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-IDENTITY_FIELDS = 4
 # Options follow the model, "MS2026C/2"; this one transforms traces to the time domain.
 TIME_DOMAIN_OPTION = "2"
 # A start above the previous stop may be refused until the new stop is set: send all twice.
@@ -77,20 +76,7 @@ class Ms2026c:
     def identify(self) -> str:
         """Return the identification: maker, model/options, serial number, firmware."""
         identity = unquoted(self._exchanges.ask("*IDN?"))
-        fields = [field.strip() for field in identity.split(",")]
-        expected = (self._parameters.maker, self._parameters.model)
-        model = fields[1].split("/")[0] if len(fields) == IDENTITY_FIELDS else ""
-        if (fields[0], model) != expected:
-            raise VnaIdentityError(
-                Message(
-                    "the VNA identifies itself as {identity}; expected {maker} {model}; check its "
-                    "address, or the parameters maker and model",
-                    identity=repr(_printable(identity[:40])),
-                    maker=expected[0],
-                    model=expected[1],
-                    details=repr(identity[:200]),
-                )
-            )
+        check_identity(identity, self._parameters)
         if identity != self._identity:
             self._exchanges.forget()
             self._accepted = None
@@ -258,8 +244,3 @@ class Ms2026c:
 
 def _differing(answers: Sequence[Tuple[Setting, str]]) -> List[Tuple[Setting, str]]:
     return [(setting, answer) for setting, answer in answers if not setting.agrees(answer)]
-
-
-def _printable(text: str) -> str:
-    """Return a text from the instrument for a sentence: "?" instead of what has no place in it."""
-    return "".join(one if one.isascii() and one.isprintable() else "?" for one in text)

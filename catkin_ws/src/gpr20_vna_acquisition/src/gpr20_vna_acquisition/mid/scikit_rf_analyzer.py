@@ -9,7 +9,7 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import visa_resource_name
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep import MAX_AVERAGES, MAX_IF_BANDWIDTH_HZ, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
@@ -138,6 +138,7 @@ class ScikitRfAnalyzer:
         written = self._apply(self._dialect.settings(settings))
         self._check_calibration_kept(before, written)
         accepted = self._call(Message("the settings"), self._read_settings)
+        _check_analyzer_settings(accepted.analyzer)
         if not accepted.fulfils(settings):
             raise VnaSettingError(
                 Message("the VNA's settings changed by themselves; do not operate it by hand")
@@ -292,6 +293,19 @@ class ScikitRfAnalyzer:
             )
         elif self.calibration() is CalibrationStatus.NONE:
             raise calibration_lost(changed)
+
+
+def _check_analyzer_settings(found: AnalyzerSettings) -> None:
+    # Written so that NaN is refused too.
+    if not 0.0 <= found.if_bandwidth_hz <= MAX_IF_BANDWIDTH_HZ:
+        name, value = Message("the IF bandwidth [Hz]"), f"{found.if_bandwidth_hz:g}"
+    elif not 1 <= found.averages <= MAX_AVERAGES:
+        name, value = Message("the number of averages"), str(found.averages)
+    else:
+        return
+    raise VnaDataError(
+        Message("the VNA states an impossible value: {name} is {value}", name=name, value=value)
+    )
 
 
 def _described(differing: Sequence[Tuple[Setting, Any]]) -> Message:

@@ -24,10 +24,14 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")
 COMPLETE = ("1", "+1")
-# A trigger during a sweep may be ignored, so the first sweep after a setting shows nothing.
-LEARNING_SWEEPS = 2
-# Part of its usual duration before which no sweep can have ended.
-EARLIEST_END = 0.5
+# A trigger during a sweep may be ignored, so the first sweep after a setting shows nothing. The
+# shortest of the others is the one that the computer disturbed least.
+LEARNING_SWEEPS = 3
+# No sweep ends before this part of its duration; how exactly that is measured depends on the
+# computer [s].
+EARLIEST_END, TOLERANCE_S = 0.5, 0.05
+# Some analyzers state 9.91E37 for a value that they do not have.
+LONGEST_SWEEP_S = 3600.0
 
 
 class Call(Protocol):
@@ -81,22 +85,15 @@ class ScikitRfSweeps:
             Message("the number of averages"),
             lambda vna: self._dialect.triggers(vna, settings.analyzer.averages),
         )
-        claimed_s = self._call(Message("the sweep time"), self._dialect.sweep_time_s)
+        claimed_s = self._claimed_s()
         limit_s = self._parameters.sweep_limit_s(
             max(claimed_s, self._parameters.nominal_trace_s(settings))
         )
         self._deadline.extend(LEARNING_SWEEPS * limit_s)
-        for _ in range(LEARNING_SWEEPS):
-            sweep_s = self._sweep_once(settings, limit_s)
-        if sweep_s < EARLIEST_END * claimed_s:
-            raise VnaSettingError(
-                Message(
-                    "the VNA reports the end of a sweep after {reported_s:.3g} s, but a sweep "
-                    "takes {claimed_s:.3g} s; its data would not be new",
-                    reported_s=sweep_s,
-                    claimed_s=claimed_s,
-                )
-            )
+        _first_s, *others_s = [self._sweep_once(settings, limit_s) for _ in range(LEARNING_SWEEPS)]
+        sweep_s = min(others_s)
+        if _is_too_early(sweep_s, claimed_s):
+            raise VnaSettingError(_too_early(sweep_s, claimed_s))
         # The next trace is known to be new by its difference from this one.
         self._shown = self._read(settings)
         self._sweep_s = sweep_s
@@ -119,15 +116,8 @@ class ScikitRfSweeps:
         limit_s = self._parameters.sweep_limit_s(sweep_s)
         for _ in range(self._triggers):
             taken_s = self._sweep_once(settings, limit_s)
-            if taken_s < EARLIEST_END * sweep_s:
-                raise VnaSweepError(
-                    Message(
-                        "the VNA reports the end of a sweep after {reported_s:.3g} s, but a sweep "
-                        "takes {claimed_s:.3g} s; its data would not be new",
-                        reported_s=taken_s,
-                        claimed_s=sweep_s,
-                    )
-                )
+            if _is_too_early(taken_s, sweep_s):
+                raise VnaSweepError(_too_early(taken_s, sweep_s))
         # By the monotonic clock: the time of day may be corrected meanwhile.
         duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
         before, self._shown = self._shown, self._read(settings)
@@ -144,6 +134,16 @@ class ScikitRfSweeps:
             quality=(),
             analyzer=settings.analyzer,
         )
+
+    def _claimed_s(self) -> float:
+        """Return how long the instrument says that a sweep takes [s]."""
+        claimed_s = self._call(Message("the sweep time"), self._dialect.sweep_time_s)
+        # Written so that NaN is refused too.
+        if not 0.0 <= claimed_s <= LONGEST_SWEEP_S:
+            raise VnaDataError(
+                Message("the VNA states a sweep time of {claimed_s:g} s", claimed_s=claimed_s)
+            )
+        return claimed_s
 
     def _check_held(self) -> None:
         hold = self._dialect.hold()
@@ -194,3 +194,16 @@ class ScikitRfSweeps:
         if not np.isfinite(numbers).all():
             raise VnaDataError(Message("the VNA gave numbers that are not finite"))
         return numbers
+
+
+def _is_too_early(sweep_s: float, usual_s: float) -> bool:
+    return sweep_s < EARLIEST_END * usual_s - TOLERANCE_S
+
+
+def _too_early(sweep_s: float, usual_s: float) -> Message:
+    return Message(
+        "the VNA reports the end of a sweep after {reported_s:.3g} s, but a sweep takes "
+        "{usual_s:.3g} s; its data would not be new",
+        reported_s=sweep_s,
+        usual_s=usual_s,
+    )
