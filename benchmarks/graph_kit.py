@@ -10,6 +10,7 @@ import argparse
 import contextlib
 import json
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -103,6 +104,8 @@ def launched(
         tap: Whether calls between nodes are noted, in the file `tap` of the robot's folder.
         message_ms: How long the simulated instrument takes for each message [ms]; needs `tap`.
     """  # fmt: skip
+    # A benchmark that is terminated ends its robot, too.
+    signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))
     with tempfile.TemporaryDirectory(prefix="gpr20_bench_") as name:
         folder = Path(name)
         # Neither the configuration of a robot that is installed here nor its logs are touched.

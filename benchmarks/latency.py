@@ -4,8 +4,8 @@
 
 Launches the simulated robot at its real speed, with an instrument that takes 20 ms for each
 message, and runs a survey of 501 points (0.175 s). Of each trace are measured the duration of
-`get_data` without the sweep, and the messages that reach the instrument between rest and the first
-goal of the next move, and in all.
+`get_data` without the sweep, and the messages that reach the instrument from the request of the
+sweep, at rest, to the first goal of the next move, and from one request to the next.
 """
 
 from __future__ import annotations
@@ -49,21 +49,19 @@ def figures_of(noted: Sequence[Event]) -> Figures:
         "confirm_s": [],
         "messages_at_rest": [],
         "messages": [],
-        "rest_s": [],
+        "at_rest_s": [],
     }
 
     def count(begin_s: float, end_s: float) -> int:
         return sum(1 for one in messages if begin_s <= one < end_s)
 
     for (asked_s, _), (next_s, _) in zip(calls[WARM_UP:], calls[WARM_UP + 1 :]):
-        before = [end for _begin, end in goals if end <= asked_s]
         after = [begin for begin, _end in goals if asked_s <= begin < next_s]
-        if not before or not after:
+        if not after:
             continue
-        rest_s, move_s = max(before), min(after)
-        found["messages_at_rest"].append(count(rest_s, move_s))
-        found["messages"].append(count(rest_s, max(end for begin, end in goals if begin < next_s)))
-        found["rest_s"].append(move_s - rest_s)
+        found["messages_at_rest"].append(count(asked_s, min(after)))
+        found["messages"].append(count(asked_s, next_s))
+        found["at_rest_s"].append(min(after) - asked_s)
         found["beyond_sweep_s"] += [
             end - begin - SWEEP_S for begin, end in serves if asked_s <= begin < next_s
         ]
@@ -103,12 +101,12 @@ def main() -> None:
     print_table(
         [
             *("checkout", "traces", "get_data beyond the sweep ms", "confirm_data ms"),
-            *("messages from rest to move", "messages per trace"),
+            *("messages from request to move", "messages per trace"),
         ],
         [
             [
                 label,
-                str(len(found["rest_s"])),
+                str(len(found["at_rest_s"])),
                 *(f"{1e3 * median(found[name]):.0f}" for name in ("beyond_sweep_s", "confirm_s")),
                 *(f"{median(found[name]):.0f}" for name in ("messages_at_rest", "messages")),
             ]

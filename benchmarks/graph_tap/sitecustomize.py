@@ -109,7 +109,10 @@ def tap_instrument(tap: Tap, module: ModuleType) -> None:
         tap.note("message", text, BEGIN)
         if delay_s > 0.0:
             time.sleep(delay_s)
-        return execute(self, message)
+        try:
+            return execute(self, message)
+        finally:
+            tap.note("message", text, END)
 
     instrument.execute = noted
 

@@ -12,8 +12,10 @@ import numpy as np
 OLD_POINTS = 3
 # Sweeps with which a duration is learned, while they take less than this [s] together.
 MOST_LEARNED, LEARNING_S = 3, 1.5
-# How many sweeps a late one is remembered for.
+# How many sweeps a late one is remembered for, and the share of them whose lateness is ignored: a
+# computer that was busy once must not delay all the sweeps that follow.
 REMEMBERED = 32
+IGNORED = 1 / 8
 # A bit that was not seen cleared is believed this much later than the sweep must have ended.
 DOUBT_FACTOR = 1.1
 
@@ -50,8 +52,9 @@ class SweepTiming:
 
     @property
     def expected_s(self) -> float:
-        """When to ask for the end of a sweep, so that the first answer shows it [s]."""
-        return max(self._recent_s)
+        """When to ask for the end of a sweep, so that the first answer mostly shows it [s]."""
+        ignored = int(IGNORED * len(self._recent_s))
+        return sorted(self._recent_s)[-1 - ignored]
 
     @property
     def duration_s(self) -> float:
