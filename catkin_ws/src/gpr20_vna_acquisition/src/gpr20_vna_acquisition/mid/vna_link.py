@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
 
@@ -81,7 +82,13 @@ class VnaLink:
         self._parameters = parameters
         self._warn = warn
         self._linked = False
+        self._restorations = 0
         self._state = VnaState()
+
+    @property
+    def restorations(self) -> int:
+        """How often settings that differed were made again on a new link."""
+        return self._restorations
 
     @property
     def state(self) -> VnaState:
@@ -110,7 +117,16 @@ class VnaLink:
         return identity
 
     def forget(self) -> None:
-        """Release the instrument, end the link and reset the state."""
+        """Release the instrument, end the link and reset the state.
+
+        The time limit of the request, which the caller has begun, ends the attempt to reach an
+        instrument whose link was lost.
+        """
+        if self._state.identity and not self._linked:
+            # It may still hold its sweep; one that does not answer cannot be released.
+            with contextlib.suppress(VnaError):
+                if self._open(self._state.address) != self._state.identity:
+                    self.drop()
         self._analyzer.release()
         self.drop()
         self._state = VnaState()
@@ -236,6 +252,7 @@ class VnaLink:
         except (VnaNotReadyError, VnaSettingError):
             if not restore:
                 raise
+        self._restorations += 1
         if self._analyzer.configure(sweep) != sweep:
             raise VnaSettingError(
                 Message("the VNA did not accept exactly the same sweep as before")
