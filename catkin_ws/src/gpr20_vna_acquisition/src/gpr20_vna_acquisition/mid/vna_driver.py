@@ -19,6 +19,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.refusals import not_configured
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,
@@ -307,12 +308,7 @@ class VNADriver:
     def _set_up_sweep(self) -> SweepSettings:
         self._link.check_connected()
         if self.state.sweep is None:
-            raise VnaNotReadyError(
-                Message(
-                    "the VNA's sweep is not configured; configure it first",
-                    details="service freq_sweep_setup",
-                )
-            )
+            raise not_configured()
         return self.state.sweep
 
 

@@ -22,6 +22,7 @@ from gpr20_vna_acquisition.errors import (
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -144,9 +145,7 @@ class VnaLink:
             VnaNotReadyError: No instrument was connected.
         """
         if not self._state.identity:
-            raise VnaNotReadyError(
-                Message("the VNA is not connected; connect it first", details="service connection")
-            )
+            raise not_connected()
 
     def instrument(self, restore: bool = True) -> Analyzer:
         """Return the instrument at the end of the link; make a link if there is none.
