@@ -6,8 +6,8 @@ import re
 from collections import Counter
 from typing import Callable, Optional, Protocol, Set
 
-from gpr20_common.message import Message
-from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, VnaNotReadyError
+from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError
+from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
 # A query that was left unanswered this often in a row, each time by an instrument that then
@@ -147,9 +147,7 @@ class Exchanges:
     def _link(self) -> Transport:
         self._deadline.check()
         if self._transport is None:
-            raise VnaNotReadyError(
-                Message("the VNA is not connected; connect it first", details="service connection")
-            )
+            raise not_connected()
         return self._transport
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
 
@@ -21,6 +22,7 @@ from gpr20_vna_acquisition.errors import (
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -83,7 +85,13 @@ class VnaLink:
         self._linked = False
         # Whether the instrument cannot have lost its settings since they were made or compared.
         self._settings_sure = False
+        self._restorations = 0
         self._state = VnaState()
+
+    @property
+    def restorations(self) -> int:
+        """How often settings that differed were made again on a new link."""
+        return self._restorations
 
     @property
     def state(self) -> VnaState:
@@ -117,7 +125,16 @@ class VnaLink:
         return identity
 
     def forget(self) -> None:
-        """Release the instrument, end the link and reset the state."""
+        """Release the instrument, end the link and reset the state.
+
+        The time limit of the request, which the caller has begun, ends the attempt to reach an
+        instrument whose link was lost.
+        """
+        if self._state.identity and not self._linked:
+            # It may still hold its sweep; one that does not answer cannot be released.
+            with contextlib.suppress(VnaError):
+                if self._open(self._state.address) != self._state.identity:
+                    self.drop()
         self._analyzer.release()
         self.drop()
         self._state = VnaState()
@@ -135,9 +152,7 @@ class VnaLink:
             VnaNotReadyError: No instrument was connected.
         """
         if not self._state.identity:
-            raise VnaNotReadyError(
-                Message("the VNA is not connected; connect it first", details="service connection")
-            )
+            raise not_connected()
 
     def linked(self) -> Analyzer:
         """Return the instrument at the end of the link; make a link if there is none.
@@ -252,6 +267,7 @@ class VnaLink:
         except (VnaNotReadyError, VnaSettingError):
             if not restore:
                 raise
+        self._restorations += 1
         if self._analyzer.configure(sweep) != sweep:
             raise VnaSettingError(
                 Message("the VNA did not accept exactly the same sweep as before")
