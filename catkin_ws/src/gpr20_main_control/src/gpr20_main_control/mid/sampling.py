@@ -26,8 +26,8 @@ from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace
 
 Check = Callable[[], None]
-# The next sweep is prepared so long before the axes have settled [s].
-PREPARATION_S = 0.2
+# A sweep is prepared while the axes settle for longer than this [s].
+PREPARATION_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -78,9 +78,8 @@ class Sampling:
         _check_position(point, position)
         height_call = self._robot.workers.begin(self._instruments.height)
         if self._settle_s > PREPARATION_S:
-            self._interruption.wait_s(self._settle_s - PREPARATION_S)
             self._robot.workers.begin(self._robot.analyzer.prepare)
-        self._interruption.wait_s(min(self._settle_s, PREPARATION_S))
+        self._interruption.wait_s(self._settle_s)
         with self._waits.shown(self._instruments.height_wait(point)) as check:
             height_m, remarks = result_of(height_call, check)
         _check_position(point, self._positioner.position())
