@@ -261,7 +261,8 @@ class NodeLiveness:
                 return self._wait_until_due(known)
             finally:
                 known.served += 1
-                known.turn.notify_all()
+                # They wait in the order of their tickets.
+                known.turn.notify()
 
     def _wait_until_due(self, known: _Known) -> Optional[int]:
         while not self._ended:

@@ -58,6 +58,13 @@ class XdrReader:
         """Take a signed integer of 32 bits."""
         return self._number(_INT)
 
+    def skip(self, data: bytes) -> bool:
+        """Take these bytes if they are next; return whether they are."""
+        found = self._data.startswith(data, self._place)
+        if found:
+            self._place += len(data)
+        return found
+
     def bool(self) -> bool:
         """Take a truth value; any number but zero is true, as clients differ."""
         return self.uint() != 0
@@ -74,13 +81,6 @@ class XdrReader:
         data = self._take(length)
         self._take(-length % 4)
         return data
-
-    def skip(self, data: bytes) -> bool:
-        """Take these bytes if they are next; return whether they are."""
-        found = self._data.startswith(data, self._place)
-        if found:
-            self._place += len(data)
-        return found
 
     def _number(self, form: struct.Struct) -> int:
         try:

@@ -25,7 +25,7 @@ SUCCESS = struct.pack(">5I", rpc.REPLY, rpc.MSG_ACCEPTED, rpc.AUTH_NULL, 0, rpc.
 SUCCESS_HEAD_BYTES = NUMBER.size + len(SUCCESS)
 
 
-class Packer(vxi11.Packer):  # type: ignore[misc]
+class Packer(vxi11.Packer):
     """Packs calls."""
 
     def pack_callheader(
@@ -49,7 +49,7 @@ class Packer(vxi11.Packer):  # type: ignore[misc]
         self.pack_fopaque(READ_CALL.size, READ_CALL.pack(*params))
 
 
-class Unpacker(vxi11.Unpacker):  # type: ignore[misc]
+class Unpacker(vxi11.Unpacker):
     """Unpacks replies."""
 
     def unpack_replyheader(self) -> Tuple[int, Any]:
