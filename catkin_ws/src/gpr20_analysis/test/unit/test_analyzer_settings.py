@@ -50,9 +50,7 @@ def test_info_shows_them(folder, capsys):
         (None, []),
     ],
 )
-def test_the_summary_names_each_analyzer_of_the_survey(
-    folder, analyzers, shown
-):
+def test_the_summary_names_each_analyzer_of_the_survey(folder, analyzers, shown):
     survey = load_survey(folder)
     described = {"instrument": {"identity": "A"}, "report": {"analyzers": analyzers}}
     survey.attrs["survey_json"] = json.dumps(described)
