@@ -11,7 +11,7 @@ from survey_kit import make_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.report.summary import settings_of
+from gpr20_analysis.report.summary import summary_of
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 EXPECTED = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
@@ -50,13 +50,12 @@ def test_info_shows_them(folder, capsys):
         (None, []),
     ],
 )
-def test_the_settings_name_each_analyzer_with_which_the_survey_was_continued(
-    folder, analyzers, shown
-):
+def test_the_summary_names_each_analyzer_of_the_survey(folder, analyzers, shown):
     survey = load_survey(folder)
-    described = {**json.loads(survey.attrs["survey_json"]), "report": {"analyzers": analyzers}}
+    described = {"instrument": {"identity": "A"}, "report": {"analyzers": analyzers}}
     survey.attrs["survey_json"] = json.dumps(described)
-    rows = {str(title): str(text) for title, text in settings_of(survey)}
+    rows = {str(title): str(text) for title, text in summary_of(survey)}
+    assert rows["VNA"] == "A"
     assert [text for title, text in rows.items() if title == "VNA from trace 7"] == shown
 
 

@@ -114,6 +114,7 @@ class FakeAnalyzer:
     def __init__(self):
         self.connections = []
         self.calibration_refusal = ""
+        self.calibration_status = CalibrationStatus.HIGH
         self.sweeps = 0
         self.failures = 0
         self.on_sweep = lambda: None
@@ -135,7 +136,7 @@ class FakeAnalyzer:
 
     def calibration(self):
         self._check_calibration()
-        return CalibrationStatus.HIGH
+        return self.calibration_status
 
     def _check_calibration(self):
         if self.calibration_refusal:

@@ -1,4 +1,4 @@
-"""The analyzer, its calibration and its sweeps, and the height beside them."""
+"""The analyzer, its calibration and its sweeps, and the height at each point."""
 
 import json
 import math
@@ -16,6 +16,7 @@ from gpr20_main_control.mid.survey_plan import plan_survey
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 NOT_CALIBRATED = "the VNA's calibration status is 0 (no calibration); calibrate it"
@@ -40,6 +41,18 @@ def test_an_uncalibrated_instrument_is_refused_before_anything_moves(bench):
     assert NOT_CALIBRATED in str(final.message)
     assert [axis.homings for axis in bench.axes] == [0, 0, 0]
     assert bench.storage.records == []
+
+
+def test_the_calibration_is_recorded_as_it_is_after_the_setup(bench):
+    def accept(settings):
+        bench.analyzer.calibration_status = CalibrationStatus.MODERATE_POWER
+        return settings
+
+    bench.analyzer.accept = accept
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    instrument = json.loads(bench.storage.records[0].metadata_json)["instrument"]
+    assert instrument["calibration_status"] == 2
 
 
 def test_a_failed_height_pauses_the_survey(bench):

@@ -48,7 +48,8 @@ def summarize(survey: xr.Dataset) -> Dict[str, str]:
 
 def summary_of(survey: xr.Dataset) -> List[Row]:
     """Return the lines of a survey's summary."""
-    verdict = _verdict(_description(survey))
+    described = _description(survey)
+    verdict = _verdict(described)
     rows = [
         (title, _recorded(name, survey.attrs[name], verdict))
         for name, title in RECORDED.items()
@@ -72,7 +73,8 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     rows.append((verbatim("y"), _axis(survey[dataset.Y].values)))
     if dataset.FREQUENCY in survey.coords:
         rows.append((Message("frequency"), _frequency(survey[dataset.FREQUENCY].values)))
-    rows += _analyzer(survey.attrs)
+    rows += _analyzers(described)
+    rows += _analyzer_settings(survey.attrs)
     if dataset.HEIGHT in survey:
         rows.append((Message("height"), _height(survey[dataset.HEIGHT].values)))
     rows.append((Message("size"), Message("{size_mb:.1f} MB", size_mb=survey.nbytes / 1e6)))
@@ -177,10 +179,10 @@ def _frequency(values_hz: np.ndarray) -> Message:
     )
 
 
-def _analyzer(attributes: Mapping[str, Any]) -> List[Row]:
+def _analyzer_settings(attributes: Mapping[str, Any]) -> List[Row]:
     rows: List[Row] = []
     if IF_BANDWIDTH in attributes:
-        bandwidth = Message("{bandwidth:g} Hz", bandwidth=float(attributes[IF_BANDWIDTH]))
+        bandwidth = Message("{bandwidth:.12g} Hz", bandwidth=float(attributes[IF_BANDWIDTH]))
         rows.append((Message("IF bandwidth"), bandwidth))
     for name, title in ((AVERAGES, Message("averages")), (OUTPUT_POWER, Message("output power"))):
         if name in attributes:
@@ -201,7 +203,6 @@ def _height(values_m: np.ndarray) -> Message:
 
 
 INSTRUMENT = {
-    "identity": Message("VNA"),
     "address": Message("VNA address"),
     "calibration": Message("VNA calibration"),
 }
@@ -239,7 +240,6 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
         )
         rows.append((Message("sweep accepted by the VNA"), text))
     rows += _rows(_mapping(described, "instrument"), INSTRUMENT)
-    rows += _later_analyzers(described)
     rows += _rows(_mapping(described, "settings"), SETTINGS)
     for axis, own in _mapping(described, "axes").items():
         unit = Message("deg") if own.get("type") == "ROT" else verbatim("mm")
@@ -257,10 +257,10 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
     return rows
 
 
-def _later_analyzers(described: Mapping[str, Any]) -> List[Row]:
-    """Return the analyzers with which a survey was continued."""
+def _analyzers(described: Mapping[str, Any]) -> List[Row]:
+    """Return the analyzer of a survey, and those with which it was continued."""
     used = _mapping(described, "report").get("analyzers")
-    return [
+    return _rows(_mapping(described, "instrument"), {"identity": Message("VNA")}) + [
         (
             Message("VNA from trace {index}", index=str(one.get("from_index"))),
             verbatim(str(one.get("identity"))),

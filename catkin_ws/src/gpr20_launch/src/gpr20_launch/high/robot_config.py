@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -21,7 +22,9 @@ def main() -> int:
         prog="robot_config", description="Create or check the robot's configuration."
     )
     parser.add_argument("action", choices=("create", "check"))
-    parser.add_argument("folder", nargs="?", default=DEFAULT_FOLDER, type=Path)
+    # As in the launch files, an empty variable means the default.
+    default = os.environ.get("GPR20_CONFIG") or DEFAULT_FOLDER
+    parser.add_argument("folder", nargs="?", default=default, type=Path)
     given = parser.parse_args(rosgraph.myargv()[1:])
     folder = given.folder.expanduser().absolute()
     try:

@@ -150,7 +150,8 @@ class Instruments:
         identity = self._call(lambda: analyzer.connect(address), Message("connection"))
         self._robot.description.check_identity(identity, self._plan.config)
         self._record.check(identity, next_index, self._interruption.clock.time_of_day_us())
-        calibration = self._call(analyzer.calibration, Message("calibration status"))
+        # Before anything is written: without calibration there is nothing to set up.
+        self._call(analyzer.calibration, Message("calibration status"))
         wanted = self._wanted
         setup = self._call(
             lambda: analyzer.configure(wanted),
@@ -170,6 +171,8 @@ class Instruments:
             )
         # What was left to the instrument stays as it is now: to the end of the survey.
         self._wanted, self._setup = accepted, setup
+        # Other settings, such as the output power, can have changed it.
+        calibration = self._call(analyzer.calibration, Message("calibration status"))
         frequencies_hz = self._call(analyzer.frequencies_hz, Message("frequencies"))
         if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
             raise DeviceError(

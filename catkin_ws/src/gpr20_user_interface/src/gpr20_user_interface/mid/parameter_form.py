@@ -86,7 +86,9 @@ def _whole_number(text: str) -> int:
     # Not int() alone: it accepts digits of other scripts, underscores and signs, and refuses
     # thousands of digits and some of the blanks that strip() removes.
     if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
-        raise InvalidValueError(Message("'{text}' is not a whole number", text=text[:64]))
+        raise InvalidValueError(
+            Message("'{text}' is not a whole number of 0 or more", text=text[:64])
+        )
     return int(digits)
 
 

@@ -32,6 +32,7 @@ class Setting:
         value: What is sent after the header.
         agrees: Whether an answer to the query means that the value is set.
         required: Whether the data depend on it. If not, the instrument need not answer the query.
+        unit: Unit of the value, for people.
     """
 
     name: Message
@@ -39,6 +40,7 @@ class Setting:
     value: str
     agrees: Callable[[str], bool]
     required: bool = True
+    unit: str = ""
 
     @property
     def command(self) -> str:
@@ -72,7 +74,11 @@ def word_setting(
 def _frequency(name: Message, header: str, value_hz: float) -> Setting:
     # Twelve digits give any frequency of the instrument to 0.01 Hz without an exponent.
     return Setting(
-        name, header, f"{value_hz:.12g}", lambda text: abs(number(text) - value_hz) <= RESOLUTION_HZ
+        name,
+        header,
+        f"{value_hz:.12g}",
+        lambda text: abs(number(text) - value_hz) <= RESOLUTION_HZ,
+        unit="Hz",
     )
 
 
@@ -125,7 +131,8 @@ def _analyzer_settings(wanted: AnalyzerSettings) -> List[Setting]:
     found = []
     if wanted.if_bandwidth_hz:
         header = _header(IF_BANDWIDTH_QUERY)
-        found.append(number_setting(IF_BANDWIDTH, header, wanted.if_bandwidth_hz))
+        bandwidth = number_setting(IF_BANDWIDTH, header, wanted.if_bandwidth_hz)
+        found.append(replace(bandwidth, unit="Hz"))
     if wanted.averages:
         found.append(number_setting(AVERAGES, _header(AVERAGES_QUERY), wanted.averages))
     if wanted.output_power:
@@ -169,7 +176,7 @@ def described(differing: Sequence[Tuple[Setting, str]]) -> Message:
             "{setting} is {found} instead of {expected}",
             setting=setting.name,
             found=repr(unquoted(answer)[:40]),
-            expected=setting.value,
+            expected=f"{setting.value} {setting.unit}".rstrip(),
             details=f"{setting.query} answers {answer[:40]!r}",
         )
         for setting, answer in differing

@@ -81,7 +81,7 @@ def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
     return VnaCalibrationError(
         Message(
             "the VNA lost its calibration when it was set up ({settings}); calibrate it now, with "
-            "these settings, and resume: they are not written again",
+            "these settings, then start or resume: they are not written again",
             settings=in_a_row(settings),
         )
     )

@@ -249,8 +249,8 @@ class VnaLink:
             self.drop()
             raise VnaReplacedError(
                 Message(
-                    "the VNA at {address} is now '{identity}' and was '{former}'; connect to it "
-                    "again",
+                    "the VNA at {address} is now '{identity}' and was '{former}'; connect the "
+                    "former VNA again, or accept the other one when you connect or resume",
                     address=state.address,
                     identity=identity,
                     former=state.identity,
