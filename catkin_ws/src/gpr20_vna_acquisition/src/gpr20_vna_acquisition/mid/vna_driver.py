@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Callable, Generator, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from gpr20_vna_acquisition.errors import (
     VnaError,
     VnaNotReadyError,
     VnaSettingError,
+    VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -58,7 +60,7 @@ class VNADriver:
         self._lock = threading.RLock()
         self._quality = TraceQuality(parameters)
         self._number = 0
-        self._unconfirmed = 0
+        self._unconfirmed = self._set_ups = 0
         self._news: Tuple[Message, ...] = ()
 
     @property
@@ -97,13 +99,14 @@ class VNADriver:
             InvalidValueError: The address is not one of this kind of instrument.
             VnaError: Nothing, or another instrument, answers there.
         """
-        with self._lock:
-            self._begin_request()
+        with self._request():
+            self._unconfirmed = 0
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
         """Close the link and forget the address; does nothing without one."""
         with self._lock:
+            self._unconfirmed = 0
             self._link.forget()
 
     def shut_down(self) -> None:
@@ -119,8 +122,7 @@ class VNADriver:
         Raises:
             VnaError: It does not answer, or no connection was requested.
         """
-        with self._lock:
-            self._begin_request()
+        with self._request():
             try:
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
@@ -156,8 +158,7 @@ class VNADriver:
         Raises:
             VnaError: It could not be read.
         """
-        with self._lock:
-            self._begin_request()
+        with self._request():
             status, _failures = self._link.with_retries(
                 Message("reading the VNA's calibration"), lambda analyzer: analyzer.calibration()
             )
@@ -176,8 +177,8 @@ class VNADriver:
             VnaError: The instrument did not accept one, or lost its calibration.
         """
         self._analyzer.check_sweep(settings)
-        with self._lock:
-            self._begin_request()
+        with self._request(extensible=True):
+            self._unconfirmed = 0
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
             # Another sweep has another usual duration.
@@ -216,8 +217,7 @@ class VNADriver:
             VnaCalibrationError: The calibration of the sweep is not accepted.
             VnaError: No attempt gave complete, finite, new data with the right settings.
         """
-        with self._lock:
-            self._begin_request(self.trace_duration_s)
+        with self._request(self.trace_duration_s):
             (sweep, calibration), failures = self._link.with_retries(
                 Message("the VNA's sweep"), self._confirmed_sweep
             )
@@ -231,11 +231,10 @@ class VNADriver:
         Raises:
             VnaError: No attempt gave complete, finite, new data.
         """
-        with self._lock:
-            self._begin_request(self.trace_duration_s)
+        with self._request(self.trace_duration_s):
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
             self._number += 1
-            self._unconfirmed = self._number
+            self._unconfirmed, self._set_ups = self._number, self._link.set_ups
             return self._number, self._judged(sweep, failures, ())
 
     def confirm(self, number: int) -> Tuple[str, ...]:
@@ -250,14 +249,14 @@ class VNADriver:
             VnaNotReadyError: It is not the last sweep, or the instrument was connected again.
             VnaError: The instrument does not answer.
         """
-        with self._lock:
+        with self._request():
             self._link.check_connected()
             unconfirmed, self._unconfirmed = self._unconfirmed, 0
-            if number != unconfirmed:
+            # Settings that were made again since would hide that they were different.
+            if number != unconfirmed or self._set_ups != self._link.set_ups:
                 raise VnaNotReadyError(
                     Message("sweep {number} cannot be confirmed any more", number=number)
                 )
-            self._begin_request()
             calibration, _failures = self._link.with_retries(
                 Message("confirming the VNA's settings"),
                 _confirmed_calibration,
@@ -267,8 +266,25 @@ class VNADriver:
             )
             return stored_remarks(self._calibration_remarks(calibration))
 
-    def _begin_request(self, trace_duration_s: float = 0.0) -> None:
-        self._link.deadline.begin(self._parameters.request_limit_s(trace_duration_s))
+    @contextmanager
+    def _request(
+        self, trace_duration_s: float = 0.0, extensible: bool = False
+    ) -> Generator[None, None, None]:
+        """Begin a request; its time limit includes the wait for another request."""
+        deadline, arrived_s = self._link.deadline, self._link.deadline.now_s()
+        limit_s = self._parameters.request_limit_s(trace_duration_s)
+        if not self._lock.acquire(timeout=limit_s):
+            raise VnaTimeoutError(
+                Message(
+                    "the VNA driver was busy with another request for {limit_s:.3g} s",
+                    limit_s=limit_s,
+                )
+            )
+        try:
+            deadline.begin(limit_s, deadline.now_s() - arrived_s, extensible)
+            yield
+        finally:
+            self._lock.release()
 
     def _confirmed_sweep(self, analyzer: Analyzer) -> Tuple[Sweep, CalibrationStatus]:
         sweep = self._fresh_sweep(analyzer)

@@ -77,6 +77,8 @@ class VnaLink:
     ) -> None:
         """Begin without a link; the arguments are those of `VNADriver`."""
         self.deadline = deadline
+        # How often settings that differed were made again on a new link.
+        self.set_ups = 0
         self._analyzer = analyzer
         self._parameters = parameters
         self._warn = warn
@@ -236,6 +238,7 @@ class VnaLink:
         except (VnaNotReadyError, VnaSettingError):
             if not restore:
                 raise
+        self.set_ups += 1
         if self._analyzer.configure(sweep) != sweep:
             raise VnaSettingError(
                 Message("the VNA did not accept exactly the same sweep as before")
