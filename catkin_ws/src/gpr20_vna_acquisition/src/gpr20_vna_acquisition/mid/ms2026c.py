@@ -219,10 +219,15 @@ class Ms2026c:
     def _analyzer_settings(self) -> AnalyzerSettings:
         bandwidth = self._exchanges.ask_optional(settings.IF_BANDWIDTH_QUERY)
         power = self._exchanges.ask_optional(settings.POWER_QUERY)
+        averages = whole_number(self._exchanges.ask(settings.AVERAGES_QUERY))
+        if averages < 1:
+            raise VnaDataError(
+                Message("the VNA reports {count} averages; expected at least 1", count=averages)
+            )
         return AnalyzerSettings(
             if_bandwidth_hz=0.0 if bandwidth is None else number(bandwidth),
             # An average that is not known of could mix sweeps from before and after a move.
-            averages=whole_number(self._exchanges.ask(settings.AVERAGES_QUERY)),
+            averages=averages,
             output_power="" if power is None else unquoted(power).upper(),
         )
 
@@ -233,7 +238,9 @@ class Ms2026c:
             return
         if self.calibration() is not CalibrationStatus.NONE:
             return
-        raise calibration_lost(one.name for one in written if one is not settings.HOLD)
+        # Without hold no sweep can be triggered; it is named only where nothing else was written.
+        others = [one for one in written if one is not settings.HOLD]
+        raise calibration_lost(one.name for one in others or written)
 
     def _check_frequencies(self, accepted: SweepSettings) -> None:
         answer = self._exchanges.ask_optional_raw(FREQUENCIES_QUERY)
