@@ -28,6 +28,21 @@ def test_a_sweep_that_never_ends_is_answered_within_the_promised_time():
     assert bench.clock.time_s - begun_s <= limit_s
 
 
+def test_the_promised_time_stays_when_sweeps_become_slower():
+    bench = Bench().configured()
+    limit_s = bench.driver.answered_within_s
+    bench.vna.sweep_s = 3.0
+    for _ in range(9):
+        bench.driver.take_sweep()
+    assert bench.driver.trace_duration_s >= 3.0
+    bench.vna.before = lambda message: bench.clock.pass_s(2.0)
+    bench.vna.spoil = lambda answer: answer[:-9]
+    begun_s = bench.clock.time_s
+    with pytest.raises(VnaTimeoutError):
+        bench.driver.take_sweep()
+    assert bench.clock.time_s - begun_s <= limit_s == bench.driver.answered_within_s
+
+
 def test_a_setup_of_sweeps_that_never_end_has_one_time_limit():
     bench = Bench()
     bench.vna.sweep_s = 1e6

@@ -61,6 +61,8 @@ class VNADriver:
         self._quality = TraceQuality(parameters)
         self._number = 0
         self._unconfirmed = self._set_ups = 0
+        # How long a trace took when it was set up.
+        self._promised_trace_s = 0.0
         self._news: Tuple[Message, ...] = ()
 
     @property
@@ -189,6 +191,7 @@ class VNADriver:
                 final=(VnaSettingError,),
             )
             self._link.note(sweep=accepted)
+            self._promised_trace_s = self.trace_duration_s
             self._news = tuple(self._analyzer.remarks)
             return accepted
 
@@ -199,8 +202,11 @@ class VNADriver:
 
     @property
     def answered_within_s(self) -> float:
-        """When a request is answered at the latest, whatever the instrument does [s]."""
-        return self._parameters.answered_within_s(self.trace_duration_s)
+        """When a request is answered at the latest, whatever the instrument does [s].
+
+        It stays as it is until the next set-up: callers rely on it.
+        """
+        return self._parameters.answered_within_s(self._promised_trace_s)
 
     def get_freq(self) -> np.ndarray:
         """Return the frequencies of the sweep that is set up [Hz, float64].
@@ -217,7 +223,7 @@ class VNADriver:
             VnaCalibrationError: The calibration of the sweep is not accepted.
             VnaError: No attempt gave complete, finite, new data with the right settings.
         """
-        with self._request(self.trace_duration_s):
+        with self._request(self._promised_trace_s):
             (sweep, calibration), failures = self._link.with_retries(
                 Message("the VNA's sweep"), self._confirmed_sweep
             )
@@ -231,7 +237,7 @@ class VNADriver:
         Raises:
             VnaError: No attempt gave complete, finite, new data.
         """
-        with self._request(self.trace_duration_s):
+        with self._request(self._promised_trace_s):
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
             self._number += 1
             self._unconfirmed, self._set_ups = self._number, self._link.set_ups
