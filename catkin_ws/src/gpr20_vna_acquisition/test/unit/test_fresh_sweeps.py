@@ -130,6 +130,13 @@ def test_an_average_that_cannot_be_begun_again_is_refused():
         bench.configured()
 
 
+def test_a_display_that_stays_as_it_is_while_the_bit_never_clears_is_named_by_its_old_data():
+    bench = Bench(attempts=2)
+    bench.vna.sweep_s, bench.vna.stale_bit_s = 1e6, 1e9
+    with pytest.raises(VnaSweepError, match="a part is that of the previous sweep"):
+        bench.configured()
+
+
 def test_data_of_which_a_part_is_old_are_an_error():
     bench = Bench(attempts=1).configured()
     bench.driver.get_trace()

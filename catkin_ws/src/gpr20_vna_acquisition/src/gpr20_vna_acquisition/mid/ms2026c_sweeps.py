@@ -173,6 +173,8 @@ class Ms2026cSweeps:
                 overdue = elapsed_s >= believed_s
                 if self._shows_a_whole_new_sweep(settings, overdue):
                     return SweepEnd(asked_s, elapsed_s, False)
+                if elapsed_s >= limit_s:
+                    raise _old_data()
                 stale_bit_s = elapsed_s
             cleared = cleared or not complete
             self._check_time(elapsed_s, limit_s, settings)
@@ -204,9 +206,7 @@ class Ms2026cSweeps:
             if not steady:
                 self._deadline.pause_s(self._parameters.poll_interval_s)
         if not steady or has_old_points(numbers, before, to_the_last=not end.cleared):
-            raise VnaOldDataError(
-                Message("the VNA gave data of which a part is that of the previous sweep")
-            )
+            raise _old_data()
         return numbers
 
     def _displayed(self, settings: SweepSettings) -> Optional[np.ndarray]:
@@ -270,6 +270,12 @@ class Ms2026cSweeps:
         if found is None:
             raise _not_averaging(averages)
         return int(found.group(1))
+
+
+def _old_data() -> VnaOldDataError:
+    return VnaOldDataError(
+        Message("the VNA gave data of which a part is that of the previous sweep")
+    )
 
 
 def _not_averaging(averages: int) -> VnaSettingError:
