@@ -57,6 +57,15 @@ def test_the_bit_of_the_issue_late_by_300_ms_at_2_ms_per_point_gives_new_sweeps(
     assert bench.driver.state.repeats == 0
 
 
+def test_a_bit_that_never_clears_is_not_believed_before_a_sweep_slower_than_expected_has_ended():
+    bench = Bench()
+    bench.vna.sweep_s, bench.vna.stale_bit_s = 5.0, 1e9
+    bench.configured()
+    assert 5.0 <= bench.driver.trace_duration_s < 8.0
+    assert all(is_new(bench, bench.vna.sweep_number) for _ in range(3))
+    assert bench.driver.state.repeats == 0
+
+
 @pytest.mark.parametrize("exchange_s", [0.001, 0.02])
 @pytest.mark.parametrize("sweep_s", [0.175, 2.0])
 def test_a_sweep_takes_four_exchanges_and_little_more_than_its_own_time(exchange_s, sweep_s):
@@ -115,9 +124,16 @@ def test_an_average_that_cannot_be_begun_again_is_refused():
     bench = Bench()
     bench.vna.settings[":SENS:AVER:COUN"] = "4"
     take = bench.vna.take
-    bench.vna.take = lambda command: None if "CLE" in command else take(command)
+    bench.vna.take = lambda message: [take(one) for one in message.split(";") if "CLE" not in one]
     bench.vna.averaged = 4
     with pytest.raises(VnaSettingError, match="new average of 4 sweeps"):
+        bench.configured()
+
+
+def test_a_display_that_stays_as_it_is_while_the_bit_never_clears_is_named_by_its_old_data():
+    bench = Bench(attempts=2)
+    bench.vna.sweep_s, bench.vna.stale_bit_s = 1e6, 1e9
+    with pytest.raises(VnaSweepError, match="a part is that of the previous sweep"):
         bench.configured()
 
 

@@ -13,6 +13,7 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaConnectionError,
+    VnaError,
     VnaNotReadyError,
     VnaReplacedError,
     VnaSettingError,
@@ -158,6 +159,50 @@ def test_all_optional_queries_may_be_without_an_answer():
     begun_s = bench.clock.time_s
     assert bench.driver.set_frequency_sweep(SWEEP).analyzer == AnalyzerSettings(0.0, 1, "")
     assert bench.clock.time_s - begun_s < 40.0
+
+
+@pytest.mark.parametrize("code", ["-400", '"-400"', '-113,"Undefined header"'])
+@pytest.mark.parametrize("query", OPTIONAL)
+def test_an_error_code_instead_of_an_answer_is_no_answer(query, code):
+    bench = Bench(max_level_db=60.0)
+    bench.vna.settings[query[:-1]] = code
+    bench.vna.refused = [query[:-1]]
+    bench.configured()
+    (remark,) = bench.driver.get_trace().quality
+    assert remark.startswith("the VNA does not report ")
+    del bench.vna.sent[:]
+    bench.driver.get_trace()
+    assert query not in bench.vna.sent
+
+
+def test_an_error_code_instead_of_the_number_of_averages_is_refused():
+    bench = Bench()
+    bench.vna.settings[":SENS:AVER:COUN"] = "-400"
+    with pytest.raises(VnaError, match="-400 averages"):
+        bench.configured()
+
+
+def test_every_answer_may_have_quotes():
+    bench = Bench()
+    answer = bench.vna.answer
+    bench.vna.answer = lambda query: (
+        answer(query) if "DATA" in query or query == "*IDN?" else b'"%s" \n' % answer(query)
+    )
+    assert bench.configured().driver.state.sweep.analyzer == AnalyzerSettings(10_000.0, 1, "HIGH")
+    bench.driver.get_trace()
+
+
+def test_an_instrument_that_loses_its_calibration_when_it_is_held_says_so():
+    bench = Bench().configured()
+    bench.driver.disconnect_from_vna()
+
+    def lose_calibration(message: str) -> None:
+        if message == ":INIT:CONT OFF":
+            bench.vna.calibration = "0"
+
+    bench.vna.before = lose_calibration
+    with pytest.raises(VnaCalibrationError, match=r"set up \(continuous sweep\)"):
+        bench.configured()
 
 
 def test_another_instrument_is_asked_again():

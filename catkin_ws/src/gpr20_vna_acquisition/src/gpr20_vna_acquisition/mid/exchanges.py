@@ -9,6 +9,7 @@ from typing import Callable, Optional, Protocol, Set
 from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError
 from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.settings import unquoted
 
 # A query that was left unanswered this often in a row, each time by an instrument that then
 # answered `*IDN?` on a new link, is one that the instrument does not know. One that it has answered
@@ -20,6 +21,9 @@ ERROR_CODE = re.compile(rb'\s*"?-[1-4][0-9]{2}\b')
 # How long the first answer to a query may take that the instrument need not know [s]. The manual
 # allows two seconds after a setting.
 FIRST_ANSWER_S = 2.0
+# What some instruments answer to a query that they do not know, such as -113 or -400 (SCPI); no
+# answer that is wanted begins like this.
+ERROR_CODE = re.compile(rb'\s*"?-[0-9]{3}(?![0-9.])')
 
 
 class Transport(Protocol):
@@ -94,7 +98,7 @@ class Exchanges:
         self._link().write(command)
 
     def ask(self, query: str) -> str:
-        """Send a query and return its answer as text without white space around it."""
+        """Send a query and return its answer as text, without white space or quotes around it."""
         return _text(self.ask_raw(query))
 
     def ask_raw(self, query: str) -> bytes:
@@ -102,12 +106,14 @@ class Exchanges:
         return self._link().ask_raw(query)
 
     def ask_optional(self, query: str) -> Optional[str]:
-        """Return the answer as `ask_optional_raw` does, as text without white space around it."""
+        """Return the answer as `ask_optional_raw` does, as text as `ask` does."""
         answer = self.ask_optional_raw(query)
         return None if answer is None else _text(answer)
 
     def ask_optional_raw(self, query: str) -> Optional[bytes]:
         """Return the answer to a query that the instrument need not know; None if it does not.
+
+        It may say so by an error code instead of its first answer.
 
         Raises:
             VnaConnectionError: There was no answer, and it is not known yet whether there ever is.
@@ -120,8 +126,8 @@ class Exchanges:
         except VnaNoAnswerError:
             self._silences[query] += 1
             raise
-        if ERROR_CODE.match(answer):
-            self._silences[query] = UNANSWERED_AGAIN
+        if not known and ERROR_CODE.match(answer):
+            self._silences[query] = UNANSWERED
             return None
         self._answered.add(query)
         self._silences[query] = 0
@@ -153,4 +159,4 @@ class Exchanges:
 
 def _text(answer: bytes) -> str:
     # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
-    return answer.decode("latin-1").strip()
+    return unquoted(answer.decode("latin-1"))

@@ -219,7 +219,9 @@ class Ms2026c:
             return
         if self.calibration() is not CalibrationStatus.NONE:
             return
-        raise calibration_lost(one.name for one in written if one is not settings.HOLD)
+        # Without hold no sweep can be triggered; it is named only where nothing else was written.
+        others = [one for one in written if one is not settings.HOLD]
+        raise calibration_lost(one.name for one in others or written)
 
     def _check_frequencies(self, accepted: SweepSettings) -> None:
         answer = self._exchanges.ask_optional_raw(FREQUENCIES_QUERY)

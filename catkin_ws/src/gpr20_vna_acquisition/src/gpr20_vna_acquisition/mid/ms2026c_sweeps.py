@@ -165,20 +165,27 @@ class Ms2026cSweeps:
             if complete and cleared:
                 return SweepEnd(asked_s, elapsed_s, True, stale_bit_s)
             if complete:
-                if elapsed_s >= believed_s or self._shows_a_whole_new_sweep(settings):
+                overdue = elapsed_s >= believed_s
+                if self._shows_a_whole_new_sweep(settings, overdue):
                     return SweepEnd(asked_s, elapsed_s, False)
+                if elapsed_s >= limit_s:
+                    raise old_data()
                 stale_bit_s = elapsed_s
             cleared = cleared or not complete
             self._check_time(elapsed_s, limit_s, settings)
             shortest_s = LEARNING_POLL_FRACTION * elapsed_s
             self._deadline.pause_s(max(SHORTEST_POLL_S, shortest_s))
 
-    def _shows_a_whole_new_sweep(self, settings: SweepSettings) -> bool:
+    def _shows_a_whole_new_sweep(self, settings: SweepSettings, overdue: bool) -> bool:
+        """Return whether every point is new, and none changes any more."""
         if self._shown is None:
-            return False
+            return overdue
         numbers = self._read(settings)
         if has_old_points(numbers, self._shown, to_the_last=True):
-            return False
+            if not overdue or has_old_points(numbers, self._shown):
+                return False
+            # The last point may be equal by chance, or its turn comes now.
+            self._deadline.pause_s(self._parameters.settle_s)
         return np.array_equal(numbers, self._read(settings))
 
     def _new_numbers(self, settings: SweepSettings, end: SweepEnd) -> np.ndarray:
@@ -251,6 +258,7 @@ class Ms2026cSweeps:
         if found is None:
             raise _not_averaging(averages)
         return int(found.group(1))
+
 
 
 def _not_averaging(averages: int) -> VnaSettingError:

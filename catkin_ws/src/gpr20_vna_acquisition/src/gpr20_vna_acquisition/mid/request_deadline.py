@@ -15,19 +15,34 @@ class RequestDeadline:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._closed = threading.Event()
-        self._limit_s = 0.0
+        self._limit_s = self._extended_s = 0.0
+        self._extensible = False
         self._begun_s = self._deadline_s = clock.now_s()
 
-    def begin(self, limit_s: float) -> None:
-        """Begin a request that may take `limit_s` [s]."""
+    def begin(self, limit_s: float, waited_s: float = 0.0, extensible: bool = False) -> None:
+        """Begin a request.
+
+        Args:
+            limit_s: How long it may take [s].
+            waited_s: For how much of that it already waited for another request [s].
+            extensible: Whether `extend` applies to it.
+        """
         self._limit_s = limit_s
         self._begun_s = self._clock.now_s()
-        self._deadline_s = self._begun_s + limit_s
+        self._deadline_s = self._begun_s + limit_s - waited_s
+        self._extensible, self._extended_s = extensible, 0.0
 
     def extend(self, duration_s: float) -> None:
-        """Allow the running request so much more time [s]."""
-        self._limit_s += duration_s
-        self._deadline_s += duration_s
+        """Allow an extensible request so much more time [s] in total.
+
+        Each attempt of a request may call it; only the longest duration counts. Any other request
+        keeps its limit, which its caller knows.
+        """
+        more_s = max(0.0, duration_s - self._extended_s)
+        if self._extensible:
+            self._extended_s += more_s
+            self._limit_s += more_s
+            self._deadline_s += more_s
 
     def close(self) -> None:
         """End the running request at its next step, and every later one at its first."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Callable, Generator, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from gpr20_vna_acquisition.errors import (
     VnaError,
     VnaNotReadyError,
     VnaSettingError,
+    VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.refusals import not_configured
@@ -62,6 +64,8 @@ class VNADriver:
         # The sweep that may be confirmed, and how often settings had been restored before it: its
         # own are not known any more once that happens again.
         self._unconfirmed: Optional[Tuple[int, int]] = None
+        # How long a trace took when it was set up.
+        self._promised_trace_s = 0.0
         self._news: Tuple[Message, ...] = ()
 
     @property
@@ -100,15 +104,15 @@ class VNADriver:
             InvalidValueError: The address is not one of this kind of instrument.
             VnaError: Nothing, or another instrument, answers there.
         """
-        with self._lock:
-            self._begin_request()
+        with self._request():
             self._unconfirmed = None
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
         """Release the instrument, close the link and forget the address; nothing without one."""
         with self._lock:
-            self._begin_request()
+            self._unconfirmed = None
+            self._link.deadline.begin(self._parameters.request_limit_s())
             self._link.forget()
 
     def shut_down(self) -> None:
@@ -124,8 +128,7 @@ class VNADriver:
         Raises:
             VnaError: It does not answer, or no connection was requested.
         """
-        with self._lock:
-            self._begin_request()
+        with self._request():
             try:
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
@@ -161,8 +164,7 @@ class VNADriver:
         Raises:
             VnaError: It could not be read.
         """
-        with self._lock:
-            self._begin_request()
+        with self._request():
             status, _failures = self._link.with_retries(
                 Message("reading the VNA's calibration"), lambda analyzer: analyzer.calibration()
             )
@@ -181,8 +183,7 @@ class VNADriver:
             VnaError: The instrument did not accept one, or lost its calibration.
         """
         self._analyzer.check_sweep(settings)
-        with self._lock:
-            self._begin_request()
+        with self._request(extensible=True):
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
             self._unconfirmed = None
@@ -194,6 +195,7 @@ class VNADriver:
                 final=(VnaSettingError,),
             )
             self._link.note_set_up(accepted)
+            self._promised_trace_s = self.trace_duration_s
             self._news = tuple(self._analyzer.remarks)
             return accepted
 
@@ -204,8 +206,11 @@ class VNADriver:
 
     @property
     def answered_within_s(self) -> float:
-        """When a request is answered at the latest, whatever the instrument does [s]."""
-        return self._parameters.answered_within_s(self.trace_duration_s)
+        """When a request is answered at the latest, whatever the instrument does [s].
+
+        It stays as it is until the next set-up: callers rely on it.
+        """
+        return self._parameters.answered_within_s(self._promised_trace_s)
 
     def get_freq(self) -> np.ndarray:
         """Return the frequencies of the sweep that is set up [Hz, float64].
@@ -222,8 +227,7 @@ class VNADriver:
             VnaCalibrationError: The calibration of the sweep is not accepted.
             VnaError: No attempt gave complete, finite, new data with the right settings.
         """
-        with self._lock:
-            self._begin_request(self.trace_duration_s)
+        with self._request(self._promised_trace_s):
             (sweep, calibration), failures = self._link.with_retries(
                 Message("the VNA's sweep"), self._confirmed_sweep
             )
@@ -237,8 +241,7 @@ class VNADriver:
         Raises:
             VnaError: No attempt gave complete, finite, new data.
         """
-        with self._lock:
-            self._begin_request(self.trace_duration_s)
+        with self._request(self._promised_trace_s):
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
             self._number += 1
             self._unconfirmed = self._number, self._link.restorations
@@ -257,14 +260,13 @@ class VNADriver:
                 again since.
             VnaError: The instrument does not answer.
         """
-        with self._lock:
+        with self._request():
             self._link.check_connected()
             unconfirmed, self._unconfirmed = self._unconfirmed, None
             if unconfirmed != (number, self._link.restorations):
                 raise VnaNotReadyError(
                     Message("sweep {number} cannot be confirmed any more", number=number)
                 )
-            self._begin_request()
             calibration, _failures = self._link.with_retries(
                 Message("confirming the VNA's settings"),
                 _confirmed_calibration,
@@ -274,8 +276,25 @@ class VNADriver:
             )
             return stored_remarks(self._calibration_remarks(calibration))
 
-    def _begin_request(self, trace_duration_s: float = 0.0) -> None:
-        self._link.deadline.begin(self._parameters.request_limit_s(trace_duration_s))
+    @contextmanager
+    def _request(
+        self, trace_duration_s: float = 0.0, extensible: bool = False
+    ) -> Generator[None, None, None]:
+        """Begin a request; its time limit includes the wait for another request."""
+        deadline, arrived_s = self._link.deadline, self._link.deadline.now_s()
+        limit_s = self._parameters.request_limit_s(trace_duration_s)
+        if not self._lock.acquire(timeout=limit_s):
+            raise VnaTimeoutError(
+                Message(
+                    "the VNA driver was busy with another request for {limit_s:.3g} s",
+                    limit_s=limit_s,
+                )
+            )
+        try:
+            deadline.begin(limit_s, deadline.now_s() - arrived_s, extensible)
+            yield
+        finally:
+            self._lock.release()
 
     def _confirmed_sweep(self, analyzer: Analyzer) -> Tuple[Sweep, CalibrationStatus]:
         sweep = self._fresh_sweep(analyzer)

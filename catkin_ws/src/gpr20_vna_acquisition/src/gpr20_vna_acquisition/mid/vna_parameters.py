@@ -28,6 +28,9 @@ from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
+# How much longer than its time limits a step may take: a server's own timeout may arrive 1 s later,
+# and ending a dead link takes up to 0.5 s.
+STEP_MARGIN_S = 1.5
 # Range of time limits and periods [s]: a socket refuses far longer ones.
 TIMES_S = (1.0e-4, 3600.0)
 FREQUENCIES_HZ = (1.0, 1.0e12)
@@ -259,6 +262,8 @@ class VnaParameters:
     def answered_within_s(self, duration_s: float) -> float:
         """Return when such a request is answered at the latest, whatever the instrument does [s].
 
-        The time limit of a request is checked before each exchange.
+        The time limit of a request is checked before each step: an exchange, or connecting, which
+        has three parts (portmapper, core channel, link).
         """
-        return self.request_limit_s(duration_s) + self.answer_timeout_s + self.connect_timeout_s
+        longest_step_s = max(self.answer_timeout_s, 3.0 * self.connect_timeout_s) + STEP_MARGIN_S
+        return self.request_limit_s(duration_s) + longest_step_s + self.retry_pause_s
