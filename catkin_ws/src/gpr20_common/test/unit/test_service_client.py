@@ -226,6 +226,40 @@ def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
     assert threading.active_count() <= threads + 1
 
 
+def test_a_prepared_call_uses_the_connection_that_was_made_ahead(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client.prepare(LIMIT_S)
+    client.prepare(LIMIT_S)
+    assert graph.lookups == 1
+    assert graph.node.requests == []
+    assert call(client, "a") == "node a"
+    assert graph.lookups == 1
+
+
+def test_a_call_that_was_prepared_long_ago_asks_for_the_node_again(graph, monkeypatch):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client.prepare(LIMIT_S)
+    former = graph.replace()
+    monkeypatch.setattr(service_client, "REUSE_S", 0.0)
+    assert call(client, "a") == "other a"
+    assert former.requests == []
+
+
+def test_a_prepared_call_finds_a_node_that_was_started_again(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client.prepare(LIMIT_S)
+    graph.replace().end()
+    assert call(client, "a") == "other a"
+
+
+def test_a_call_that_cannot_be_prepared_says_why_itself(graph):
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    graph.node.end()
+    client.prepare(SHORT_S)
+    with pytest.raises(ServiceUnavailableError):
+        call(client, "a", SHORT_S)
+
+
 def test_a_client_that_keeps_nothing_open_connects_for_each_call(graph):
     client = ServiceClient("homing", ReportSurvey)
     assert [call(client, "a"), call(client, "b")] == ["node a", "node b"]

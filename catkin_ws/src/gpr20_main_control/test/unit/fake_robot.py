@@ -149,6 +149,9 @@ class FakeAnalyzer:
     def frequencies_hz(self):
         return self._settings.frequencies_hz()
 
+    def prepare(self):
+        pass
+
     def sweep(self):
         self.on_sweep()
         if self.failures:

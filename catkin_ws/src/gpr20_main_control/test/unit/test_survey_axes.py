@@ -1,5 +1,7 @@
 """Moves, homings and positions: nothing is measured where the antennas are not."""
 
+import threading
+
 import pytest
 from fake_clocks import ManualClock
 from fake_robot import Bench
@@ -138,6 +140,16 @@ def test_every_sweep_comes_after_the_antennas_have_settled():
     bench.start()
     bench.wait_for(State.FINISHED)
     assert settled == list(range(1, 25))
+
+
+def test_every_sweep_is_prepared_while_the_antennas_settle(monkeypatch):
+    bench = Bench(clock=ManualClock(), settle_s=0.7)
+    prepared = threading.Semaphore(0)
+    monkeypatch.setattr(bench.analyzer, "prepare", prepared.release)
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    assert all(prepared.acquire(timeout=5.0) for _ in bench.storage.samples)
+    assert not prepared.acquire(blocking=False)
 
 
 def test_every_axis_is_homed_even_if_one_fails_and_the_failure_is_told(bench):

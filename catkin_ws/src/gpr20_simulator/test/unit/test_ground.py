@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
 
-from gpr20_simulator.mid.ground import Ground
+from gpr20_simulator.mid.ground import Ground, sum_of_exponentials
 from gpr20_simulator.mid.medium import (
     AntennaPosition,
     PositionProbe,
@@ -293,3 +293,20 @@ def test_noise_follows_its_gain():
     for gain in (0.1, 1.0, 10.0):
         noise = medium.s21(frequency_hz, OVER, 1, gain) - true
         assert np.sqrt(np.mean(np.abs(noise) ** 2)) == pytest.approx(gain * 1e-3, rel=0.1)
+
+
+@given(
+    st.integers(1, 4001),
+    st.integers(1, 4001),
+    st.sampled_from([0.0, 1.0]),
+    st.integers(0, 2**32 - 1),
+)
+def test_a_sweep_is_the_sum_of_its_echoes_however_it_is_computed(points, end, uneven, seed):
+    random = np.random.default_rng(seed)
+    frequency_hz = np.linspace(600e6, 6e9, points)[:end]
+    frequency_hz += uneven * random.normal(0.0, 1e5, len(frequency_hz))
+    rate_s = -2j * np.pi * random.uniform(0.0, 2e-8, 5) - random.uniform(0.0, 1e-10, 5)
+    level = random.normal(size=5)
+    expected = np.exp(np.outer(frequency_hz, rate_s)) @ level
+    found = sum_of_exponentials(frequency_hz, rate_s, level)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-11)

@@ -16,6 +16,7 @@ from gpr20_vna_acquisition.errors import (
     VnaNotReadyError,
     VnaReplacedError,
     VnaSettingError,
+    VnaSweepError,
     VnaTimeoutError,
 )
 
@@ -129,6 +130,25 @@ def test_a_query_without_an_answer_is_learned_once_and_remarked(query):
     bench.driver.connect_to_vna(ADDRESS)
     bench.driver.set_frequency_sweep(SWEEP)
     assert query not in bench.vna.sent
+
+
+@pytest.mark.parametrize("answer", ["-113", '-400,"unknown"', '"-230"'])
+@pytest.mark.parametrize("query", OPTIONAL)
+def test_an_error_code_is_no_answer_to_a_query(query, answer):
+    bench = Bench(max_level_db=60.0)
+    ask = bench.vna.answer
+    bench.vna.answer = lambda one: answer.encode() if one == query else ask(one)
+    bench.configured()
+    assert bench.vna.sent.count(query) == 1
+    (remark,) = bench.driver.get_trace().quality
+    assert remark.startswith("the VNA does not report ")
+
+
+def test_a_number_of_averages_below_one_is_an_error():
+    bench = Bench()
+    bench.vna.settings[":SENS:AVER:COUN"] = "-113"
+    with pytest.raises(VnaSweepError, match="averages"):
+        bench.configured()
 
 
 def test_all_optional_queries_may_be_without_an_answer():

@@ -134,6 +134,23 @@ class ServiceClient:
                 )
             ) from error
 
+    def prepare(self, timeout_s: float) -> None:
+        """Connect now, so that a call that follows soon need not; for a client with `keep_open`.
+
+        Nothing is requested. If there is no connection within the time limit [s], the call finds
+        out why.
+        """
+        kept = self._take_kept()
+        if kept is None:
+            deadline_s = self._clock.now_s() + timeout_s
+            try:
+                connection = self._connect(Call(deadline_s, deadline_s))
+            except (*NO_ANSWER, rospy.ROSException) as error:
+                rospy.logdebug("the service %s cannot be prepared: %s", self._name, error)
+                return
+            kept = _KeptConnection(connection, self._clock.now_s())
+        self._keep(kept)
+
     def give_up(self) -> None:
         """Let calls that wait for the service's node never be made; one that was made continues."""
         with self._lock:
@@ -166,7 +183,8 @@ class ServiceClient:
         with self._lock:
             self._calls.append(call)
         try:
-            connection = self._take_kept() or self._connect(call)
+            kept = self._take_kept()
+            connection = self._connect(call) if kept is None else kept.connection
             return self._call_over(connection, call, request)
         finally:
             with self._lock:
@@ -181,13 +199,16 @@ class ServiceClient:
             connection.abort()
             raise
         if self._keep_open:
-            with self._lock:
-                self._kept.append(_KeptConnection(connection, self._clock.now_s()))
+            self._keep(_KeptConnection(connection, self._clock.now_s()))
         else:
             connection.close()
         return response
 
-    def _take_kept(self) -> Optional[ServiceConnection]:
+    def _keep(self, kept: _KeptConnection) -> None:
+        with self._lock:
+            self._kept.append(kept)
+
+    def _take_kept(self) -> Optional[_KeptConnection]:
         """Return a connection over which an answer came just now; None if there is none."""
         while True:
             with self._lock:
@@ -196,7 +217,7 @@ class ServiceClient:
                 kept = self._kept.pop()
             recent = self._clock.now_s() - kept.answered_s < REUSE_S
             if recent and kept.connection.is_open():
-                return kept.connection
+                return kept
             kept.connection.close()
 
     def _connect(self, call: Call) -> ServiceConnection:

@@ -56,6 +56,8 @@ WHOLE_SURVEY_LIMIT_S = 620.0
 AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
 # The driver ends a request within the limit that it stated; its answer needs some time too [s].
 MARGIN_S = 5.0
+# A connection that is made ahead of a call and takes longer is left to the call [s].
+PREPARATION_LIMIT_S = 1.0
 
 
 class DeviceService:
@@ -93,6 +95,10 @@ class DeviceService:
     def call_within(self, time_limit_s: float, **fields: Any) -> Any:
         """Do the same with another time limit [s]."""
         return self._successful(self._response_within(time_limit_s, **fields))
+
+    def prepare(self) -> None:
+        """Connect, so that a call that follows soon need not; a failure shows at the call."""
+        self._client.prepare(PREPARATION_LIMIT_S)
 
     def response(self, *request: Any, **fields: Any) -> Any:
         """Call the service and return its response, whatever it says.
@@ -177,6 +183,10 @@ class RosAnalyzer:
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
         return np.array(self._frequencies().frequency_hz)
+
+    def prepare(self) -> None:
+        """Connect to the driver, so that the next `sweep` need not."""
+        self._data.prepare()
 
     def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""

@@ -144,6 +144,9 @@ class Analyzer(Protocol):
     def frequencies_hz(self) -> np.ndarray:
         """Return the frequencies of the sweep [Hz]."""
 
+    def prepare(self) -> None:
+        """Make ready what the next `sweep` needs, if that is possible; never fails."""
+
     def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""
 

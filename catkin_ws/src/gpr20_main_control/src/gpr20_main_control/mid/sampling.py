@@ -26,6 +26,8 @@ from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace
 
 Check = Callable[[], None]
+# A sweep is prepared while the axes settle for longer than this [s].
+PREPARATION_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,8 @@ class Sampling:
         position = self._positioner.position()
         _check_position(point, position)
         height_call = self._robot.workers.begin(self._instruments.height)
+        if self._settle_s > PREPARATION_S:
+            self._robot.workers.begin(self._robot.analyzer.prepare)
         self._interruption.wait_s(self._settle_s)
         with self._waits.shown(self._instruments.height_wait(point)) as check:
             height_m, remarks = result_of(height_call, check)

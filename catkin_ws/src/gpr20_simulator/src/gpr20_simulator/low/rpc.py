@@ -52,11 +52,11 @@ class XdrReader:
 
     def uint(self) -> int:
         """Take an unsigned integer of 32 bits."""
-        return _UINT.unpack(self._take(4))[0]
+        return self._number(_UINT)
 
     def sint(self) -> int:
         """Take a signed integer of 32 bits."""
-        return _INT.unpack(self._take(4))[0]
+        return self._number(_INT)
 
     def bool(self) -> bool:
         """Take a truth value; any number but zero is true, as clients differ."""
@@ -74,6 +74,21 @@ class XdrReader:
         data = self._take(length)
         self._take(-length % 4)
         return data
+
+    def skip(self, data: bytes) -> bool:
+        """Take these bytes if they are next; return whether they are."""
+        found = self._data.startswith(data, self._place)
+        if found:
+            self._place += len(data)
+        return found
+
+    def _number(self, form: struct.Struct) -> int:
+        try:
+            (number,) = form.unpack_from(self._data, self._place)
+        except struct.error:
+            raise XdrError(f"a number expected where {self.remaining} bytes remain") from None
+        self._place += form.size
+        return int(number)
 
     def _take(self, length: int) -> bytes:
         if length > self.remaining:
@@ -114,6 +129,10 @@ class Caller(Protocol):
         """Return whether the client has closed the connection."""
 
 
+REPLY = pack_uint(MessageType.REPLY)
+ACCEPTED = pack_uint(ReplyStatus.ACCEPTED) + AUTH_NONE
+SUCCESS = pack_uint(AcceptStatus.SUCCESS)
+
 # Takes the arguments and the caller; returns the result, or None for no reply at all.
 Procedure = Callable[[XdrReader, Caller], Optional[bytes]]
 
@@ -144,18 +163,20 @@ def answer_call(program: RpcProgram, message: bytes, caller: Caller) -> Optional
     xid = reader.uint()
     if reader.uint() != MessageType.CALL:
         raise XdrError("a message that is not a call")
-    head = pack_uint(xid) + pack_uint(MessageType.REPLY)
+    head = pack_uint(xid) + REPLY
     if reader.uint() != RPC_VERSION:
         # Denied, because of the RPC version: lowest and highest version understood.
         return head + b"".join(map(pack_uint, (ReplyStatus.DENIED, 0, RPC_VERSION, RPC_VERSION)))
     call = _Call(reader.uint(), reader.uint(), reader.uint())
-    for _credential_then_verifier in range(2):
-        reader.uint()
-        reader.opaque(LONGEST_CREDENTIAL)
+    # Almost every client sends neither a credential nor a verifier.
+    if not reader.skip(2 * AUTH_NONE):
+        for _credential_then_verifier in range(2):
+            reader.uint()
+            reader.opaque(LONGEST_CREDENTIAL)
     outcome = _outcome(program, call, reader, caller)
     if outcome is None:
         return None
-    return head + pack_uint(ReplyStatus.ACCEPTED) + AUTH_NONE + outcome
+    return head + ACCEPTED + outcome
 
 
 def _outcome(
@@ -177,4 +198,4 @@ def _outcome(
         return pack_uint(AcceptStatus.GARBAGE_ARGUMENTS)
     except ProcedureUnavailable:
         return pack_uint(AcceptStatus.PROCEDURE_UNAVAILABLE)
-    return None if result is None else pack_uint(AcceptStatus.SUCCESS) + result
+    return None if result is None else SUCCESS + result

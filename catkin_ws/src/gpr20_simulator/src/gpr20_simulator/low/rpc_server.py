@@ -14,6 +14,7 @@ from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
 
 LAST_FRAGMENT = 0x80000000
 MOST_FRAGMENTS = 4096
+CHUNK_BYTES = 65536
 # A client that does not take its replies for this long loses its connection.
 SEND_TIMEOUT_S = 30.0
 STOP_TIMEOUT_S = 5.0
@@ -29,6 +30,7 @@ class RpcConnection:
     def __init__(self, sock: socket.socket, longest_record: int) -> None:
         self._socket = sock
         self._longest_record = longest_record
+        self._received = bytearray()
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         # Limits sending alone: a client may be silent for as long as it likes.
         seconds = struct.pack("ll", int(SEND_TIMEOUT_S), 0)
@@ -36,6 +38,8 @@ class RpcConnection:
 
     def is_gone(self) -> bool:
         """Return whether the client has closed the connection."""
+        if self._received:
+            return False
         try:
             return self._socket.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT) == b""
         except BlockingIOError:
@@ -87,17 +91,20 @@ class RpcConnection:
         return True
 
     def _read_exactly(self, length: int) -> Optional[bytes]:
-        data = bytearray()
-        while len(data) < length:
+        # What has arrived is received at once: mostly a whole record.
+        received = self._received
+        while len(received) < length:
             try:
-                piece = self._socket.recv(length - len(data))
+                piece = self._socket.recv(CHUNK_BYTES)
             except OSError:
                 # A connection that breaks has ended like one that is closed.
                 return None
             if not piece:
                 return None
-            data += piece
-        return bytes(data)
+            received += piece
+        data = bytes(received[:length])
+        del received[:length]
+        return data
 
 
 class RpcTcpServer:

@@ -171,7 +171,7 @@ class CoreChannel:
     def _take_answer(self, link: Link, call: protocol.ReadCall) -> Tuple[int, bytes]:
         answer = link.outgoing.popleft()
         length = min(len(answer), call.size, self._limits.reply_size)
-        reason = Reason.NONE
+        reason: int = Reason.NONE
         if call.flags & Flag.TERMINATION_CHARACTER:
             place = answer.find(call.termination_character, 0, length)
             if place >= 0:

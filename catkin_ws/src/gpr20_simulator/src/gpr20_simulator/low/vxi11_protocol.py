@@ -52,7 +52,7 @@ class Error(enum.IntEnum):
     ABORTED = 23
 
 
-class Flag(enum.IntFlag):
+class Flag(enum.IntEnum):
     """Flags of a call."""
 
     WAIT_LOCK = 1
@@ -60,7 +60,7 @@ class Flag(enum.IntFlag):
     TERMINATION_CHARACTER = 128
 
 
-class Reason(enum.IntFlag):
+class Reason(enum.IntEnum):
     """Why a read ended."""
 
     NONE = 0

@@ -29,6 +29,8 @@ SMALLEST_HEIGHT_M = 0.005
 SMALLEST_DEPTH_M = 1e-4
 # Each brings the place where a path meets the surface nearer by the slope, 0.2 at most.
 SURFACE_ROUNDS = 6
+# Steps of a sweep that differ by less count as equal: a fraction of a step.
+EQUAL_STEPS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,9 @@ class Ground:
     ) -> np.ndarray:
         """Return the complex transmission at each frequency [Hz], with noise."""
         echoes = self.echoes(position)
-        exponent = np.outer(frequency_hz, -2j * np.pi * echoes.delay_s - echoes.decay_s)
-        return np.exp(exponent) @ echoes.level + noise_gain * self._noise(len(frequency_hz))
+        rate_s = -2j * np.pi * echoes.delay_s - echoes.decay_s
+        received = sum_of_exponentials(frequency_hz, rate_s, echoes.level)
+        return received + noise_gain * self._noise(len(frequency_hz))
 
     def echoes(self, position: AntennaPosition) -> Echoes:
         """Return what comes back at a position."""
@@ -120,7 +123,11 @@ class Ground:
         index = math.sqrt(soil.relative_permittivity)
         rotation_rad = math.radians(position.rotation_deg)
         transmitter = self._path_from(position, height_m, +0.5)
-        receiver = self._path_from(position, height_m, -0.5)
+        receiver = (
+            self._path_from(position, height_m, -0.5)
+            if self._scene.antennas.separation_m
+            else transmitter
+        )
         # A sphere reflects from its near side, on the way to its centre.
         air_m = transmitter.air_m + receiver.air_m
         soil_m = transmitter.soil_m + receiver.soil_m - 2.0 * points.radius_m
@@ -179,6 +186,27 @@ class Ground:
     def _noise(self, count: int) -> np.ndarray:
         parts = self._random.standard_normal((count, 2)) * (self._noise_level / math.sqrt(2.0))
         return parts[:, 0] + 1j * parts[:, 1]
+
+
+def sum_of_exponentials(
+    frequency_hz: np.ndarray, rate_s: np.ndarray, level: np.ndarray
+) -> np.ndarray:
+    """Return the sum of level * exp(rate_s * frequency_hz) at each frequency.
+
+    Exponentials take most of the time of a sweep. In a sweep of N equal steps each of them is the
+    product of two, of the first frequency of a block and of the place in the block: 2 sqrt(N)
+    exponentials for each item instead of N.
+    """
+    steps_hz = np.diff(frequency_hz)
+    if not len(steps_hz) or np.ptp(steps_hz) > EQUAL_STEPS * abs(steps_hz[0]):
+        direct: np.ndarray = np.exp(np.outer(frequency_hz, rate_s)) @ level
+        return direct
+    block = math.ceil(math.sqrt(len(frequency_hz)))
+    step_hz = (frequency_hz[-1] - frequency_hz[0]) / len(steps_hz)
+    blocks = np.exp(np.outer(frequency_hz[::block], rate_s)) * level
+    places = np.exp(np.outer(step_hz * np.arange(block), rate_s))
+    received: np.ndarray = (blocks @ places.T).ravel()[: len(frequency_hz)]
+    return received
 
 
 def _one_way_level(path: RefractedPath) -> np.ndarray:

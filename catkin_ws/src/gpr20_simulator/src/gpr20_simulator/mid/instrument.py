@@ -26,6 +26,8 @@ from gpr20_simulator.mid.vna_commands import SETTINGS, Numbers, on_off
 from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.vna_settings import SettingQueue, VnaSettings
 
+# Headers for which is known which query they are; clients use some dozens.
+MOST_KNOWN_HEADERS = 256
 ENDLESS_DIGITS = "1" * 40_000 + "X"
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
 
@@ -75,6 +77,7 @@ class SimulatedVna:
         self._control = SweepControl(sweeper, clock, faults, description, self._change_by_hand)
         self._traces = TraceReader(sweeper, faults, description, self._identity, self._calibration)
         self._queries = self._query_rules()
+        self._find_query = functools.lru_cache(MOST_KNOWN_HEADERS)(self._search_query)
         self._actions = self._action_rules()
         self._unanswered = self._places_of(description.unanswered_queries)
         sweeper.set_continuous(True)
@@ -168,7 +171,7 @@ class SimulatedVna:
             return ENDLESS_DIGITS if self._faults.strikes(VnaFault.ENDLESS_DIGITS) else answer
         return answer
 
-    def _find_query(self, text: str) -> Optional[Tuple[Place, Query]]:
+    def _search_query(self, text: str) -> Optional[Tuple[Place, Query]]:
         """Return which query a header is, and what answers it; None if there is none."""
         for header, query in self._queries:
             numbers = header.match(text)

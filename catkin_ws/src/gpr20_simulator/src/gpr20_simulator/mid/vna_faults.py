@@ -110,6 +110,8 @@ class FaultBoard:
 
     def is_on(self, fault: VnaFault) -> bool:
         """Return whether the fault is on; this does not count as one time."""
+        if not self._left:
+            return False
         with self._lock:
             return self._is_on(fault)
 
@@ -120,6 +122,8 @@ class FaultBoard:
 
     def strikes(self, fault: VnaFault) -> bool:
         """Return whether the fault happens now; this counts as one time."""
+        if not self._left:
+            return False
         with self._lock:
             if not self._is_on(fault):
                 return False

@@ -18,6 +18,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
+from gpr20_vna_acquisition.low.vxi11_packing import Packer, Unpacker
 
 Answer = TypeVar("Answer")
 
@@ -70,6 +71,7 @@ class _CoreChannel(vxi11.CoreClient):
     def __init__(self, address: str, port: int, timeout_s: float) -> None:
         self._timeout_s = timeout_s
         super().__init__(address, port)
+        self.packer, self.unpacker = Packer(), Unpacker(b"")
 
     def connect(self) -> None:
         # Twice the longest answer leaves room for the RPC headers of its pieces.

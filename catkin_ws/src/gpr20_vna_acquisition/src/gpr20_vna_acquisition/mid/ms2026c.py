@@ -198,10 +198,17 @@ class Ms2026c:
     def _analyzer_settings(self) -> AnalyzerSettings:
         bandwidth = self._exchanges.ask_optional(settings.IF_BANDWIDTH_QUERY)
         power = self._exchanges.ask_optional(settings.POWER_QUERY)
+        # An average that is not known of could mix sweeps from before and after a move.
+        averages = whole_number(self._exchanges.ask(settings.AVERAGES_QUERY))
+        if averages < 1:
+            raise VnaDataError(
+                Message(
+                    "the VNA reports {averages} averages; expected 1 or more", averages=averages
+                )
+            )
         return AnalyzerSettings(
             if_bandwidth_hz=0.0 if bandwidth is None else number(bandwidth),
-            # An average that is not known of could mix sweeps from before and after a move.
-            averages=whole_number(self._exchanges.ask(settings.AVERAGES_QUERY)),
+            averages=averages,
             output_power="" if power is None else unquoted(power).upper(),
         )
 

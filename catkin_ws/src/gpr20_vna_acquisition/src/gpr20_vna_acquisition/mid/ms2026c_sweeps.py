@@ -145,6 +145,9 @@ class Ms2026cSweeps:
                 pause_s = min(pause_s, max(timing.surely_ended_s - elapsed_s, SHORTEST_POLL_S))
             elif cleared:
                 late = True
+                # What this sweep is later than expected, the next ones are expected to take.
+                late_s = elapsed_s - timing.expected_s
+                pause_s = min(pause_s, max(late_s, SHORTEST_POLL_S))
             else:
                 cleared = True
                 pause_s = max(timing.expected_s - elapsed_s, 0.0)

@@ -48,13 +48,14 @@ class RequestDeadline:
             VnaClosedError: The driver is shutting down.
             VnaTimeoutError: The request exceeded its time limit.
         """
-        self.pause_s(0.0)
-
-    def pause_s(self, duration_s: float) -> None:
-        """Wait [s], unless the request must end; raise as `check` does."""
-        if self._clock.wait_s(self._closed, duration_s):
+        if self._closed.is_set():
             raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
             )
+
+    def pause_s(self, duration_s: float) -> None:
+        """Wait [s], unless the request must end; raise as `check` does."""
+        self._clock.wait_s(self._closed, duration_s)
+        self.check()

@@ -129,7 +129,7 @@ class VNADriver:
             try:
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
-                calibration = self._link.instrument().calibration()
+                calibration = self._link.linked().calibration()
             except VnaNotReadyError:
                 raise
             except VnaError as error:
@@ -193,7 +193,7 @@ class VNADriver:
                 lambda analyzer: analyzer.configure(settings),
                 final=(VnaSettingError,),
             )
-            self._link.note(sweep=accepted)
+            self._link.note_set_up(accepted)
             self._news = tuple(self._analyzer.remarks)
             return accepted
 

@@ -83,6 +83,8 @@ class VnaLink:
         self._parameters = parameters
         self._warn = warn
         self._linked = False
+        # Whether the instrument cannot have lost its settings since they were made or compared.
+        self._settings_sure = False
         self._restorations = 0
         self._state = VnaState()
 
@@ -99,6 +101,11 @@ class VnaLink:
     def note(self, **changes: Any) -> None:
         """Change the state."""
         self._state = replace(self._state, **changes)
+
+    def note_set_up(self, sweep: SweepSettings) -> None:
+        """Note that the instrument at the end of the link is set up."""
+        self.note(sweep=sweep)
+        self._settings_sure = True
 
     def connect(self, address: str) -> str:
         """Make the first link to an address and return the instrument's identification.
@@ -134,7 +141,7 @@ class VnaLink:
 
     def drop(self) -> None:
         """End the link; the next use makes a new one."""
-        self._linked = False
+        self._linked = self._settings_sure = False
         self.note(linked=False)
         self._analyzer.disconnect()
 
@@ -147,19 +154,33 @@ class VnaLink:
         if not self._state.identity:
             raise not_connected()
 
-    def instrument(self, restore: bool = True) -> Analyzer:
+    def linked(self) -> Analyzer:
         """Return the instrument at the end of the link; make a link if there is none.
 
-        Args:
-            restore: Whether settings that differ are made again on a new link.
+        Its settings are neither compared nor made: somebody may be calibrating it.
 
         Raises:
             VnaError: No link can be made.
         """
         if not self._linked:
             self.check_connected()
-            self._reopen(restore)
+            self._reopen()
         return self._analyzer
+
+    def instrument(self, restore: bool = True) -> Analyzer:
+        """Return the instrument as it was set up, at the end of the link.
+
+        Args:
+            restore: Whether settings that differ are made again after the link was lost.
+
+        Raises:
+            VnaError: No link can be made, or the settings are not those that were set up.
+        """
+        analyzer, sweep = self.linked(), self._state.sweep
+        if sweep is not None and not self._settings_sure:
+            self._make_settings_sure(sweep, restore)
+            self._settings_sure = True
+        return analyzer
 
     def with_retries(
         self,
@@ -221,30 +242,25 @@ class VnaLink:
             self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
-    def _reopen(self, restore: bool) -> None:
+    def _reopen(self) -> None:
         state = self._state
         identity = self._open(state.address)
-        try:
-            if identity != state.identity:
-                raise VnaReplacedError(
-                    Message(
-                        "the VNA at {address} is now '{identity}' and was '{former}'; connect to "
-                        "it again",
-                        address=state.address,
-                        identity=identity,
-                        former=state.identity,
-                        details="service connection",
-                    )
-                )
-            if state.sweep is not None:
-                self._make_settings_sure(state.sweep, restore)
-        except VnaError:
+        if identity != state.identity:
             self.drop()
-            raise
+            raise VnaReplacedError(
+                Message(
+                    "the VNA at {address} is now '{identity}' and was '{former}'; connect to it "
+                    "again",
+                    address=state.address,
+                    identity=identity,
+                    former=state.identity,
+                    details="service connection",
+                )
+            )
         self.note(linked=True)
 
     def _make_settings_sure(self, sweep: SweepSettings, restore: bool) -> None:
-        """Compare the settings on a new link; an instrument that still has them keeps them."""
+        """Compare the settings; an instrument that still has them keeps them."""
         try:
             self._analyzer.confirm()
             return
