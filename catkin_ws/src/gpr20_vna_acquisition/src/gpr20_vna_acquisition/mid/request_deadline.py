@@ -14,12 +14,15 @@ class RequestDeadline:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._closed = threading.Event()
+        self._closed = False
+        # Set when the running request must end before its time limit.
+        self._ending = threading.Event()
         self._limit_s = 0.0
         self._begun_s = self._deadline_s = clock.now_s()
 
     def begin(self, limit_s: float) -> None:
         """Begin a request that may take `limit_s` [s]."""
+        self._ending.clear()
         self._limit_s = limit_s
         self._begun_s = self._clock.now_s()
         self._deadline_s = self._begun_s + limit_s
@@ -31,7 +34,12 @@ class RequestDeadline:
 
     def close(self) -> None:
         """End the running request at its next step, and every later one at its first."""
-        self._closed.set()
+        self._closed = True
+        self._ending.set()
+
+    def abandon(self) -> None:
+        """End the running request at its next step, if there is one."""
+        self._ending.set()
 
     def since_begin_s(self) -> float:
         """Return how long ago [s] the last request began."""
@@ -46,10 +54,12 @@ class RequestDeadline:
 
         Raises:
             VnaClosedError: The driver is shutting down.
-            VnaTimeoutError: The request exceeded its time limit.
+            VnaTimeoutError: The request exceeded its time limit, or was abandoned.
         """
-        if self._closed.is_set():
+        if self._closed:
             raise VnaClosedError(Message("the VNA driver is shutting down"))
+        if self._ending.is_set():
+            raise VnaTimeoutError(Message("the request was ended by a later one"))
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
@@ -57,5 +67,5 @@ class RequestDeadline:
 
     def pause_s(self, duration_s: float) -> None:
         """Wait [s], unless the request must end; raise as `check` does."""
-        self._clock.wait_s(self._closed, duration_s)
+        self._clock.wait_s(self._ending, duration_s)
         self.check()
