@@ -17,7 +17,7 @@ from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 NOT_CALIBRATED = "the VNA's calibration status is 0 (no calibration); calibrate it"
 
@@ -95,15 +95,27 @@ def test_a_survey_never_goes_on_with_other_frequencies(bench):
     assert bench.storage.samples == []
 
 
-def test_a_sweep_of_other_frequencies_than_the_surveys_is_never_stored(bench):
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"start_frequency_hz": 1.0e9, "stop_frequency_hz": 2.0e9}, "from 1000 to 2000 MHz"),
+        ({"analyzer": AnalyzerSettings(100.0, 1, "HIGH")}, "IF bandwidth 100 Hz"),
+        ({"analyzer": AnalyzerSettings(1000.0, 1, "LOW")}, "output power LOW"),
+    ],
+)
+def test_a_sweep_with_other_settings_than_the_surveys_is_never_stored(bench, changes, words):
+    own = AnalyzerSettings(1000.0, 1, "HIGH")
+    bench.analyzer.accept = lambda settings: replace(settings, analyzer=own)
+
     def set_up_another():
         if bench.analyzer.sweeps == 3:
-            bench.analyzer.other_settings = SweepSettings(1.0e9, 2.0e9, 5)
+            bench.analyzer.other_settings = replace(bench.analyzer.requested[-1], **changes)
 
     bench.analyzer.on_sweep = set_up_another
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert "do not change its settings" in str(status.message)
+    assert words in str(status.message)
     bench.wait_for_visited(3)
     assert len(bench.storage.samples) == 3
     bench.analyzer.on_sweep = lambda: None

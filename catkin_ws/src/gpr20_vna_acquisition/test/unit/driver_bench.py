@@ -28,9 +28,9 @@ class Bench:
         self.vna = FakeVna(self.clock)
         self.warnings: List[str] = []
         values = VnaParameters(**parameters)
-        deadline = RequestDeadline(self.clock)
-        self.analyzer = Ms2026c(self.vna.connect, values, deadline, lambda: STARTED_US)
-        self.driver = VNADriver(self.analyzer, values, deadline, self.warnings.append)
+        self.deadline = RequestDeadline(self.clock)
+        self.analyzer = Ms2026c(self.vna.connect, values, self.deadline, lambda: STARTED_US)
+        self.driver = VNADriver(self.analyzer, values, self.deadline, self.warnings.append)
 
     def configured(self) -> Bench:
         self.driver.connect_to_vna(ADDRESS)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 from driver_bench import ACCEPTED, ADDRESS, SWEEP, Bench
@@ -21,6 +23,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
     VnaTimeoutError,
 )
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 
 
 @pytest.fixture
@@ -218,6 +221,34 @@ def test_connecting_again_closes_the_former_link(bench):
     bench.driver.connect_to_vna("192.168.1.11")
     assert bench.vna.open_links == 1
     assert bench.driver.state.sweep is None
+
+
+@pytest.mark.parametrize(
+    "request_after",
+    [VNADriver.disconnect_from_vna, lambda driver: driver.connect_to_vna(ADDRESS)],
+)
+def test_a_sweep_that_nobody_waits_for_any_more_ends_at_once(bench, request_after):
+    bench.vna.sweep_s = 1e9
+    threads = []
+
+    def request_while_waiting(message: str) -> None:
+        if message == ":STAT:OPER?" and not threads:
+            threads.append(threading.Thread(target=request_after, args=[bench.driver]))
+            threads[0].start()
+            with pytest.raises(VnaTimeoutError):
+                while True:
+                    bench.deadline.check()
+
+    bench.vna.before = request_while_waiting
+    begun_s = bench.clock.now_s()
+    with pytest.raises(VnaTimeoutError, match="ended by a later one"):
+        bench.driver.get_trace()
+    threads[0].join(10.0)
+    assert bench.clock.now_s() - begun_s < 5.0
+    bench.driver.connect_to_vna(ADDRESS)
+    bench.vna.sweep_s = 0.05
+    bench.driver.set_frequency_sweep(SWEEP)
+    bench.driver.get_trace()
 
 
 def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):

@@ -126,23 +126,27 @@ class Instruments:
         return self._request_wait(action, swept=False)
 
     def check_sweep(self, sweep: Sweep) -> None:
-        """Refuse a sweep of other frequencies than those of the survey.
+        """Refuse a sweep of other frequencies, or with other settings, than those of the survey.
 
         Raises:
             DeviceError: It has others.
         """
         frequency_hz = sweep.frequency_hz
         if not np.array_equal(frequency_hz, self._frequencies_hz):
-            first_hz, last_hz = float(frequency_hz[0]), float(frequency_hz[-1])
-            measured = SweepSettings(first_hz, last_hz, len(frequency_hz))
-            raise DeviceError(
-                Message(
-                    "the VNA measured {measured} instead of {wanted}; do not change its settings "
-                    "during a survey",
-                    measured=_sweep_message(measured),
-                    wanted=_sweep_message(self._plan.parameters.sweep_settings),
-                )
+            described = _sweep_message
+        elif not sweep.analyzer.fulfils(self._wanted.analyzer):
+            described = _settings_message
+        else:
+            return
+        ends_hz = float(frequency_hz[0]), float(frequency_hz[-1])
+        raise DeviceError(
+            Message(
+                "the VNA measured {measured} instead of {wanted}; do not change its settings "
+                "during a survey",
+                measured=described(SweepSettings(*ends_hz, len(frequency_hz), sweep.analyzer)),
+                wanted=described(self._wanted),
             )
+        )
 
     def _check_analyzer(self, next_index: int) -> AnalyzerState:
         analyzer = self._robot.analyzer

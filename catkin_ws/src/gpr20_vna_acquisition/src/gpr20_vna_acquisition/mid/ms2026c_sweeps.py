@@ -260,7 +260,6 @@ class Ms2026cSweeps:
         return int(found.group(1))
 
 
-
 def _not_averaging(averages: int) -> VnaSettingError:
     return VnaSettingError(
         Message(

@@ -14,7 +14,9 @@ class RequestDeadline:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._closed = threading.Event()
+        self._closed = False
+        # Set when the running request must end before its time limit.
+        self._ending = threading.Event()
         self._limit_s = self._extended_s = 0.0
         self._extensible = False
         self._begun_s = self._deadline_s = clock.now_s()
@@ -27,6 +29,7 @@ class RequestDeadline:
             waited_s: For how much of that it already waited for another request [s].
             extensible: Whether `extend` applies to it.
         """
+        self._ending.clear()
         self._limit_s = limit_s
         self._begun_s = self._clock.now_s()
         self._deadline_s = self._begun_s + limit_s - waited_s
@@ -46,7 +49,12 @@ class RequestDeadline:
 
     def close(self) -> None:
         """End the running request at its next step, and every later one at its first."""
-        self._closed.set()
+        self._closed = True
+        self._ending.set()
+
+    def abandon(self) -> None:
+        """End the running request at its next step, if there is one."""
+        self._ending.set()
 
     def since_begin_s(self) -> float:
         """Return how long ago [s] the last request began."""
@@ -61,10 +69,12 @@ class RequestDeadline:
 
         Raises:
             VnaClosedError: The driver is shutting down.
-            VnaTimeoutError: The request exceeded its time limit.
+            VnaTimeoutError: The request exceeded its time limit, or was abandoned.
         """
-        if self._closed.is_set():
+        if self._closed:
             raise VnaClosedError(Message("the VNA driver is shutting down"))
+        if self._ending.is_set():
+            raise VnaTimeoutError(Message("the request was ended by a later one"))
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
@@ -72,5 +82,5 @@ class RequestDeadline:
 
     def pause_s(self, duration_s: float) -> None:
         """Wait [s], unless the request must end; raise as `check` does."""
-        self._clock.wait_s(self._closed, duration_s)
+        self._clock.wait_s(self._ending, duration_s)
         self.check()

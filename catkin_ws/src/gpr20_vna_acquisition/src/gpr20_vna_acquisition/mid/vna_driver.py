@@ -98,18 +98,24 @@ class VNADriver:
     def connect_to_vna(self, address: str) -> str:
         """Connect to the instrument at an address and return its identification.
 
-        A previous connection is closed, and its configuration is forgotten.
+        A previous connection is closed, and its configuration is forgotten; a request that still
+        uses it ends.
 
         Raises:
             InvalidValueError: The address is not one of this kind of instrument.
             VnaError: Nothing, or another instrument, answers there.
         """
+        self._link.deadline.abandon()
         with self._request():
             self._unconfirmed = None
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
-        """Release the instrument, close the link and forget the address; nothing without one."""
+        """Release the instrument, close the link and forget the address; nothing without one.
+
+        A sweep that is still waited for, perhaps for minutes, is given up.
+        """
+        self._link.deadline.abandon()
         with self._lock:
             self._unconfirmed = None
             self._link.deadline.begin(self._parameters.request_limit_s())

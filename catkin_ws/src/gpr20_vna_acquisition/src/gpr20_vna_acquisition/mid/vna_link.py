@@ -130,11 +130,9 @@ class VnaLink:
         The time limit of the request, which the caller has begun, ends the attempt to reach an
         instrument whose link was lost.
         """
-        if self._state.identity and not self._linked:
-            # It may still hold its sweep; one that does not answer cannot be released.
-            with contextlib.suppress(VnaError):
-                if self._open(self._state.address) != self._state.identity:
-                    self.drop()
+        # After a lost link too it may hold its sweep; one that does not answer cannot be released.
+        with contextlib.suppress(VnaError):
+            self.linked()
         self._analyzer.release()
         self.drop()
         self._state = VnaState()
