@@ -145,3 +145,13 @@ def test_data_of_which_a_part_is_old_are_an_error():
     bench.vna.spoil = lambda answer: bench.vna.block(half_old)
     with pytest.raises((VnaDataError, VnaSweepError), match="a part is that of the previous sweep"):
         bench.driver.get_trace()
+
+
+def test_an_old_last_point_is_an_error_even_if_the_bit_was_seen_cleared():
+    bench = Bench(attempts=1).configured()
+    bench.driver.get_trace()
+    last_old = bench.vna.points_data()
+    last_old[:-2] = [99.0 + one for one in last_old[:-2]]
+    bench.vna.spoil = lambda answer: bench.vna.block(last_old)
+    with pytest.raises(VnaSweepError, match="a part is that of the previous sweep"):
+        bench.driver.get_trace()

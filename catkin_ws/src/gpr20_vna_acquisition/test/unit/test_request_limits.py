@@ -14,6 +14,7 @@ from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaError,
     VnaNotReadyError,
+    VnaSettingError,
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
@@ -122,7 +123,7 @@ def test_a_sweep_is_not_confirmed_after_another_setup(meanwhile: Callable[[VNADr
 
 @pytest.mark.parametrize(
     "meanwhile",
-    [VNADriver.test_connection, VNADriver.check_calibration_status, VNADriver.get_trace],
+    [VNADriver.check_calibration_status, VNADriver.get_trace],
 )
 def test_a_change_by_hand_is_not_hidden_by_a_request_before_the_confirmation(meanwhile):
     bench = Bench().configured()
@@ -132,6 +133,16 @@ def test_a_change_by_hand_is_not_hidden_by_a_request_before_the_confirmation(mea
     meanwhile(bench.driver)
     assert bench.vna.settings[":SENS:SWE:IFBW"] == "10000"
     with pytest.raises(VnaNotReadyError, match="cannot be confirmed"):
+        bench.driver.confirm(number)
+
+
+def test_a_change_by_hand_is_still_seen_after_the_check_of_an_idle_link():
+    bench = Bench().configured()
+    bench.vna.settings[":SENS:SWE:IFBW"] = "100"
+    number, _sweep = bench.driver.take_sweep()
+    bench.driver._link.drop()
+    bench.driver.test_connection()
+    with pytest.raises(VnaSettingError, match="changed during the sweep"):
         bench.driver.confirm(number)
 
 

@@ -16,7 +16,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
     VnaSweepError,
 )
-from gpr20_vna_acquisition.mid.block_parser import parse_numbers, whole_number
+from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
 from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -200,7 +200,9 @@ class Ms2026cSweeps:
             numbers = again
             if not steady:
                 self._deadline.pause_s(self._parameters.poll_interval_s)
-        if not steady or has_old_points(numbers, before, to_the_last=not end.cleared):
+        # Single precision has no equal points by chance.
+        exact = self._parameters.transfer_format is TransferFormat.REAL32
+        if not steady or has_old_points(numbers, before, to_the_last=exact or not end.cleared):
             raise old_data()
         return numbers
 
