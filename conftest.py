@@ -1,9 +1,12 @@
 """The tests of the whole project are one run of pytest: see scripts/test.sh."""
 
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
+# No test is about time by the clock of a busy computer.
+settings.register_profile("any_speed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any_speed")
 # For another Python: what a test draws is examined under Debian's.
-settings.register_profile("few_examples", max_examples=20)
+settings.register_profile("few_examples", settings.get_profile("any_speed"), max_examples=20)
 
 # The others import the first.
 pytest_plugins = [

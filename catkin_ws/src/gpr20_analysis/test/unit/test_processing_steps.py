@@ -86,7 +86,7 @@ def test_the_survey_itself_is_no_reference():
         subtract_coupling(named, named)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(
     delay_s=st.floats(0.5e-9, 17e-9),
     start_hz=st.floats(1e8, 2e9),

@@ -3,7 +3,7 @@
 import mmap
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_axis_driver.axis_exceptions import StepCounterError
@@ -76,7 +76,6 @@ def test_a_place_that_cannot_be_written_is_an_error_that_names_it(tmp_path):
 
 
 # How long a disk takes to flush is not this test's business.
-@settings(deadline=None)
 @given(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6))
 def test_a_count_torn_by_a_power_cut_is_never_trusted(tmp_path_factory, before, after):
     path = tmp_path_factory.mktemp("memory") / "z"

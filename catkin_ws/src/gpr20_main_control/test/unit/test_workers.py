@@ -1,12 +1,13 @@
 """Threads for calls: kept, as many as needed, never more than allowed."""
 
 import threading
+import time
 
 import pytest
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import StopRequested
-from gpr20_main_control.mid.workers import Workers, result_of
+from gpr20_main_control.mid.workers import SerialCalls, Workers, result_of
 
 LIMIT_S = 10.0
 
@@ -65,3 +66,21 @@ def test_a_wait_ends_when_its_check_fails_and_a_call_that_has_not_begun_is_never
     hang.set()
     workers.begin(lambda: None).result(LIMIT_S)
     assert made == []
+
+
+def test_a_thread_that_the_system_refuses_is_made_for_the_next_call(monkeypatch):
+    calls = SerialCalls()
+
+    def refuse(_thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", refuse)
+        with pytest.raises(RuntimeError):
+            calls.call(lambda: 1, lambda: None)
+    deadline_s = time.monotonic() + 5.0
+
+    def check() -> None:
+        assert time.monotonic() < deadline_s, "the call is never made"
+
+    assert calls.call(lambda: 2, check) == 2

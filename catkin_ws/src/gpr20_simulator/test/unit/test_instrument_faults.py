@@ -135,7 +135,7 @@ COMMANDS = st.builds(
 )
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(st.one_of(st.binary(max_size=60), st.lists(COMMANDS, max_size=4).map(";".join)))
 def test_no_message_breaks_the_instrument(fuzzed, message):
     data = message if isinstance(message, bytes) else message.encode("utf-8")

@@ -18,11 +18,11 @@ from gpr20_survey.plan.survey_cost import (
     needed_bytes,
     point_durations_s,
     survey_cost,
-    sweep_duration_s,
 )
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 CONFIG = RobotConfig(AXES, simulated=True)
@@ -56,6 +56,11 @@ def test_more_settling_costs_its_time_at_every_trace():
 def test_a_sweep_takes_longer_with_a_narrow_if_bandwidth_and_with_averages(analyzer, expected_s):
     duration_s = sweep_duration_s(SweepSettings(6.0e8, 6.0e9, 501, analyzer))
     assert duration_s == pytest.approx(expected_s)
+
+
+def test_a_bandwidth_that_is_left_to_the_instrument_may_be_assumed_to_be_narrow():
+    left, stated = (SweepSettings(6.0e8, 6.0e9, 501, AnalyzerSettings(hz)) for hz in (0.0, 10.0))
+    assert sweep_duration_s(left, 1e-3, 10.0) == sweep_duration_s(stated, 1e-3)
 
 
 def test_the_estimate_of_a_survey_follows_the_settings_of_the_analyzer():

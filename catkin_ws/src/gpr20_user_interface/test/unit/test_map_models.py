@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import SURVEY, TRAVEL, cell, description, make_grid
 
@@ -27,7 +27,6 @@ def runs_of(coverage, survey_id=SURVEY):
     return CoverageRuns(survey_id, planned, starts, states, coverage.reasons, VERDICT)
 
 
-@settings(deadline=None)
 @given(
     st.integers(3, 9),
     st.integers(3, 9),
@@ -45,7 +44,6 @@ def test_every_place_of_the_plan_is_where_main_control_goes(columns, rows, rotat
         assert grid.index(found) == point.index
 
 
-@settings(deadline=None)
 @given(st.lists(STATES, min_size=1, max_size=60))
 def test_coverage_comes_through_as_it_was(states):
     coverage = Coverage(len(states))
@@ -61,7 +59,6 @@ def test_coverage_comes_through_as_it_was(states):
     assert runs.failures == coverage.reasons
 
 
-@settings(deadline=None)
 @given(st.integers(1, 50), st.sets(st.integers(0, 60)))
 def test_coverage_of_a_past_survey_has_exactly_the_stored_traces(planned, stored):
     states = coverage_of_stored(SURVEY, planned, stored).trace_states()

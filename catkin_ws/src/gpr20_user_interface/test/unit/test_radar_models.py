@@ -23,7 +23,7 @@ def filled(indices=None, s21_of=None, **changes):
     return model
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.floats(0.5e-9, 14e-9), st.floats(0.01, 2.0), st.integers(11, 4000))
 def test_an_echo_stands_at_its_delay_with_its_level(delay_s, level, points):
     frequency_hz = np.linspace(0.6e9, 6.0e9, points)

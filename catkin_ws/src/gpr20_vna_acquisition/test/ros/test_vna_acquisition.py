@@ -95,10 +95,13 @@ class VnaAcquisitionTest(unittest.TestCase):
         own = (answer.if_bandwidth_hz, answer.averages, answer.output_power)
         self.assertEqual(own, (10_000.0, 1, "HIGH"))
         self.assertGreaterEqual(answer.sweep_duration_s, POINTS * 350e-6)
-        self.assertGreater(answer.request_limit_s, 10.0)
+        self.assertGreater(answer.request_limit_s, 5.0)
 
     def test_settings_of_the_analyzer_are_made_and_come_with_the_data(self):
         self.connect()
+        # The instrument keeps them, and other tests would be slow.
+        own = {"if_bandwidth_hz": 10_000.0, "averages": 1, "output_power": "HIGH"}
+        self.addCleanup(self.sweep_setup, **own)
         answer = self.sweep_setup(if_bandwidth_hz=1000.0, averages=3, output_power="LOW")
         self.assertTrue(answer.success, answer.message)
         # 1 kHz needs 0.9 ms more per point than the 10 kHz of power-on.
@@ -112,7 +115,7 @@ class VnaAcquisitionTest(unittest.TestCase):
     def test_settings_that_the_analyzer_does_not_have_are_refused_with_those_it_has(self):
         self.connect()
         for settings, words in (
-            ({"if_bandwidth_hz": 30_000.0}, "100000, 50000"),
+            ({"if_bandwidth_hz": 30_000.0}, "50000, 100000"),
             ({"averages": 65_536}, "65535"),
             ({"output_power": "LOUD"}, "LOW, HIGH"),
         ):

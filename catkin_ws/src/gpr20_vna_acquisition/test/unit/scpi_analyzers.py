@@ -15,6 +15,8 @@ from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
+from gpr20_common.low.tcp_keepalive import acknowledge_at_once
+
 SERIAL = "SIMULATED-1"
 
 
@@ -304,6 +306,8 @@ class ScpiServer:
         try:
             with connection, connection.makefile("rb") as lines:
                 for line in lines:
+                    # Else a client that sends two small messages waits 40 ms in between.
+                    acknowledge_at_once(connection)
                     answer = self.analyzer.execute(line)
                     while line.decode().strip() == self.analyzer.faults.endless:
                         connection.sendall(b"1," * 4096)

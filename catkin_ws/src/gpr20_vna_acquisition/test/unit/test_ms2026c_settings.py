@@ -16,6 +16,7 @@ from gpr20_vna_acquisition.errors import (
     VnaNotReadyError,
     VnaReplacedError,
     VnaSettingError,
+    VnaSweepError,
     VnaTimeoutError,
 )
 
@@ -54,8 +55,8 @@ def test_a_setting_of_the_survey_is_made_and_the_others_are_left(settings, heade
 @pytest.mark.parametrize(
     "settings, words",
     [
-        ((30_000.0, 0, ""), "must be one of 0, 100000, 50000"),
-        ((float("nan"), 0, ""), "must be one of 0, 100000"),
+        ((30_000.0, 0, ""), "must be one of 0, 10, 20, 50"),
+        ((float("nan"), 0, ""), "must be one of 0, 10"),
         ((0.0, 65_536, ""), "between 0 and 65535"),
         ((0.0, -1, ""), "between 0 and 65535"),
         ((0.0, 0, "high"), "must be one of LOW, HIGH"),
@@ -129,6 +130,25 @@ def test_a_query_without_an_answer_is_learned_once_and_remarked(query):
     bench.driver.connect_to_vna(ADDRESS)
     bench.driver.set_frequency_sweep(SWEEP)
     assert query not in bench.vna.sent
+
+
+@pytest.mark.parametrize("answer", ["-113", '-400,"unknown"', '"-230"'])
+@pytest.mark.parametrize("query", OPTIONAL)
+def test_an_error_code_is_no_answer_to_a_query(query, answer):
+    bench = Bench(max_level_db=60.0)
+    ask = bench.vna.answer
+    bench.vna.answer = lambda one: answer.encode() if one == query else ask(one)
+    bench.configured()
+    assert bench.vna.sent.count(query) == 1
+    (remark,) = bench.driver.get_trace().quality
+    assert remark.startswith("the VNA does not report ")
+
+
+def test_a_number_of_averages_below_one_is_an_error():
+    bench = Bench()
+    bench.vna.settings[":SENS:AVER:COUN"] = "-113"
+    with pytest.raises(VnaSweepError, match="averages"):
+        bench.configured()
 
 
 def test_all_optional_queries_may_be_without_an_answer():
@@ -218,6 +238,37 @@ def test_a_link_lost_before_the_proof_does_not_hide_a_change(header, value):
     with pytest.raises(VnaSettingError, match="changed during the sweep"):
         bench.driver.confirm(number)
     bench.driver.take_sweep()
+
+
+def test_settings_restored_before_the_proof_do_not_hide_a_change():
+    bench = Bench().configured()
+    number, _sweep = bench.driver.take_sweep()
+    bench.vna.settings[":SENS:SWE:POIN"] = "201"
+
+    def break_once(_message: str) -> None:
+        bench.vna.before = lambda _message: None
+        raise VnaConnectionError(Message("broken on purpose"))
+
+    bench.vna.before = break_once
+    bench.driver.check_calibration_status()
+    assert bench.vna.settings[":SENS:SWE:POIN"] == "11", "restored on the new link"
+    with pytest.raises(VnaNotReadyError, match=f"sweep {number} cannot be confirmed"):
+        bench.driver.confirm(number)
+
+
+@pytest.mark.parametrize(
+    "request_between",
+    [
+        lambda driver: driver.set_frequency_sweep(SWEEP),
+        lambda driver: driver.connect_to_vna(ADDRESS),
+    ],
+)
+def test_a_sweep_is_not_confirmed_by_later_settings(request_between):
+    bench = Bench().configured()
+    number, _sweep = bench.driver.take_sweep()
+    request_between(bench.driver)
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.confirm(number)
 
 
 def test_only_the_last_sweep_can_be_confirmed():

@@ -8,11 +8,13 @@ from driver_bench import ACCEPTED, ADDRESS, SWEEP, Bench
 from fake_vna import IDENTITY
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaClosedError,
+    VnaConnectionError,
     VnaError,
     VnaIdentityError,
     VnaNotReadyError,
@@ -193,6 +195,23 @@ def test_disconnecting_closes_the_link_and_forgets_the_sweep(bench):
     assert bench.vna.open_links == 0 and not bench.driver.state.linked
     with pytest.raises(VnaNotReadyError):
         bench.driver.get_trace()
+
+
+@pytest.mark.parametrize("same_one", [True, False])
+def test_disconnecting_after_a_lost_link_leaves_the_instrument_sweeping(bench, same_one):
+    def lose_link(_message: str) -> None:
+        bench.vna.before = lambda _message: None
+        raise VnaConnectionError(Message("broken on purpose"))
+
+    bench.vna.before = lose_link
+    with pytest.raises(VnaConnectionError):
+        bench.driver.test_connection()
+    if not same_one:
+        bench.vna.identity = IDENTITY.replace("1234567", "7654321")
+    bench.driver.disconnect_from_vna()
+    assert bench.vna.local is same_one, "another instrument is left alone"
+    assert bench.vna.answer(":INIT:CONT?") == (b"1" if same_one else b"0")
+    assert bench.vna.open_links == 0
 
 
 def test_connecting_again_closes_the_former_link(bench):

@@ -258,7 +258,7 @@ def test_a_failed_link_leaves_no_open_socket(server):
     assert client.fileno() == -1
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(
     st.sampled_from([GETPORT, CREATE_LINK, WRITE, READ]),
     st.one_of(

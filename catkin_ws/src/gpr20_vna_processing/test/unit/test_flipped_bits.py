@@ -50,7 +50,6 @@ def go_on_with_a_flipped_bit(stopped, data, name, place, bit):
 
 @settings(
     max_examples=EXAMPLES,
-    deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(place=st.integers(0, 1 << 16), bit=st.integers(0, 7))
@@ -62,7 +61,6 @@ def test_an_mcap_with_a_flipped_bit_goes_on(stopped, tmp_path, place, bit):
 
 @settings(
     max_examples=EXAMPLES,
-    deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(place=st.integers(0, 1 << 16), bit=st.integers(0, 7))

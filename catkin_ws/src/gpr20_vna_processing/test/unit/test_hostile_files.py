@@ -181,9 +181,7 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, par
     assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
 
 
-@settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.dictionaries(KEYS, JSON, min_size=1, max_size=4))
 def test_no_description_writes_outside_its_folder_or_ends_the_storage(
     tmp_path_factory, folder, description

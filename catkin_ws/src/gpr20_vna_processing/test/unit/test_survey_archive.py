@@ -236,7 +236,7 @@ def test_a_linked_trace_is_no_trace(kit, archive, tmp_path):
     assert archive.survey(SURVEY).stored_indices == (0, 1, 3, 4)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.text(max_size=80))
 def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
     archive = SurveyArchive(tmp_path_factory.getbasetemp())

@@ -14,10 +14,11 @@ from gpr20_main_control.mid.analyzer_record import UsedAnalyzer, recorded_analyz
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_cost import planned_durations_s, sweep_duration_s
+from gpr20_survey.plan.survey_cost import planned_durations_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from gpr20_common.mid.checks import number_between
-from gpr20_survey.plan.survey_cost import sweep_duration_s
+from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # The driver takes sweeps when it sets up the analyzer, to learn how long one takes.
@@ -35,8 +35,5 @@ class TimeLimits:
 
     def analyzer_setup_limit_s(self, settings: SweepSettings) -> float:
         """Return how long to wait until the analyzer is set up for these settings [s]."""
-        analyzer = settings.analyzer
-        if not analyzer.if_bandwidth_hz:
-            analyzer = replace(analyzer, if_bandwidth_hz=UNKNOWN_IF_BANDWIDTH_HZ)
-        sweep_s = sweep_duration_s(replace(settings, analyzer=analyzer))
+        sweep_s = sweep_duration_s(settings, unknown_if_bandwidth_hz=UNKNOWN_IF_BANDWIDTH_HZ)
         return self.analyzer_limit_s + SWEEPS_OF_SETUP * sweep_s

@@ -35,11 +35,12 @@ class Workers:
         """Begin a call and return at once."""
         future: Future[Result] = Future()
         with self._lock:
-            self._unfinished += 1
-            needed = self._unfinished > self._threads
+            needed = self._unfinished >= self._threads
             if needed and (self._most is None or self._threads < self._most):
-                self._threads += 1
                 threading.Thread(target=self._work, name="worker", daemon=True).start()
+                # Counted when it runs: the system may have refused it.
+                self._threads += 1
+            self._unfinished += 1
         self._calls.put((future, call))
         return future
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from typing import Optional
 
 import rospy
@@ -45,9 +44,6 @@ def simulated_port(state: SharedState) -> int:
 def build_simulated_vna(parameters: VnaParameters) -> VNANode:
     """Build the real node; only the port of loopback addresses comes from the simulator."""
     part = open_simulated_part(rospy.get_namespace())
-    # A sweep of the faster robot is over so much sooner.
-    seconds_per_point = parameters.seconds_per_point / part.clock.factor
-    parameters = replace(parameters, seconds_per_point=seconds_per_point)
 
     def port_of(address: str) -> Optional[int]:
         if address.startswith(LOOPBACK):

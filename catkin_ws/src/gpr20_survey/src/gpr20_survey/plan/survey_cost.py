@@ -14,12 +14,9 @@ from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
-# What the robot's group states for this instrument, at its usual IF bandwidth; a longer sweep
-# only makes the estimate before the first trace too short.
-SECONDS_PER_FREQUENCY = 350.0e-6
-USUAL_IF_BANDWIDTH_HZ = 10_000.0
 # A JSON file holds three numbers of up to 24 characters per frequency, each recording
 # three doubles; the two recordings hardly compress noise.
 BYTES_PER_FREQUENCY = 3 * 24 + 2 * 3 * 8
@@ -48,7 +45,10 @@ class SurveyCost:
 
 @dataclass(frozen=True)
 class MeasuringTimes:
-    """Time spent at each point after the move: settling, and sweep or height [s]."""
+    """Time spent at each point after the move: settling or height [s], then the sweep.
+
+    A sweep that is longer than stated only makes the estimate before the survey too short.
+    """
 
     settle_s: float
     height_s: float
@@ -58,18 +58,6 @@ class MeasuringTimes:
     def total_s(self) -> float:
         """Time at one point [s]; the height is measured while vibrations settle."""
         return max(self.settle_s, self.height_s) + sweep_duration_s(self.sweep)
-
-
-def sweep_duration_s(sweep: SweepSettings) -> float:
-    """Return about how long a trace takes [s], with its averages.
-
-    A narrower IF bandwidth makes each frequency longer by the time that its filter needs.
-    """
-    per_frequency_s = SECONDS_PER_FREQUENCY
-    if sweep.analyzer.if_bandwidth_hz:
-        slower_s = 1.0 / sweep.analyzer.if_bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ
-        per_frequency_s += max(0.0, slower_s)
-    return sweep.points * per_frequency_s * max(1, sweep.analyzer.averages)
 
 
 def survey_cost(

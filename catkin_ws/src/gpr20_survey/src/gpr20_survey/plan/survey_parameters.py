@@ -11,23 +11,18 @@ from typing import Callable, Iterable, List, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
+from gpr20_survey.trace.ms2026c import (
+    MAX_AVERAGES,
+    MAX_FREQUENCY_HZ,
+    MAX_FREQUENCY_POINTS,
+    MIN_FREQUENCY_HZ,
+    MIN_FREQUENCY_POINTS,
+    MIN_FREQUENCY_SPACING_HZ,
+)
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
-# Range of the MS2026C (Anritsu 10580-00306, [SENSe]:FREQuency:STARt).
-MIN_FREQUENCY_HZ = 5.0e3
-MAX_FREQUENCY_HZ = 6.0e9
-MIN_FREQUENCY_POINTS = 2
-MAX_FREQUENCY_POINTS = 4000
-MIN_FREQUENCY_SPACING_HZ = 1.0
-# Of the MS2026C (Anritsu 10580-00306, [SENSe]:SWEep:IFBW and :SOURce:POWer).
-IF_BANDWIDTHS_HZ = (
-    *(10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0),
-    *(10_000.0, 20_000.0, 50_000.0, 100_000.0),
-)
-OUTPUT_POWERS = ("LOW", "HIGH")
 # Wider than those of the MS2026C: other analyzers have other values. The driver checks the rest.
 MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ = 1.0, 1.0e7
-MAX_AVERAGES = 65535
 OUTPUT_POWER = re.compile(r"[A-Za-z0-9+.-]{0,16}")
 # The area that the parameters of a survey may name; each axis may allow less.
 MIN_COORDINATE_MM = 0.0

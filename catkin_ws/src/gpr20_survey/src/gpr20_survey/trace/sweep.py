@@ -59,13 +59,6 @@ class Sweep:
         """How long the sweep took [s]."""
         return (self.sweep_ended_us - self.sweep_started_us) * 1e-6
 
-    def same_data(self, other: Sweep) -> bool:
-        """Return whether every bit of the measured data is the same."""
-        return (
-            self.s21_real.tobytes() == other.s21_real.tobytes()
-            and self.s21_imag.tobytes() == other.s21_imag.tobytes()
-        )
-
     def _check_numbers(self) -> None:
         points = len(self.frequency_hz)
         if not MIN_POINTS <= points <= MAX_POINTS:

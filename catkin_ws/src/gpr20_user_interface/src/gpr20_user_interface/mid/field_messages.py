@@ -5,14 +5,8 @@ from __future__ import annotations
 from typing import Dict, Mapping, Optional
 
 from gpr20_common.message import Message
-from gpr20_survey.plan.survey_parameters import (
-    IF_BANDWIDTHS_HZ,
-    MAX_AVERAGES,
-    MAX_TRACES,
-    MIN_FREQUENCY_SPACING_HZ,
-    RobotTravel,
-    Rule,
-)
+from gpr20_survey.plan.survey_parameters import MAX_TRACES, RobotTravel, Rule
+from gpr20_survey.trace.ms2026c import IF_BANDWIDTHS_HZ, MAX_AVERAGES, MIN_FREQUENCY_SPACING_HZ
 from gpr20_user_interface.mid.parameter_form import (
     ADDRESS,
     AVERAGES,

@@ -11,19 +11,21 @@ from typing import Any, Callable, Dict, FrozenSet, Iterable, Mapping, Optional, 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import (
+    MIN_GRID_POINTS,
+    RobotTravel,
+    Rule,
+    SurveyParameters,
+    coordinate_limits_mm,
+    find_problems,
+)
+from gpr20_survey.trace.ms2026c import (
     IF_BANDWIDTHS_HZ,
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,
     MIN_FREQUENCY_HZ,
     MIN_FREQUENCY_POINTS,
-    MIN_GRID_POINTS,
     OUTPUT_POWERS,
-    RobotTravel,
-    Rule,
-    SurveyParameters,
-    coordinate_limits_mm,
-    find_problems,
 )
 
 ADDRESS = "vna_address"

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from typing import Callable, Optional, Protocol, Set
 
-from gpr20_common.message import Message
-from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, VnaNotReadyError
+from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError
+from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
 # A query that was left unanswered this often in a row, each time by an instrument that then
 # answered `*IDN?` on a new link, is one that the instrument does not know. One that it has answered
 # needs more evidence.
 UNANSWERED, UNANSWERED_AGAIN = 2, 4
+# Some queries of the MS20xxC answer with an error code, such as -400 (manual, chapter 3). No
+# optional query has such an answer otherwise.
+ERROR_CODE = re.compile(rb'\s*"?-[1-4][0-9]{2}\b')
 # How long the first answer to a query may take that the instrument need not know [s]. The manual
 # allows two seconds after a setting.
 FIRST_ANSWER_S = 2.0
@@ -116,6 +120,9 @@ class Exchanges:
         except VnaNoAnswerError:
             self._silences[query] += 1
             raise
+        if ERROR_CODE.match(answer):
+            self._silences[query] = UNANSWERED_AGAIN
+            return None
         self._answered.add(query)
         self._silences[query] = 0
         return answer
@@ -140,9 +147,7 @@ class Exchanges:
     def _link(self) -> Transport:
         self._deadline.check()
         if self._transport is None:
-            raise VnaNotReadyError(
-                Message("the VNA is not connected; connect it first", details="service connection")
-            )
+            raise not_connected()
         return self._transport
 
 

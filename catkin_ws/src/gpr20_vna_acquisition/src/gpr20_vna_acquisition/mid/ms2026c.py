@@ -13,12 +13,8 @@ from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition.errors import (
-    VnaDataError,
-    VnaNotReadyError,
-    VnaSettingError,
-)
-from gpr20_vna_acquisition.mid import settings
+from gpr20_vna_acquisition.errors import VnaDataError
+from gpr20_vna_acquisition.mid import refusals, settings
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
 from gpr20_vna_acquisition.mid.identity import check_identity
@@ -110,13 +106,7 @@ class Ms2026c:
         """Return if every setting that the data depend on is still that of `configure`."""
         changed = _differing(self._answers(self._settings(self._configured())))
         if changed:
-            raise VnaSettingError(
-                Message(
-                    "the VNA's settings were changed during the sweep: {settings}; do not operate "
-                    "it by hand during a survey",
-                    settings=described(changed),
-                )
-            )
+            raise refusals.settings_changed(described(changed))
 
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration."""
@@ -167,12 +157,7 @@ class Ms2026c:
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:
-            raise VnaNotReadyError(
-                Message(
-                    "the VNA's sweep is not configured; configure it first",
-                    details="service freq_sweep_setup",
-                )
-            )
+            raise refusals.not_configured()
         return self._accepted
 
     def _apply(self, wanted: Sequence[Setting]) -> Tuple[List[Setting], Dict[str, str]]:
@@ -189,13 +174,7 @@ class Ms2026c:
             answers = self._answers_when_settled(wanted)
         refused = _differing(answers)
         if refused:
-            raise VnaSettingError(
-                Message(
-                    "the VNA did not accept a setting: {settings}; check that it is in VNA mode "
-                    "and not operated by hand",
-                    settings=described(refused),
-                )
-            )
+            raise refusals.settings_refused(described(refused))
         return list(written.values()), {setting.header: answer for setting, answer in answers}
 
     def _answers_when_settled(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
@@ -219,10 +198,17 @@ class Ms2026c:
     def _analyzer_settings(self) -> AnalyzerSettings:
         bandwidth = self._exchanges.ask_optional(settings.IF_BANDWIDTH_QUERY)
         power = self._exchanges.ask_optional(settings.POWER_QUERY)
+        # An average that is not known of could mix sweeps from before and after a move.
+        averages = whole_number(self._exchanges.ask(settings.AVERAGES_QUERY))
+        if averages < 1:
+            raise VnaDataError(
+                Message(
+                    "the VNA reports {averages} averages; expected 1 or more", averages=averages
+                )
+            )
         return AnalyzerSettings(
             if_bandwidth_hz=0.0 if bandwidth is None else number(bandwidth),
-            # An average that is not known of could mix sweeps from before and after a move.
-            averages=whole_number(self._exchanges.ask(settings.AVERAGES_QUERY)),
+            averages=averages,
             output_power="" if power is None else unquoted(power).upper(),
         )
 

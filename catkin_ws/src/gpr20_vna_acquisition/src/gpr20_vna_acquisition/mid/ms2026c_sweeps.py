@@ -8,7 +8,6 @@ from typing import Callable, List, Optional
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
@@ -19,12 +18,14 @@ from gpr20_vna_acquisition.errors import (
 )
 from gpr20_vna_acquisition.mid.block_parser import parse_numbers, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
+from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import (
     SweepEnd,
     SweepTiming,
     enough_learned,
     has_old_points,
+    timed_sweep,
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -113,23 +114,14 @@ class Ms2026cSweeps:
         try:
             for number in range(self._triggers):
                 end = self._sweep_once(settings, timing, new_average=number == 0)
-            # By the monotonic clock: the time of day may be corrected meanwhile.
-            duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
+            duration_s = self._deadline.now_s() - started_s
             numbers = self._new_numbers(settings, end)
         except (VnaOldDataError, VnaSweepError):
             # What was learned is in doubt too: the next sweep learns again.
             self._timing = None
             raise
         self._trace_duration_s = self._triggers * timing.duration_s
-        return Sweep(
-            frequency_hz=settings.frequencies_hz(),
-            s21_real=numbers[0::2].copy(),
-            s21_imag=numbers[1::2].copy(),
-            sweep_started_us=started_us,
-            sweep_ended_us=started_us + duration_us,
-            quality=(),
-            analyzer=settings.analyzer,
-        )
+        return timed_sweep(settings, numbers, started_us, duration_s)
 
     def _sweep_once(
         self, settings: SweepSettings, timing: SweepTiming, new_average: bool
@@ -202,9 +194,7 @@ class Ms2026cSweeps:
             if not steady:
                 self._deadline.pause_s(self._parameters.poll_interval_s)
         if not steady or has_old_points(numbers, before, to_the_last=not end.cleared):
-            raise VnaOldDataError(
-                Message("the VNA gave data of which a part is that of the previous sweep")
-            )
+            raise old_data()
         return numbers
 
     def _displayed(self, settings: SweepSettings) -> Optional[np.ndarray]:
@@ -236,14 +226,7 @@ class Ms2026cSweeps:
 
     def _check_time(self, elapsed_s: float, limit_s: float, settings: SweepSettings) -> None:
         if elapsed_s >= limit_s:
-            raise VnaSweepError(
-                Message(
-                    "the sweep of {points} points did not end within {limit_s:.3g} s; check that "
-                    "the VNA is in VNA mode and not operated by hand",
-                    points=settings.points,
-                    limit_s=limit_s,
-                )
-            )
+            raise sweep_not_ended(settings.points, limit_s)
 
     def _triggers_per_trace(self, settings: SweepSettings, timing: SweepTiming) -> int:
         """Return how many sweeps must be triggered until an average is complete.

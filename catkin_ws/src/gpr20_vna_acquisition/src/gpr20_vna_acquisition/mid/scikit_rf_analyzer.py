@@ -14,9 +14,9 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaError,
-    VnaNotReadyError,
     VnaSettingError,
 )
+from gpr20_vna_acquisition.mid import refusals
 from gpr20_vna_acquisition.mid.identity import check_identity
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.scikit_rf_dialects import Dialect, Setting
@@ -155,13 +155,7 @@ class ScikitRfAnalyzer:
         """Return if every setting that the data depend on is still that of `configure`."""
         changed = self._differing(self._dialect.settings(self._configured()))
         if changed:
-            raise VnaSettingError(
-                Message(
-                    "the VNA's settings were changed during the sweep: {settings}; do not operate "
-                    "it by hand during a survey",
-                    settings=_described(changed),
-                )
-            )
+            raise refusals.settings_changed(_described(changed))
 
     def calibration(self) -> CalibrationStatus:
         """Return NONE if the configured query says so; its accuracy is never reported."""
@@ -215,19 +209,12 @@ class ScikitRfAnalyzer:
     ) -> Result:
         self._deadline.check()
         if self._link is None:
-            raise VnaNotReadyError(
-                Message("the VNA is not connected; connect it first", details="service connection")
-            )
+            raise refusals.not_connected()
         return self._link.call(what, action, limit_s)
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:
-            raise VnaNotReadyError(
-                Message(
-                    "the VNA's sweep is not configured; configure it first",
-                    details="service freq_sweep_setup",
-                )
-            )
+            raise refusals.not_configured()
         return self._accepted
 
     def _read_settings(self, vna: Any) -> SweepSettings:
@@ -251,13 +238,7 @@ class ScikitRfAnalyzer:
                 self._write(setting)
             differing = self._differing(wanted) if differing else []
         if differing:
-            raise VnaSettingError(
-                Message(
-                    "the VNA did not accept a setting: {settings}; check that it is in VNA mode "
-                    "and not operated by hand",
-                    settings=_described(differing),
-                )
-            )
+            raise refusals.settings_refused(_described(differing))
         return written
 
     def _write(self, setting: Setting) -> None:

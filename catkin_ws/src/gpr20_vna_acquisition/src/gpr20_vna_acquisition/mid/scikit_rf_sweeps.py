@@ -7,19 +7,18 @@ from typing import Any, Callable, Optional, Protocol, TypeVar
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaDataError,
-    VnaOldDataError,
     VnaSettingError,
     VnaSweepError,
 )
+from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.scikit_rf_dialects import Dialect
-from gpr20_vna_acquisition.mid.sweep_timing import has_old_points
+from gpr20_vna_acquisition.mid.sweep_timing import has_old_points, timed_sweep
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")
@@ -118,22 +117,11 @@ class ScikitRfSweeps:
             taken_s = self._sweep_once(settings, limit_s)
             if _is_too_early(taken_s, sweep_s):
                 raise VnaSweepError(_too_early(taken_s, sweep_s))
-        # By the monotonic clock: the time of day may be corrected meanwhile.
-        duration_us = round((self._deadline.now_s() - started_s) * utc_time.US_PER_S)
+        duration_s = self._deadline.now_s() - started_s
         before, self._shown = self._shown, self._read(settings)
         if has_old_points(self._shown, before, to_the_last=False):
-            raise VnaOldDataError(
-                Message("the VNA gave data of which a part is that of the previous sweep")
-            )
-        return Sweep(
-            frequency_hz=settings.frequencies_hz(),
-            s21_real=self._shown[0::2].copy(),
-            s21_imag=self._shown[1::2].copy(),
-            sweep_started_us=started_us,
-            sweep_ended_us=started_us + duration_us,
-            quality=(),
-            analyzer=settings.analyzer,
-        )
+            raise old_data()
+        return timed_sweep(settings, self._shown, started_us, duration_s)
 
     def _claimed_s(self) -> float:
         """Return how long the instrument says that a sweep takes [s]."""
@@ -161,14 +149,7 @@ class ScikitRfSweeps:
         except VnaConnectionError as error:
             if self._deadline.now_s() - begun_s < limit_s:
                 raise
-            raise VnaSweepError(
-                Message(
-                    "the sweep of {points} points did not end within {limit_s:.3g} s; check that "
-                    "the VNA is in VNA mode and not operated by hand",
-                    points=settings.points,
-                    limit_s=limit_s,
-                )
-            ) from error
+            raise sweep_not_ended(settings.points, limit_s) from error
         if answer not in COMPLETE:
             raise VnaDataError(
                 Message(

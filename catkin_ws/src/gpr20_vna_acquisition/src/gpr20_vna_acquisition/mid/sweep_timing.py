@@ -1,4 +1,4 @@
-"""How long a sweep takes, and whether its data are new."""
+"""How long a sweep takes, whether its data are new, and the sweep that they make."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from typing import Optional, Sequence
 
 import numpy as np
+
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # Successive points that have the bits of the sweep before. Noise changes every point.
 OLD_POINTS = 3
@@ -97,3 +101,29 @@ def has_old_points(
         return True
     run = min(OLD_POINTS, len(same))
     return bool(np.convolve(same, np.ones(run), "valid").max() >= run)
+
+
+def timed_sweep(
+    settings: SweepSettings, numbers: np.ndarray, started_us: int, duration_s: float
+) -> Sweep:
+    """Return the sweep of these data.
+
+    Args:
+        settings: With which it was measured.
+        numbers: Real and imaginary part of each point in turn.
+        started_us: When it was triggered [us since 1970, UTC].
+        duration_s: How long it took by a monotonic clock [s]: the time of day may be corrected
+            meanwhile.
+
+    Raises:
+        TraceRefusedError: A value is not allowed.
+    """
+    return Sweep(
+        frequency_hz=settings.frequencies_hz(),
+        s21_real=numbers[0::2].copy(),
+        s21_imag=numbers[1::2].copy(),
+        sweep_started_us=started_us,
+        sweep_ended_us=started_us + round(duration_s * utc_time.US_PER_S),
+        quality=(),
+        analyzer=settings.analyzer,
+    )

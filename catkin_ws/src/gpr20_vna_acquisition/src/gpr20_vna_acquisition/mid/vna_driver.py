@@ -19,6 +19,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.refusals import not_configured
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,
@@ -58,7 +59,9 @@ class VNADriver:
         self._lock = threading.RLock()
         self._quality = TraceQuality(parameters)
         self._number = 0
-        self._unconfirmed = 0
+        # The sweep that may be confirmed, and how often settings had been restored before it: its
+        # own are not known any more once that happens again.
+        self._unconfirmed: Optional[Tuple[int, int]] = None
         self._news: Tuple[Message, ...] = ()
 
     @property
@@ -99,11 +102,13 @@ class VNADriver:
         """
         with self._lock:
             self._begin_request()
+            self._unconfirmed = None
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
-        """Close the link and forget the address; does nothing without one."""
+        """Release the instrument, close the link and forget the address; nothing without one."""
         with self._lock:
+            self._begin_request()
             self._link.forget()
 
     def shut_down(self) -> None:
@@ -124,7 +129,7 @@ class VNADriver:
             try:
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
-                calibration = self._link.instrument().calibration()
+                calibration = self._link.linked().calibration()
             except VnaNotReadyError:
                 raise
             except VnaError as error:
@@ -180,6 +185,7 @@ class VNADriver:
             self._begin_request()
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
+            self._unconfirmed = None
             # Another sweep has another usual duration.
             self._quality = TraceQuality(self._parameters)
             accepted, _failures = self._link.with_retries(
@@ -187,7 +193,7 @@ class VNADriver:
                 lambda analyzer: analyzer.configure(settings),
                 final=(VnaSettingError,),
             )
-            self._link.note(sweep=accepted)
+            self._link.note_set_up(accepted)
             self._news = tuple(self._analyzer.remarks)
             return accepted
 
@@ -235,7 +241,7 @@ class VNADriver:
             self._begin_request(self.trace_duration_s)
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
             self._number += 1
-            self._unconfirmed = self._number
+            self._unconfirmed = self._number, self._link.restorations
             return self._number, self._judged(sweep, failures, ())
 
     def confirm(self, number: int) -> Tuple[str, ...]:
@@ -247,13 +253,14 @@ class VNADriver:
         Raises:
             VnaCalibrationError: The calibration of the sweep is not accepted.
             VnaSettingError: A setting was changed; the next sweep is set up again.
-            VnaNotReadyError: It is not the last sweep, or the instrument was connected again.
+            VnaNotReadyError: It is not the last sweep, or the instrument was connected or set up
+                again since.
             VnaError: The instrument does not answer.
         """
         with self._lock:
             self._link.check_connected()
-            unconfirmed, self._unconfirmed = self._unconfirmed, 0
-            if number != unconfirmed:
+            unconfirmed, self._unconfirmed = self._unconfirmed, None
+            if unconfirmed != (number, self._link.restorations):
                 raise VnaNotReadyError(
                     Message("sweep {number} cannot be confirmed any more", number=number)
                 )
@@ -301,12 +308,7 @@ class VNADriver:
     def _set_up_sweep(self) -> SweepSettings:
         self._link.check_connected()
         if self.state.sweep is None:
-            raise VnaNotReadyError(
-                Message(
-                    "the VNA's sweep is not configured; configure it first",
-                    details="service freq_sweep_setup",
-                )
-            )
+            raise not_configured()
         return self.state.sweep
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
 
@@ -21,6 +22,7 @@ from gpr20_vna_acquisition.errors import (
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -81,7 +83,15 @@ class VnaLink:
         self._parameters = parameters
         self._warn = warn
         self._linked = False
+        # Whether the instrument cannot have lost its settings since they were made or compared.
+        self._settings_sure = False
+        self._restorations = 0
         self._state = VnaState()
+
+    @property
+    def restorations(self) -> int:
+        """How often settings that differed were made again on a new link."""
+        return self._restorations
 
     @property
     def state(self) -> VnaState:
@@ -91,6 +101,11 @@ class VnaLink:
     def note(self, **changes: Any) -> None:
         """Change the state."""
         self._state = replace(self._state, **changes)
+
+    def note_set_up(self, sweep: SweepSettings) -> None:
+        """Note that the instrument at the end of the link is set up."""
+        self.note(sweep=sweep)
+        self._settings_sure = True
 
     def connect(self, address: str) -> str:
         """Make the first link to an address and return the instrument's identification.
@@ -110,14 +125,23 @@ class VnaLink:
         return identity
 
     def forget(self) -> None:
-        """Release the instrument, end the link and reset the state."""
+        """Release the instrument, end the link and reset the state.
+
+        The time limit of the request, which the caller has begun, ends the attempt to reach an
+        instrument whose link was lost.
+        """
+        if self._state.identity and not self._linked:
+            # It may still hold its sweep; one that does not answer cannot be released.
+            with contextlib.suppress(VnaError):
+                if self._open(self._state.address) != self._state.identity:
+                    self.drop()
         self._analyzer.release()
         self.drop()
         self._state = VnaState()
 
     def drop(self) -> None:
         """End the link; the next use makes a new one."""
-        self._linked = False
+        self._linked = self._settings_sure = False
         self.note(linked=False)
         self._analyzer.disconnect()
 
@@ -128,23 +152,35 @@ class VnaLink:
             VnaNotReadyError: No instrument was connected.
         """
         if not self._state.identity:
-            raise VnaNotReadyError(
-                Message("the VNA is not connected; connect it first", details="service connection")
-            )
+            raise not_connected()
 
-    def instrument(self, restore: bool = True) -> Analyzer:
+    def linked(self) -> Analyzer:
         """Return the instrument at the end of the link; make a link if there is none.
 
-        Args:
-            restore: Whether settings that differ are made again on a new link.
+        Its settings are neither compared nor made: somebody may be calibrating it.
 
         Raises:
             VnaError: No link can be made.
         """
         if not self._linked:
             self.check_connected()
-            self._reopen(restore)
+            self._reopen()
         return self._analyzer
+
+    def instrument(self, restore: bool = True) -> Analyzer:
+        """Return the instrument as it was set up, at the end of the link.
+
+        Args:
+            restore: Whether settings that differ are made again after the link was lost.
+
+        Raises:
+            VnaError: No link can be made, or the settings are not those that were set up.
+        """
+        analyzer, sweep = self.linked(), self._state.sweep
+        if sweep is not None and not self._settings_sure:
+            self._make_settings_sure(sweep, restore)
+            self._settings_sure = True
+        return analyzer
 
     def with_retries(
         self,
@@ -206,36 +242,32 @@ class VnaLink:
             self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
-    def _reopen(self, restore: bool) -> None:
+    def _reopen(self) -> None:
         state = self._state
         identity = self._open(state.address)
-        try:
-            if identity != state.identity:
-                raise VnaReplacedError(
-                    Message(
-                        "the VNA at {address} is now '{identity}' and was '{former}'; connect to "
-                        "it again",
-                        address=state.address,
-                        identity=identity,
-                        former=state.identity,
-                        details="service connection",
-                    )
-                )
-            if state.sweep is not None:
-                self._make_settings_sure(state.sweep, restore)
-        except VnaError:
+        if identity != state.identity:
             self.drop()
-            raise
+            raise VnaReplacedError(
+                Message(
+                    "the VNA at {address} is now '{identity}' and was '{former}'; connect to it "
+                    "again",
+                    address=state.address,
+                    identity=identity,
+                    former=state.identity,
+                    details="service connection",
+                )
+            )
         self.note(linked=True)
 
     def _make_settings_sure(self, sweep: SweepSettings, restore: bool) -> None:
-        """Compare the settings on a new link; an instrument that still has them keeps them."""
+        """Compare the settings; an instrument that still has them keeps them."""
         try:
             self._analyzer.confirm()
             return
         except (VnaNotReadyError, VnaSettingError):
             if not restore:
                 raise
+        self._restorations += 1
         if self._analyzer.configure(sweep) != sweep:
             raise VnaSettingError(
                 Message("the VNA did not accept exactly the same sweep as before")

@@ -9,29 +9,23 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
 from gpr20_common.mid.records import bounded
-from gpr20_survey.plan.survey_parameters import (
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.ms2026c import (
+    IF_BANDWIDTHS_HZ,
+    MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,
     MIN_FREQUENCY_HZ,
     MIN_FREQUENCY_POINTS,
+    MIN_FREQUENCY_SPACING_HZ,
+    OUTPUT_POWERS,
+    SECONDS_PER_POINT,
+    sweep_duration_s,
 )
-from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
-# IF bandwidths of the MS20xxC [Hz] (programming manual, [:SENSe]:SWEep:IFBW), widest first.
-IF_BANDWIDTHS_HZ = (
-    *(100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000),
-    *(500, 200, 100, 50, 20, 10),
-)
-NARROWEST_IF_BANDWIDTH_HZ = 10.0
-# With which `seconds_per_point` was stated.
-USUAL_IF_BANDWIDTH_HZ = 10_000.0
-MAX_AVERAGES = 65_535
-OUTPUT_POWERS = ("LOW", "HIGH")
-# Closer frequencies could be one to the instrument's synthesizer [Hz].
-LEAST_SPACING_HZ = 1.0
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
 # Range of time limits and periods [s]: a socket refuses far longer ones.
@@ -65,8 +59,8 @@ class VnaParameters:
         settle_s: How long a setting may take until it can be read back [s]; up to 2 s
             according to the manual of the MS20xxC.
         poll_interval_s: Longest pause between two polls of a sweep that should have ended [s].
-        seconds_per_point: Duration of a sweep per point [s] until it is measured; 350 us is
-            what the robot's group states for its unit.
+        seconds_per_point: Duration of a sweep per point [s], at an IF bandwidth of 10 kHz, until
+            it is measured; 350 us is what the robot's group states for its unit.
         sweep_timeout_s: Time limit of a sweep beyond ten times its usual duration [s].
         request_timeout_s: Time limit of a whole request with its retries, beyond ten
             times the usual duration of a sweep [s]; a link that is lost for less than this
@@ -103,7 +97,7 @@ class VnaParameters:
     clear_on_connect: bool = True
     settle_s: float = bounded(*TIMES_S, 2.0)
     poll_interval_s: float = bounded(*TIMES_S, 0.01)
-    seconds_per_point: float = bounded(0.0, 10.0, 350e-6)
+    seconds_per_point: float = bounded(0.0, 10.0, SECONDS_PER_POINT)
     sweep_timeout_s: float = bounded(*TIMES_S, 10.0)
     request_timeout_s: float = bounded(*TIMES_S, 40.0)
     attempts: int = bounded(1, 100, 9)
@@ -214,7 +208,7 @@ class VnaParameters:
                 )
             )
         spacing_hz = (stop_hz - start_hz) / (settings.points - 1)
-        if spacing_hz < LEAST_SPACING_HZ:
+        if spacing_hz < MIN_FREQUENCY_SPACING_HZ:
             raise InvalidValueError(
                 Message(
                     "{points} points from {start:.12g} to {stop:.12g} Hz are {spacing:.3g} Hz "
@@ -223,7 +217,7 @@ class VnaParameters:
                     start=start_hz,
                     stop=stop_hz,
                     spacing=spacing_hz,
-                    least=LEAST_SPACING_HZ,
+                    least=MIN_FREQUENCY_SPACING_HZ,
                 )
             )
 
@@ -234,7 +228,7 @@ class VnaParameters:
                     "{place} is {value}; it must be one of {allowed}",
                     place=Message("the IF bandwidth [Hz]"),
                     value=f"{wanted.if_bandwidth_hz:.12g}",
-                    allowed=", ".join(map(str, (0, *IF_BANDWIDTHS_HZ))),
+                    allowed=", ".join(f"{one:.12g}" for one in (0.0, *IF_BANDWIDTHS_HZ)),
                 )
             )
         number_between(Message("the number of averages"), wanted.averages, 0, MAX_AVERAGES)
@@ -250,12 +244,9 @@ class VnaParameters:
 
     def nominal_trace_s(self, settings: SweepSettings) -> float:
         """Return how long a trace may be expected to take before it is measured [s]."""
-        bandwidth_hz = settings.analyzer.if_bandwidth_hz or NARROWEST_IF_BANDWIDTH_HZ
-        # A filter needs about the inverse of its bandwidth to settle.
-        point_s = self.seconds_per_point + max(
-            0.0, 1.0 / bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ
-        )
-        return settings.points * point_s * max(1, settings.analyzer.averages)
+        # It may have any that the settings leave to it.
+        narrowest_hz = IF_BANDWIDTHS_HZ[0]
+        return sweep_duration_s(settings, self.seconds_per_point, narrowest_hz)
 
     def sweep_limit_s(self, duration_s: float) -> float:
         """Return how long a sweep may take that is expected to take `duration_s` [s]."""
