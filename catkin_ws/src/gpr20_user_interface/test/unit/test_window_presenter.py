@@ -18,12 +18,11 @@ from gpr20_user_interface.mid.events import (
     Request,
     RobotFigures,
 )
-from gpr20_user_interface.mid.message_source import MessageSources, Received
+from gpr20_user_interface.mid.message_source import MessageSources
 from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimated
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
-from gpr20_user_interface.views.main_window import MOST_UNREFRESHED
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -100,33 +99,6 @@ def state(code):
 def test_limits_of_the_axes_are_asked_for_at_once(parts):
     _, control, _ = parts
     assert control.asked == ["limits"]
-
-
-def test_the_window_is_refreshed_at_once_when_something_changes_and_rarely_otherwise(
-    parts, monkeypatch
-):
-    window, _, _ = parts
-    shown = []
-    monkeypatch.setattr(window, "show_snapshot", shown.append)
-
-    def periods_until_refreshed():
-        shown.clear()
-        for period in range(1, MOST_UNREFRESHED + 1):
-            window.refresh_when_needed()
-            if shown:
-                return period
-        raise AssertionError("the window was not refreshed")
-
-    window.refresh()
-    assert periods_until_refreshed() == MOST_UNREFRESHED
-    window.on_event(Received("/main_control", state(SurveyState.IDLE)))
-    assert periods_until_refreshed() == 1
-    # What is shown already.
-    window.on_event(Received("/main_control", state(SurveyState.IDLE)))
-    assert periods_until_refreshed() == MOST_UNREFRESHED
-    # No message of the robot.
-    window.on_event(AxisLimits(None))
-    assert periods_until_refreshed() == 1
 
 
 def test_one_press_of_start_is_one_request(parts):

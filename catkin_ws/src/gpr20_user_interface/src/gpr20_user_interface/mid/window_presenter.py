@@ -80,12 +80,6 @@ class WindowPresenter:
         if replay is not None and replay.can_pause:
             self._control.set_replay_paused(not replay.paused)
 
-    def has_changed(self) -> bool:
-        """Return whether anything is known that `snapshot` does not say."""
-        # Without contact the time of silence is in the alarm, too.
-        silent_s = self.snapshot.control_silent_s
-        return replace(self._model.snapshot(), control_silent_s=silent_s) != self.snapshot
-
     def refresh(self) -> Snapshot:
         """Return what is known now."""
         figures, self.snapshot = self.snapshot.figures, self._model.snapshot()

@@ -48,8 +48,6 @@ WIDTH_PX = 800
 HEIGHT_PX = 480
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
-# Periods after which the window is refreshed although nothing has changed.
-MOST_UNREFRESHED = 5
 # A trace must be seen within a second; drawing more often than this costs a core and shows no more.
 DRAW_MS = 250
 # A robot may be started, or restarted with other limits, after the window; this also shows
@@ -111,12 +109,8 @@ class MainWindow(TranslatedWidget):
         self.annotation = AnnotationSheet(self)
         self.notice = NoticeView(self)
         self.question = AnalyzerQuestion(self)
-        # Whether an event came that did not repeat a message of the robot, and for how many
-        # periods the window was not refreshed.
-        self._has_news = False
-        self._unrefreshed = 0
         self._timers = [
-            self._timer(REFRESH_MS, self.refresh_when_needed),
+            self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
             self._timer(MASTER_CHECK_MS, survey.check_master),
         ]
@@ -141,7 +135,6 @@ class MainWindow(TranslatedWidget):
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
-        self._has_news = self._has_news or not isinstance(event, Received)
         refusal = self.survey.on_event(event)
         if refusal is not None and refusal.other_analyzer:
             self._ask_about_analyzer(refusal.reason, refusal.other_analyzer)
@@ -155,19 +148,8 @@ class MainWindow(TranslatedWidget):
         self._show_opened()
         self.past.refresh()
 
-    def refresh_when_needed(self) -> None:
-        """Refresh what has changed; every fifth time refresh anyway.
-
-        A robot at rest sends 25 messages a second that say what is shown already. The time of
-        silence and the layout change without a message.
-        """
-        self._unrefreshed += 1
-        if self._has_news or self._unrefreshed >= MOST_UNREFRESHED or self.survey.has_changed():
-            self.refresh()
-
     def refresh(self) -> None:
         """Show what is known of the robot and the survey now."""
-        self._has_news, self._unrefreshed = False, 0
         snapshot = self.survey.refresh()
         self.traces.note_state(snapshot)
         self._show_opened()
