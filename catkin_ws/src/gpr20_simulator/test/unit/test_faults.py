@@ -40,11 +40,11 @@ def test_none_switches_all_faults_of_the_analyzer_off(switch, board):
 def test_timed_fault_lasts_as_many_seconds_as_counted(state):
     now_s = [100.0]
     board = FaultBoard(lambda: now_s[0])
-    told = []
-    board.on_set(told.append)
+    noted = []
+    board.on_set(noted.append)
     message = FaultSwitch(state, board).set("vna", "link_gone", 20)
     assert str(message) == "SIMULATED vna: fault LINK_GONE for 20 s"
-    assert told == [VnaFault.LINK_GONE]
+    assert noted == [VnaFault.LINK_GONE]
     now_s[0] += 19.9
     # However often it strikes meanwhile.
     assert all(board.is_on(VnaFault.LINK_GONE) for _ in range(100))

@@ -25,7 +25,7 @@ class Faults:
     """What the instrument does wrong.
 
     Attributes:
-        silent: Queries that it does not answer; "" stands for all.
+        silent: Queries that it does not answer; "" means all.
         drop_at: A query at which it closes the connection, once.
         ignored: Commands that it does not carry out.
         early_end: Whether it answers `*OPC?` before the sweep has ended.

@@ -1,4 +1,4 @@
-"""Every request is answered in the time that its caller was told, and confirms only its sweep."""
+"""Every request is answered in the time that its caller knows, and confirms only its sweep."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class SurveyTopics:
 
 
 def progress_of(status: Status) -> Tuple[str, int, int, float]:
-    """Return what the message with the progress of the survey tells."""
+    """Return the content of the message with the progress of the survey."""
     return status.survey_id, status.total_points, status.visited_points, status.remaining_s
 
 

@@ -19,7 +19,7 @@ SWEEP_COMPLETE = 256
 
 
 class SweepControl:
-    """Triggers, hold and continuous sweeps, and the bit that tells the end of a sweep.
+    """Triggers, hold and continuous sweeps, and the bit that shows the end of a sweep.
 
     Args:
         sweeper: The receiver.

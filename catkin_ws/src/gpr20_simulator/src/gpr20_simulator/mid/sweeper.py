@@ -171,7 +171,7 @@ class Sweeper:
         self._wake.set()
 
     def hold(self, held: bool) -> None:
-        """Pause; or go on with a series where it paused."""
+        """Pause, or continue a series where it paused."""
         with self._lock:
             if held:
                 self._pause()
