@@ -26,7 +26,7 @@ MAX_ANSWER_BYTES = 65536
 class PidQuery:
     """The method `getPid` of one node, over a connection that is kept; not for several threads.
 
-    The main control asks every node 2.5 times a second; `xmlrpc.client` would take most of the
+    The main control asks every node about once a second; `xmlrpc.client` would take much of the
     processor time that it needs at rest.
     """
 

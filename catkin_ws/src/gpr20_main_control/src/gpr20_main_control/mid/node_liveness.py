@@ -13,8 +13,8 @@ from gpr20_main_control.errors import NodeLostError
 
 # Nodes that are launched together are all running after this time [s].
 START_LIMIT_S = 15.0
-# The end of a process is noticed after one period: its address refuses connections.
-PERIOD_S = 0.4
+# The end of a process is noticed after one period, at most: its address refuses connections.
+PERIOD_S = 0.9
 # A node that does not answer for this time hangs, or the link to it is down [s]. Over a link
 # that loses packets, a single answer may take seconds.
 SILENCE_LIMIT_S = 5.0
