@@ -4,6 +4,7 @@ import sys
 
 import pytest
 
+pytest.importorskip("rosgraph")
 from gpr20_launch.high.robot_config import main
 
 

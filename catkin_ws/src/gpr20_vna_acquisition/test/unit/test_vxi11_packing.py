@@ -26,7 +26,7 @@ def test_a_call_has_the_bytes_of_the_library(seed):
     chance = random.Random(seed)
     link, flags = chance.randint(-(2**31), 2**31 - 1), chance.randint(0, 255)
     limits = [chance.randint(0, 2**32 - 1) for _ in range(3)]
-    data = chance.randbytes(chance.randint(0, 30))
+    data = bytes(chance.randrange(256) for _ in range(chance.randint(0, 30)))
     authentication = chance.choice([NO_AUTHENTICATION, (rpc.AUTH_NULL, b"abcd")])
     calls = (
         (vxi11.DEVICE_WRITE, "pack_device_write_parms", (link, *limits[:2], flags, data)),
