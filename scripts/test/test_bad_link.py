@@ -79,8 +79,9 @@ def test_a_survey_over_a_bad_link_continues_by_itself_when_the_link_was_down(tmp
         before_cut = len(statuses(tmp_path))
         # At rest, nodes that are still starting are named.
         states = [state for state, _message in statuses(tmp_path) if state != "IDLE"]
-        # Late answers are no lost nodes: one status for each state.
-        assert states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING"], states
+        # Late answers are no lost nodes: a state may say what it waits for, but it stays.
+        changes = [new for old, new in zip(["IDLE", *states], states) if new != old]
+        assert changes == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING"], states
         link.wait(draw.uniform(0.0, 2.0))
         link.cut()
         link.wait(CUT_S)
