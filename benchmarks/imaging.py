@@ -24,7 +24,8 @@ from typing import Callable, Dict, List
 import numpy as np
 
 from gpr20_analysis.imaging.back_projection import back_projection_image
-from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.imaging.refraction import one_way_delay_s

@@ -5,6 +5,7 @@ setup(
     **generate_distutils_setup(
         packages=[
             "gpr20_analysis",
+            "gpr20_analysis.candidates",
             "gpr20_analysis.commands",
             "gpr20_analysis.formats",
             "gpr20_analysis.high",

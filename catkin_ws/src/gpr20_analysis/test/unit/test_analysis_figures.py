@@ -9,7 +9,8 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis.commands.outputs import save_figure
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, WrongDatasetError
-from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps, scans
 from gpr20_analysis.plotting.style import NOT_MEASURED, decibels, remarks_of
 from gpr20_analysis.processing.background import remove_background

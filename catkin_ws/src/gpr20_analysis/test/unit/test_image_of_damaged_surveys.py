@@ -9,7 +9,8 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.imaging.echoes import find_echoes
-from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.polarization import apply_gain

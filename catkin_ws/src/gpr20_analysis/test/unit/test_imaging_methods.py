@@ -12,7 +12,8 @@ from scipy.constants import speed_of_light
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
 from gpr20_analysis.imaging.echoes import find_echoes
-from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.background import remove_background

@@ -11,7 +11,8 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import TooLargeError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.formats.merged_hdf5 import write_merged
-from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.lazy import available_bytes
 from gpr20_analysis.processing.chain import apply_steps, step_from_text
 from gpr20_analysis.read.load import load_survey

@@ -7,7 +7,8 @@ import pytest
 from ground_kit import IMAGING_SCENE, point, scene, survey_of
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.processing.background import remove_background
 

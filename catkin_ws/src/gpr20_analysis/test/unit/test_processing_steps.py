@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scipy.constants import speed_of_light
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.polarization import (

@@ -11,7 +11,7 @@ import pytest
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.imaging.image import ImageOptions
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.report import pdf_pages, pictures
 from gpr20_analysis.report.page import Section, page

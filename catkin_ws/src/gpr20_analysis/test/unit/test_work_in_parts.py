@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from gpr20_analysis import cluster
 from gpr20_analysis.cluster import slices
-from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import remove_background
 

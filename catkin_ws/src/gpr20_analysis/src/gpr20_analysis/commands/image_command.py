@@ -20,7 +20,8 @@ from gpr20_analysis.dataset import DEPTH, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
 from gpr20_analysis.imaging.echoes import FAINTEST_DB, Echo, find_echoes
-from gpr20_analysis.imaging.image import ImageOptions, Method, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
 from gpr20_analysis.imaging.image_output import (
     echo_lines,

@@ -11,7 +11,8 @@ from scipy.constants import speed_of_light
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.echoes import find_echoes
-from gpr20_analysis.imaging.image import ImageOptions, image_survey
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import (
     doubtful_echoes,
     echo_heading,

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import __version__, dataset
-from gpr20_analysis.imaging.image import ImageOptions
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps
 from gpr20_analysis.processing.chain import Step
 from gpr20_analysis.progress import Progress, no_progress

@@ -1,0 +1,95 @@
+"""A candidate, and the list of all candidates of a survey."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from gpr20_common.message import Message
+
+NO_CLEARANCE = Message(
+    "This is a list of candidates, no clearance: ground without a candidate is not free of mines."
+)
+"""Sentence that goes with every list of candidates."""
+
+
+class Flag(enum.Enum):
+    """What an analyst should know before believing a candidate."""
+
+    SURFACE_RESIDUE = "surface-residue"
+    """So shallow that it may be the rest of the surface echo."""
+    EDGE = "edge"
+    """So near to the edge of the surveyed area that it may lie outside of it."""
+    ONE_POLARIZATION = "one-polarization"
+    """Seen in one polarization only, although both were measured."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A place where the image is brighter than noise.
+
+    Uncertainties are standard deviations, except that the depth contains the range of the
+    permittivity.
+
+    Attributes:
+        id: Name within its list: "C01" is the brightest.
+        x_m: Place along X [m].
+        y_m: Place along Y [m].
+        depth_m: Depth below the surface [m].
+        x_uncertainty_m: Uncertainty along X [m].
+        y_uncertainty_m: Uncertainty along Y [m].
+        depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
+        above_noise_db: Level above the noise at this depth [dB].
+        false_alarm_probability: Probability that noise alone has a voxel as bright as this
+            anywhere in the image, 0 to 1.
+        polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
+            only one polarization was measured.
+        flags: What to know before believing it.
+    """
+
+    id: str
+    x_m: float
+    y_m: float
+    depth_m: float
+    x_uncertainty_m: float
+    y_uncertainty_m: float
+    depth_uncertainty_m: float
+    above_noise_db: float
+    false_alarm_probability: float
+    polarization_ratio_db: Optional[float]
+    flags: Tuple[Flag, ...]
+
+    @property
+    def confidence(self) -> float:
+        """Probability that noise alone has no voxel as bright as this, 0 to 1."""
+        return 1.0 - self.false_alarm_probability
+
+
+@dataclass(frozen=True)
+class CandidateList:
+    """The candidates of a survey, the brightest first, and how they were found.
+
+    Attributes:
+        survey_id: Identifier of the survey; empty if the data have none.
+        simulated: Whether the survey was made by the simulated robot.
+        method: Imaging method.
+        permittivity: Relative permittivity of the image.
+        permittivity_range: Lowest and highest possible value; equal if it was given.
+        area_m2: Surveyed area [m^2].
+        false_alarm_rate: Largest false-alarm probability of a listed candidate.
+        omitted: Number of candidates beyond the longest list, the faintest ones.
+        candidates: The candidates.
+        notes: What was left out or may be wrong.
+    """
+
+    survey_id: str
+    simulated: bool
+    method: str
+    permittivity: float
+    permittivity_range: Tuple[float, float]
+    area_m2: float
+    false_alarm_rate: float
+    omitted: int
+    candidates: Tuple[Candidate, ...]
+    notes: Tuple[Message, ...] = ()

@@ -1,0 +1,94 @@
+"""How an image is made: the method, and the values it needs."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+import numpy as np
+
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.sweep import Window
+from gpr20_common.message import Message
+
+
+class Method(enum.Enum):
+    """How an image is computed."""
+
+    PHASE_SHIFT = "phase-shift"
+    BACK_PROJECTION = "back-projection"
+    KIRCHHOFF = "kirchhoff"
+    KIRCHHOFF_2D = "kirchhoff-2d"
+
+
+@dataclass(frozen=True)
+class ImageOptions:
+    """The options of an image.
+
+    Attributes:
+        method: How the image is computed.
+        permittivity: Relative permittivity of the soil; None: estimate it by focus.
+        depth_m: Depths [m], ascending.
+        height_m: One antenna height for all traces instead of the recorded ones [m].
+        leave_out_missing: Make the image without the missing samples, instead of refusing.
+        window: Weights over the band.
+        widest_angle_deg: Widest angle to the vertical in air.
+        separation_m: Distance between the antennas [m]; back-projection alone uses it.
+        ground: Why the recorded heights differ; back-projection alone knows uneven ground.
+    """
+
+    method: Method = Method.PHASE_SHIFT
+    permittivity: Optional[float] = None
+    depth_m: Tuple[float, ...] = tuple(np.round(np.arange(0.0, 0.3001, 0.003), 6))
+    height_m: Optional[float] = None
+    leave_out_missing: bool = False
+    window: Window = Window.HANN
+    widest_angle_deg: float = 70.0
+    separation_m: float = 0.0
+    ground: Ground = Ground.LEVEL
+
+    def __post_init__(self) -> None:
+        """Check the options.
+
+        Raises:
+            WrongDatasetError: A value is not allowed.
+        """
+        depth_m = np.asarray(self.depth_m, dtype=np.float64)
+        if depth_m.size < 2 or not np.all(np.diff(depth_m) > 0.0) or not depth_m[0] >= 0.0:
+            raise WrongDatasetError(
+                Message(
+                    "the depths are {depths} m; they must be two or more, ascending, not negative",
+                    depths=", ".join(f"{one:g}" for one in depth_m[:5]) or "-",
+                )
+            )
+        _check(Message("the permittivity"), self.permittivity, 1.0, 100.0)
+        _check(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
+        _check(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
+        _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
+        if self.ground is Ground.UNEVEN and self.method is not Method.BACK_PROJECTION:
+            raise WrongDatasetError(
+                Message(
+                    "the method {method} assumes level ground; uneven ground needs --method "
+                    "{other}",
+                    method=self.method.value,
+                    other=Method.BACK_PROJECTION.value,
+                )
+            )
+
+
+def _check(
+    name: Message, value: Optional[float], lowest: float, highest: float, unit: str = ""
+) -> None:
+    # Written so that NaN is refused too.
+    if value is not None and not lowest <= value <= highest:
+        raise WrongDatasetError(
+            Message(
+                "{name} is {value}; it must lie between {lower} and {upper}",
+                name=name,
+                value=f"{value:g} {unit}".rstrip(),
+                lower=f"{lowest:g}",
+                upper=f"{highest:g} {unit}".rstrip(),
+            )
+        )

@@ -1,0 +1,137 @@
+"""The traces of a survey that an image is made of, and notes on them."""
+
+from __future__ import annotations
+
+from typing import List, Tuple
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import lazy
+from gpr20_analysis.dataset import (
+    MM_PER_M,
+    NAMED,
+    POLARIZATION,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    X,
+    Y,
+    missing_samples,
+    require,
+    require_complete,
+    usable,
+)
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.records import Ground, Traces
+from gpr20_analysis.processing.delay import ADVANCE, known_height
+from gpr20_analysis.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.processing.samples import FILLED
+from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.sentences import first_of, sentence_of
+from gpr20_common.message import Message
+
+# Height differences of level ground, by the noise of the height sensor.
+NOTED_RELIEF_M = 0.01
+# Spectra as measured, without missing samples, and in single precision while they are gated.
+COPIES = 2.5
+
+
+def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], List[Message]]:
+    """Return the traces of each polarization, and notes on them.
+
+    Raises:
+        WrongDatasetError: The data are not spectra, or were changed for display.
+        DamagedSurveyError: Samples or heights are missing, and that was not allowed.
+    """
+    changed = sentence_of(survey, DISPLAY_ONLY)
+    if changed is not None:
+        raise WrongDatasetError(
+            Message(
+                "the data were changed for display ({reason}), so no image can be made of them",
+                reason=changed,
+            )
+        )
+    recorded = require(survey, S21, S21_DIMS)
+    lazy.require_room(recorded, COPIES, Message("an image"))
+    measured = recorded.values
+    present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
+    if not options.leave_out_missing:
+        require_complete(survey, Message("an image without --leave-out-missing"))
+        if not np.all(present):
+            raise WrongDatasetError(
+                Message(
+                    "{count} samples that are marked as good contain NaN from an earlier step; "
+                    "check the recipe",
+                    count=np.count_nonzero(~present),
+                )
+            )
+    height_m = _heights(survey, options, present)
+    sweep = FrequencyGrid.of(survey)
+    spectra = np.where(present[..., None], measured, 0.0)
+    if ADVANCE in survey:
+        advance = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
+        spectra *= np.exp(-2j * np.pi * sweep.frequency_hz * advance[..., None])
+    turns = survey[POLARIZATION].values
+    x_m, y_m = (np.asarray(survey[name].values, dtype=np.float64) for name in (X, Y))
+    traces = [
+        Traces(spectra[turn], sweep, x_m, y_m, height_m[turn], float(turns[turn]))
+        for turn in range(len(turns))
+    ]
+    for one in traces:
+        if not np.any(one.s21):
+            raise WrongDatasetError(
+                Message(
+                    "every trace at {rotation_deg:g} deg is zero, so no echo can be seen; check "
+                    "the steps: the background of a single trace is the trace itself",
+                    rotation_deg=one.rotation_deg,
+                )
+            )
+    return traces, [*_notes(survey, present), *_uneven_notes(height_m, options)]
+
+
+def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:
+    if options.height_m is not None:
+        return np.full(present.shape, options.height_m)
+    height_m = known_height(survey).values
+    if not np.any(present):
+        raise WrongDatasetError(Message("no sample is usable, so there is nothing to image"))
+    # A sample that is left out adds nothing, so its height does not matter.
+    return np.where(present, height_m, float(np.mean(height_m[present])))
+
+
+def _notes(survey: xr.Dataset, present: np.ndarray) -> List[Message]:
+    notes = []
+    absent = int(np.count_nonzero(~present))
+    if absent:
+        notes.append(
+            Message(
+                "{count} of {total} samples were left out of the image ({samples})",
+                count=absent,
+                total=present.size,
+                samples=first_of(missing_samples(survey), NAMED),
+            )
+        )
+    if FILLED in survey and bool(survey[FILLED].any()):
+        notes.append(
+            Message(
+                "{count} samples of the image were not measured but interpolated",
+                count=int(survey[FILLED].sum()),
+            )
+        )
+    return notes
+
+
+def _uneven_notes(height_m: np.ndarray, options: ImageOptions) -> List[Message]:
+    range_m = float(np.ptp(height_m))
+    if options.ground is Ground.UNEVEN or range_m <= NOTED_RELIEF_M:
+        return []
+    return [
+        Message(
+            "the recorded heights differ by {range_mm:.0f} mm, but the image assumes level ground; "
+            "if the ground is uneven, echoes are misplaced: use --method back-projection --ground "
+            "uneven",
+            range_mm=MM_PER_M * range_m,
+        )
+    ]
