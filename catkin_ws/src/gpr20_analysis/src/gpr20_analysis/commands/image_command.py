@@ -83,7 +83,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="make the image without the missing samples",
     )
-    add("--window", choices=[one.value for one in Window], default=Window.HANN.value)
+    add("--window", choices=[one.value for one in Window], default=Window.HANN.value,
+        help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; only back-projection uses it")  # fmt: skip

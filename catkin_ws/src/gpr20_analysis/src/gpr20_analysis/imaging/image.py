@@ -16,12 +16,15 @@ from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
+
+KIRCHHOFF = (Method.KIRCHHOFF, Method.KIRCHHOFF_2D)
 
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
@@ -59,6 +62,10 @@ def image_survey(
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+    if options.method in KIRCHHOFF:
+        # The group's program has its own window.
+        focus = replace(focus, window=Window.HAMMING)
+        notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
     _check_unambiguous(traces, focus)
     volumes = [_volume(one, focus, options.method) for one in progress(traces, len(traces))]
     coordinates = {

@@ -163,7 +163,7 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
     if len(position_m) < 2:
         raise WrongDatasetError(
             Message(
-                "the survey has {count} position along {axis}, but the phase shift needs two or "
+                "the survey has {count} position along {axis}, but this method needs two or "
                 "more; use --method back-projection",
                 count=len(position_m),
                 axis=axis,
