@@ -18,7 +18,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_notes
@@ -55,7 +55,7 @@ def image_survey(
         window=options.window,
         widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
-        ground=options.ground,
+        ground=options.ground or Ground.LEVEL,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
     if options.permittivity is None:
