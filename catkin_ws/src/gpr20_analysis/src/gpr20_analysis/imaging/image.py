@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Dict, Sequence, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from gpr20_analysis.dataset import ATTRIBUTES, DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
+from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
@@ -24,8 +25,8 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 
-KIRCHHOFF = (Method.KIRCHHOFF, Method.KIRCHHOFF_2D)
-
+Positions = Tuple[Optional[np.ndarray], Optional[np.ndarray]]
+"""Positions of the image along X and Y [m]; None: those of the traces."""
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
 
@@ -47,7 +48,9 @@ def image_survey(
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
         DamagedSurveyError: Samples or heights are missing, and that was not allowed.
+        TooLargeError: An image with that grid step would not fit into the memory.
     """
+    x, y = image_axes(survey, options)
     traces, notes = traces_of(survey, options)
     focus = Focus(
         permittivity=options.permittivity or 4.0,
@@ -62,17 +65,18 @@ def image_survey(
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
-    if options.method in KIRCHHOFF:
+    if options.method.of_the_group:
         # The group's program has its own window.
         focus = replace(focus, window=Window.HAMMING)
         notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
     _check_unambiguous(traces, focus)
-    volumes = [_volume(one, focus, options.method) for one in progress(traces, len(traces))]
+    at = (None, None) if options.grid_step_m is None else (x.values, y.values)
+    volumes = [_volume(one, focus, options.method, at) for one in progress(traces, len(traces))]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
-        Y: survey[Y],
-        X: survey[X],
+        Y: y,
+        X: x,
     }
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
@@ -109,11 +113,11 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
+def _volume(traces: Traces, focus: Focus, method: Method, at: Positions) -> Volume:
     if method is Method.BACK_PROJECTION:
-        return back_projection_image(traces, focus), focus.depth_m
+        return back_projection_image(traces, focus, *at), focus.depth_m
     if method is Method.PHASE_SHIFT:
-        return phase_shift_image(traces, focus), focus.depth_m
+        return phase_shift_image(traces, focus, *at), focus.depth_m
     along = "x" if method is Method.KIRCHHOFF_2D else "xy"
     return kirchhoff_image(traces, focus, along)
 
@@ -136,6 +140,7 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
         "separation_m": focus.separation_m,
         "ground": focus.ground.value,
         "height_m": options.height_m,
+        "grid_step_m": options.grid_step_m,
         "leave_out_missing": options.leave_out_missing,
     }
     return {"permittivity": focus.permittivity, "method": options.method.value,
