@@ -37,6 +37,8 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 
 DEFAULT_STEPS = ("background:method=surface",)
+# The GPR-20 group's program subtracts the mean.
+STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
 FAINTEST_LIMIT_DB = 200.0
 FIGURES = ("projections_*.png", "slice_*mm.png")
@@ -110,7 +112,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = inputs.steps_of(chosen)
     outputs.check(_outputs(chosen), inputs.inputs_of(chosen, steps), chosen.overwrite)
     survey = inputs.load(chosen, catalogue)
-    default = () if recipe_of(survey) else DEFAULT_STEPS
+    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
+    default = () if recipe_of(survey) else usual
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
