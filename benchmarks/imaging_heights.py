@@ -33,7 +33,7 @@ from ground_kit import point, scene, survey_of  # noqa: E402
 
 TARGETS = (point(173.3, 181.7, 0.1134, 0.01), point(318.9, 307.4, 0.0711, 0.01))
 SCENE = scene(TARGETS, noise_db=-90.0)
-GRID_STEP_M = 0.003
+GRID_STEP_M = 0.005
 SHALLOW_M = 0.03
 
 
@@ -100,7 +100,7 @@ def main() -> None:
             for kind, (background, method, form) in kinds.items():
                 options = ImageOptions(
                     method, 4.0, ground=form, grid_step_m=GRID_STEP_M,
-                    depth_m=tuple(np.arange(0.0, 0.2, 0.003)),
+                    depth_m=tuple(np.arange(0.0, 0.2, 0.004)),
                 )  # fmt: skip
                 image = image_survey(remove_background(recorded, background), options)
                 found.setdefault((name, kind), []).append(figures(image, ground))
