@@ -1,5 +1,7 @@
 """Surveys that their control left open, and answers to a close that were lost."""
 
+import os
+
 import pytest
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, make_trace, read_json
@@ -83,7 +85,7 @@ def test_a_survey_that_another_process_writes_is_not_reopened(tmp_path):
     folder = writer.open(metadata_json=METADATA)
     writer.processing.store(make_trace(0))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    with pytest.raises(SurveyRefusedError, match="is being written by another process"):
+    with pytest.raises(SurveyRefusedError, match=rf"by another process \({os.getpid()}\)"):
         other.processing.reopen_survey(SURVEY)
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert other.processing.state().survey_id == ""

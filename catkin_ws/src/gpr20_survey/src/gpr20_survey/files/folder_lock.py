@@ -30,11 +30,25 @@ def locked(folder: Path) -> Iterator[None]:
         except BlockingIOError:
             raise SurveyRefusedError(
                 Message(
-                    "the survey in {folder} is being written by another process, for example by "
-                    "another robot with the same data folder; end the survey there first",
+                    "the survey in {folder} is being written by another process ({process}), for "
+                    "example by another robot with the same data folder; end the survey there "
+                    "first, or the process if it hangs",
                     folder=printable(folder),
+                    process=_holder(descriptor),
                 )
             ) from None
         yield
     finally:
         os.close(descriptor)
+
+
+def _holder(descriptor: int) -> str:
+    """Return the number of the process that holds a lock; "?" if this system does not show it."""
+    # Lines as "1: FLOCK  ADVISORY  WRITE 4711 00:2a:52 0 EOF", with the inode after the device.
+    inode = os.fstat(descriptor).st_ino
+    locks = Path("/proc/locks")
+    for line in locks.read_text(encoding="ascii").splitlines() if locks.exists() else []:
+        columns = line.split()
+        if columns[1] == "FLOCK" and columns[5].split(":")[-1] == str(inode):
+            return columns[4]
+    return "?"
