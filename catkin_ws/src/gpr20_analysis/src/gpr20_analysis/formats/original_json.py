@@ -16,16 +16,15 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
+from gpr20_analysis.formats.lost_imaginary import recover
+from gpr20_analysis.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import with_sentence
 from gpr20_common.message import Message
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
 NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
-SAME_PARTS = Message(
-    "real and imaginary parts are equal in every sample: an old version of the storage lost the "
-    "imaginary part, so there is no phase and no image can be made"
-)
 
 
 def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
@@ -97,15 +96,19 @@ def read_original(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
                     first=paths[0].name,
                 )
             )
-    copied = all(np.array_equal(sample["s21"].real, sample["s21"].imag) for sample in samples)
-    return on_grid(
+    heights_m = [sample["height_m"] for sample in samples]
+    found = recover([sample["s21"] for sample in samples], frequency_hz, heights_m)
+    data = on_grid(
         folder.name,
         np.array([sample["position"] for sample in samples]),
-        (sample["s21"] for sample in samples),
-        [sample["height_m"] for sample in samples],
+        found.spectra,
+        heights_m,
         frequency_hz,
-        [SAME_PARTS] if copied else [],
+        found.notes,
     )
+    if found.refusal is None:
+        return data
+    return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, found.refusal))
 
 
 def _read(path: Path) -> Dict[str, Any]:
