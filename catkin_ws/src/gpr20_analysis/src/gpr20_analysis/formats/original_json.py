@@ -6,7 +6,7 @@ import json
 import math
 import re
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import numpy as np
 import orjson
@@ -17,6 +17,7 @@ from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
 from gpr20_analysis.formats.lost_imaginary import recover
+from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
 from gpr20_analysis.processing.polarization import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_sentence
@@ -58,6 +59,8 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_pro
                 for one, value in zip(frequencies, values)
             ],
         }
+        if is_simulated(survey):
+            sample[SIMULATED_KEY] = True
         name = f"X{x_mm:06.2f}_Y{y_mm:06.2f}_Z{z_deg:06.2f}.json"
         with (folder / name).open("x", encoding="ascii") as stream:
             json.dump(sample, stream, allow_nan=False)
@@ -69,8 +72,15 @@ def holds_original(folder: Path) -> bool:
     return any(NAME.fullmatch(path.name) for path in folder.glob("X*.json"))
 
 
-def read_original(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
-    """Read a folder of such files.
+def read_original(
+    folder: Path, progress: Progress = no_progress, facts: Optional[Facts] = None
+) -> xr.Dataset:
+    """Read a folder of such files; a lost imaginary part is recovered.
+
+    Args:
+        folder: The folder.
+        progress: Shows the progress.
+        facts: What is known of the survey besides.
 
     Raises:
         AnalysisError: There is none.
@@ -105,6 +115,8 @@ def read_original(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
         heights_m,
         frequency_hz,
         found.notes,
+        simulated=True if any(sample["simulated"] for sample in samples) else None,
+        facts=facts,
     )
     if found.refusal is None:
         return data
@@ -122,6 +134,7 @@ def _read(path: Path) -> Dict[str, Any]:
             "position": [float(sample[key]) for key in ("z_coord", "y_coord", "x_coord")],
             "height_m": math.nan if height is None else float(height),
             "frequency_hz": rows[:, 0],
+            "simulated": sample.get(SIMULATED_KEY) is True,
             "s21": rows[:, 1] + 1j * rows[:, 2],
         }
     except (KeyError, TypeError, ValueError) as error:
