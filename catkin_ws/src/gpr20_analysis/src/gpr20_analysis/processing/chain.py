@@ -23,6 +23,7 @@ from gpr20_analysis.processing.polarization import (
 )
 from gpr20_analysis.processing.samples import fill_missing
 from gpr20_analysis.processing.sweep import apply_window, select_band
+from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
@@ -39,6 +40,7 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
+    "frequency": to_frequency,
     "gain": apply_gain,
 }
 """The steps by name; the arguments after the survey are the parameters of a step."""
