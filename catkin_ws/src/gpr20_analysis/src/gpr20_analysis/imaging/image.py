@@ -19,6 +19,7 @@ from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
@@ -71,7 +72,8 @@ def image_survey(
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
     described = with_notes(survey, notes)
-    return image.assign_attrs({**described, **attributes, **_record(options, focus)})
+    delay_s = delay_to_remove_s(survey, options.delay_s)
+    return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
 
 def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
@@ -120,7 +122,7 @@ def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     }
 
 
-def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
+def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, object]:
     record = {
         "method": options.method.value,
         "permittivity": focus.permittivity,
@@ -130,6 +132,7 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
         "ground": focus.ground.value,
         "height_m": options.height_m,
         "leave_out_missing": options.leave_out_missing,
+        "delay_s": delay_s,
     }
     return {"permittivity": focus.permittivity, "method": options.method.value,
             "imaging": json.dumps(record)}  # fmt: skip
