@@ -32,6 +32,7 @@ from gpr20_analysis.imaging.image_output import (
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.processing.sweep import Window
+from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.sentences import sentences_of, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -90,6 +91,9 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     add("--ground", choices=[one.value for one in Ground], default=Ground.LEVEL.value,
         help="uneven: the recorded heights differ because of the ground, not because of the "
         "antennas; only back-projection supports it")  # fmt: skip
+    add("--delay", type=float, metavar="NS",
+        help="delay of cables and antennas to remove [ns]; default: the one of the survey, see "
+        "gpr20 delay")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -149,6 +153,7 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         widest_angle_deg=chosen.widest_angle,
         separation_m=chosen.separation,
         ground=Ground(chosen.ground),
+        delay_s=None if chosen.delay is None else chosen.delay * S_PER_NS,
     )
 
 

@@ -30,6 +30,7 @@ from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.imaging.noise import law_of, measured_noise
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
@@ -85,7 +86,8 @@ def image_survey(
     image[IMAGE].attrs.update(units="1", long_name="image")
     image = image.assign(_noise(traces, focus, options.method, volumes[0][1]))
     described = with_notes(survey, notes)
-    return image.assign_attrs({**described, **attributes, **_record(options, focus)})
+    delay_s = delay_to_remove_s(survey, options.delay_s)
+    return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
 
 def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
@@ -154,7 +156,7 @@ def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     }
 
 
-def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
+def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, object]:
     record = {
         "method": options.method.value,
         "permittivity": focus.permittivity,
@@ -164,6 +166,7 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
         "ground": focus.ground.value,
         "height_m": options.height_m,
         "leave_out_missing": options.leave_out_missing,
+        "delay_s": delay_s,
     }
     return {"permittivity": focus.permittivity, "method": options.method.value,
             "imaging": json.dumps(record)}  # fmt: skip
