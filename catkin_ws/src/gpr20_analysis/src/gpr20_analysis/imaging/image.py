@@ -26,14 +26,17 @@ from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
 from gpr20_analysis.imaging.noise import law_of, measured_noise
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
+
+KIRCHHOFF = (Method.KIRCHHOFF, Method.KIRCHHOFF_2D)
 
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
@@ -66,13 +69,17 @@ def image_survey(
         window=options.window,
         widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
-        ground=options.ground,
+        ground=options.ground or Ground.LEVEL,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
     if options.permittivity is None:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+    if options.method in KIRCHHOFF:
+        # The group's program has its own window.
+        focus = replace(focus, window=Window.HAMMING)
+        notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
     _check_unambiguous(traces, focus)
     volumes = [_volume(one, focus, options.method) for one in progress(traces, len(traces))]
     coordinates = {

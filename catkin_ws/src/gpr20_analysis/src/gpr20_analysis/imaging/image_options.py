@@ -37,7 +37,8 @@ class ImageOptions:
         window: Weights over the band.
         widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; back-projection alone uses it.
-        ground: Why the recorded heights differ; back-projection alone knows uneven ground.
+        ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
+            level, but the other methods refuse heights that differ much.
         delay_s: Delay of cables and antennas to remove [s]; None: the one that the survey
             records, else none.
     """
@@ -50,7 +51,7 @@ class ImageOptions:
     window: Window = Window.HANN
     widest_angle_deg: float = 70.0
     separation_m: float = 0.0
-    ground: Ground = Ground.LEVEL
+    ground: Optional[Ground] = None
     delay_s: Optional[float] = None
 
     def __post_init__(self) -> None:
