@@ -79,6 +79,21 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class AreaPosition:
+    """Where the survey's area is on the earth.
+
+    Attributes:
+        latitude_deg: WGS 84 latitude of the origin of X and Y [deg], north positive.
+        longitude_deg: WGS 84 longitude of the origin [deg], east positive.
+        heading_deg: Direction of +Y, clockwise from north [deg]; +X is 90 degrees to its right.
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+    heading_deg: float
+
+
+@dataclass(frozen=True)
 class CandidateList:
     """The candidates of a survey and how they were found.
 
@@ -95,6 +110,8 @@ class CandidateList:
         omitted: Number of candidates beyond the longest list, the last ones.
         candidates: The candidates.
         notes: What was left out or may be wrong.
+        position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
+            has no position or no heading.
     """
 
     survey_id: str
@@ -107,3 +124,4 @@ class CandidateList:
     omitted: int
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()
+    position: Optional[AreaPosition] = None

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 from scipy.ndimage import maximum_filter
 
-from gpr20_analysis.candidates.candidate import SECONDARY, Candidate, CandidateList, Flag
+from gpr20_analysis.candidates.candidate import (
+    SECONDARY,
+    AreaPosition,
+    Candidate,
+    CandidateList,
+    Flag,
+)
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.echoes import peak_place
+from gpr20_analysis.read.annotation_attributes import HEADING, LATITUDE, LONGITUDE
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 
@@ -101,7 +108,15 @@ def find_candidates(
         omitted=len(found) - len(listed),
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
+        position=_position(image),
     )
+
+
+def _position(image: xr.Dataset) -> Optional[AreaPosition]:
+    names = (LATITUDE, LONGITUDE, HEADING)
+    if not all(name in image.attrs for name in names):
+        return None
+    return AreaPosition(*(float(image.attrs[name]) for name in names))
 
 
 def _notes(rating: Rating) -> List[Message]:
