@@ -55,6 +55,8 @@ class Candidate:
             noise could not be measured.
         false_alarm_probability: Probability that noise alone has a voxel as bright as this
             anywhere in the image, 0 to 1; 1 if the noise could not be measured.
+        rotations_deg: Rotations of the antennas at which it is brighter than noise, the one where
+            it is brightest first [deg]; NaN for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
             only one polarization was measured.
         flags: What to know before believing it.
@@ -69,6 +71,7 @@ class Candidate:
     depth_uncertainty_m: float
     above_noise_db: float
     false_alarm_probability: float
+    rotations_deg: Tuple[float, ...]
     polarization_ratio_db: Optional[float]
     flags: Tuple[Flag, ...]
 

@@ -96,6 +96,7 @@ def candidate_record(candidate: Candidate, found: CandidateList) -> Dict[str, An
     """Return the values of a candidate; None for what is not known."""
     values = asdict(candidate)
     values["flags"] = [flag.value for flag in candidate.flags]
+    values["rotations_deg"] = [None if _is_nan(one) else one for one in candidate.rotations_deg]
     values["confidence"] = candidate.confidence
     values["longitude_deg"], values["latitude_deg"] = (
         on_earth(found.position, candidate.x_m, candidate.y_m) if found.position else (None, None)
@@ -158,7 +159,8 @@ def _write_gpkg(found: CandidateList, path: Path) -> None:
 
 
 def _flat(record: Dict[str, Any]) -> Dict[str, Any]:
-    return {**record, "flags": " ".join(record["flags"])}
+    turns = ["combined" if one is None else f"{one:g}" for one in record["rotations_deg"]]
+    return {**record, "flags": " ".join(record["flags"]), "rotations_deg": " ".join(turns)}
 
 
 def _is_nan(value: object) -> bool:
@@ -168,8 +170,8 @@ def _is_nan(value: object) -> bool:
 COLUMNS = (
     *("id", "x_m", "y_m", "depth_m"),
     *("x_uncertainty_m", "y_uncertainty_m", "depth_uncertainty_m"),
-    *("above_noise_db", "false_alarm_probability", "confidence", "polarization_ratio_db"),
-    *("flags", "longitude_deg", "latitude_deg"),
+    *("above_noise_db", "false_alarm_probability", "confidence"),
+    *("rotations_deg", "polarization_ratio_db", "flags", "longitude_deg", "latitude_deg"),
 )
 WRITERS: Dict[str, Callable[[CandidateList, Path], None]] = {
     CSV: _write_csv,

@@ -15,6 +15,7 @@ from typing import Any, Dict, Sequence, Tuple
 
 APPLICATION_ID, USER_VERSION = 0x47504B47, 10400
 WGS84, UNKNOWN_CARTESIAN = 4326, -1
+TEXTS = ("id", "flags", "rotations_deg")
 LAYER, FACTS = "candidates", "candidate_list"
 WGS84_DEFINITION = (
     'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,'
@@ -60,7 +61,7 @@ def write_geopackage(
 
     Args:
         path: File to create.
-        columns: Names of the values of a row; `id` and `flags` are text, all others numbers.
+        columns: Names of the values of a row; those of `TEXTS` are text, all others numbers.
         rows: Values by name; None is stored as NULL.
         facts: Names and texts of the table `candidate_list`.
         description: Description of the layer.
@@ -80,7 +81,7 @@ def write_geopackage(
             database.execute(f"PRAGMA user_version = {USER_VERSION}")
             _describe(database, srs, points, description)
             kinds = ", ".join(
-                f'"{name}" {"TEXT" if name in ("id", "flags") else "DOUBLE"}' for name in columns
+                f'"{name}" {"TEXT" if name in TEXTS else "DOUBLE"}' for name in columns
             )
             database.execute(
                 f"CREATE TABLE {LAYER} (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, "

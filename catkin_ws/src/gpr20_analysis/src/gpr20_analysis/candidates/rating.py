@@ -63,6 +63,10 @@ class Rating:
         """A peak that much fainter than one near it may be a sidelobe [dB]."""
         return SIDELOBE_DB[self._law]
 
+    def magnitude(self, turn: int) -> np.ndarray:
+        """Return the magnitudes (depth, y, x) of a polarization."""
+        return self._magnitude[turn]
+
     def level(self, turn: int) -> np.ndarray:
         """Return magnitudes (depth, y, x) above noise; bare magnitudes if it is not known."""
         if not self.is_rated:

@@ -147,10 +147,10 @@ class _Peaks:
 def _peaks(rating: Rating, options: CandidateOptions) -> _Peaks:
     places = []
     for turn in range(rating.polarizations):
-        level = rating.level(turn)
-        highest = maximum_filter(level, size=3, mode="nearest")
+        level, magnitude = rating.level(turn), rating.magnitude(turn)
+        highest = maximum_filter(magnitude, size=3, mode="nearest")
         threshold = rating.threshold(options.false_alarm_rate)
-        chosen = np.argwhere((level == highest) & (level > 0.0) & (level >= threshold))
+        chosen = np.argwhere((magnitude == highest) & (magnitude > 0.0) & (level >= threshold))
         places.append(np.insert(chosen, 0, turn, axis=1))
     place = np.concatenate(places)
     levels = np.array([rating.level(turn)[depth, y, x] for turn, depth, y, x in place])
@@ -185,8 +185,7 @@ def _candidate(
     options: CandidateOptions,
 ) -> Candidate:
     turn, *place = (int(one) for one in group[0])
-    level = rating.level(turn)
-    depth_m, y_m, x_m = peak_place(level, axes, tuple(place))
+    depth_m, y_m, x_m = peak_place(rating.magnitude(turn), axes, tuple(place))
     picked_m = rating.picking_m(rating.above_noise_db(turn, place))
     lowest, highest = _permittivity_range(image)
     permittivity = float(image.attrs["permittivity"])
@@ -204,6 +203,9 @@ def _candidate(
         depth_uncertainty_m=math.hypot(picked_m[0], of_height_m) + max(of_permittivity_m, 0.0),
         above_noise_db=rating.above_noise_db(turn, place),
         false_alarm_probability=rating.false_alarm_probability(turn, place),
+        rotations_deg=tuple(
+            float(image[POLARIZATION][one]) for one in dict.fromkeys(group[:, 0].tolist())
+        ),
         polarization_ratio_db=rating.polarization_ratio_db(place),
         flags=_flags(group, (depth_m, y_m, x_m), rating, axes),
     )

@@ -233,7 +233,8 @@ def _print(
 def print_candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> None:
     """Print the notes on an image, its permittivity and the table of candidates."""
     notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
-    for line in [*notes, permittivity_line(image)]:
+    estimated = [permittivity_line(image)] if "permittivity_lowest" in image.attrs else []
+    for line in [*notes, *estimated]:
         print(printable(shown(line, catalogue)))
     print("\n".join(candidate_lines(found, catalogue)))
 
