@@ -28,9 +28,10 @@ EXACT = (Method.PHASE_SHIFT, Method.BACK_PROJECTION)
 
 
 def brightest_near(image, target, turn=0):
-    """Return the candidate of one polarization nearest to a target."""
+    """Return the bright candidate of one polarization nearest to a target."""
+    found = find_candidates(image.isel(polarization=[turn])).candidates
     return min(
-        find_candidates(image.isel(polarization=[turn])).candidates,
+        (one for one in found if one.above_noise_db > found[0].above_noise_db - 15.0),
         key=lambda one: np.hypot(one.x_m - target.x_mm / 1e3, one.y_m - target.y_mm / 1e3),
     )
 

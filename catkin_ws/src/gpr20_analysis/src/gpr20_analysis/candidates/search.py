@@ -185,7 +185,9 @@ def _candidate(
     options: CandidateOptions,
 ) -> Candidate:
     turn, *place = (int(one) for one in group[0])
-    depth_m, y_m, x_m = peak_place(rating.magnitude(turn), axes, tuple(place))
+    # The noise varies over the image, so the voxel that is furthest above it is not the peak.
+    top_turn, *top = max(group.tolist(), key=lambda one: rating.magnitude(one[0])[tuple(one[1:])])
+    depth_m, y_m, x_m = peak_place(rating.magnitude(top_turn), axes, tuple(top))
     picked_m = rating.picking_m(rating.above_noise_db(turn, place))
     lowest, highest = _permittivity_range(image)
     permittivity = float(image.attrs["permittivity"])
