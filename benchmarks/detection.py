@@ -3,8 +3,8 @@
 Usage: scripts/bench.sh detection [--scenes 100] [--noise-surveys 300] [--figure detection.svg]
 
 Scenes: 25 x 25 positions of 15 mm step, two polarizations, 201 frequencies, permittivity 3 to 9,
-one to three point targets at 30 to 200 mm depth, at random places at least 60 mm apart. Noise is that
-much below the strongest echo of each target at each frequency of one trace; the image adds up
+one to three point targets at 30 to 200 mm depth, at random places at least 60 mm apart. Noise is
+that much below the strongest echo of each target at each frequency of one trace; the image adds up
 thousands of such samples. Half of the scenes also have the echo of a surface, 30 dB above those of
 the targets, whose height varies by 1 mm (standard deviation) from trace to trace; the recorded
 heights do not know it. The mean of all traces is subtracted. A candidate within 30 mm across and 20
@@ -41,6 +41,10 @@ LEVELS_DB = (20.0, 10.0, 0.0, -20.0, -30.0, -35.0)
 RATES = (0.1, 0.01, 0.001)
 SURFACE, ROUGHNESS_M = 10.0 ** (30.0 / 20.0), 0.001
 ACROSS_M, DEEPER_M, APART_M = 0.03, 0.02, 0.06
+HEADING = (
+    *("ground", "echo above noise dB", "false-alarm rate %", "found %", "found without flag %"),
+    *("false per m2", "flagged per m2"),
+)
 Place = Tuple[float, float, float]
 
 
@@ -185,15 +189,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     if not chosen.scenes:
         return
     counts = detections(chosen.scenes, method)
-    print("| ground | echo above noise dB | false-alarm rate % | found % | without flags % | "
-          "false per m2 | flagged per m2 |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |")  # fmt: skip
+    print(f"| {' | '.join(HEADING)} |\n| --- {'| ---: ' * (len(HEADING) - 1)}|")
     for (rough, level_db, rate), one in sorted(counts.items()):
         there, plain, hit, false, flagged, scenes = one
         area_m2 = scenes * AREA_M2
-        print(
-            f"| {'rough' if rough else 'level'} | {level_db:g} | {100.0 * rate:g} | "
-            f"{100.0 * hit / there:.0f} | {100.0 * plain / there:.0f} | {false / area_m2:.1f} | {flagged / area_m2:.1f} |"
-        )
+        shares = [f"{100.0 * count / there:.0f}" for count in (hit, plain)]
+        densities = [f"{count / area_m2:.1f}" for count in (false, flagged)]
+        ground = "rough" if rough else "level"
+        cells = [ground, f"{level_db:g}", f"{100.0 * rate:g}", *shares, *densities]
+        print(f"| {' | '.join(cells)} |")
     if chosen.figure:
         draw(counts, chosen.figure)
 
