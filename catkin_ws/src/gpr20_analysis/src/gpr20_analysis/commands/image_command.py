@@ -110,6 +110,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; only back-projection uses it")  # fmt: skip
+    add("--grid-step", type=float, metavar="MM",
+        help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],
         help="why the recorded heights differ: level: the antennas moved up and down; uneven: the "
         "ground rises and falls, which only back-projection supports")  # fmt: skip
@@ -178,6 +180,7 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         window=Window(chosen.window),
         widest_angle_deg=chosen.widest_angle,
         separation_m=chosen.separation,
+        grid_step_m=None if chosen.grid_step is None else chosen.grid_step / MM_PER_M,
         ground=Ground(chosen.ground) if chosen.ground else None,
         delay_s=None if chosen.delay is None else chosen.delay * S_PER_NS,
     )
