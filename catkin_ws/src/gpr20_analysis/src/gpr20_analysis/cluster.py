@@ -75,6 +75,11 @@ def parts() -> int:
     return 1 if client is None else PARTS_PER_WORKER * len(client.nthreads())
 
 
+def pieces(count: int) -> int:
+    """Return the number of pieces of work: small ones in this process, to show the progress."""
+    return count if parts() == 1 else parts()
+
+
 def distribute(
     function: Callable[[Any, Any], Any],
     shared: Any,

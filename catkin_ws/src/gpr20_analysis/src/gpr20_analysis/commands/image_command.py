@@ -111,7 +111,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        progress = inputs.progress_bar(catalogue.tr("imaging polarizations"))
+        progress = inputs.progress_bar(catalogue.tr("imaging"))
         image = image_survey(processed, options, progress)
     _write(image, chosen, catalogue)
     _print(image, chosen, catalogue)

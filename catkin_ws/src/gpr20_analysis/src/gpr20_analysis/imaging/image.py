@@ -19,7 +19,7 @@ from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 
@@ -35,7 +35,7 @@ def image_survey(
     Args:
         survey: Dataset with `s21`, without coupling and surface echo.
         options: How the image is made.
-        progress: Shows which polarization is imaged.
+        progress: Shows the progress over all polarizations.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
@@ -60,7 +60,9 @@ def image_survey(
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
     _check_unambiguous(traces, focus)
-    volumes = [_volume(one, focus, options.method) for one in progress(traces, len(traces))]
+    volumes = [
+        _volume(one, focus, options.method, stage) for one, stage in in_stages(traces, progress)
+    ]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
@@ -102,9 +104,9 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
+def _volume(traces: Traces, focus: Focus, method: Method, progress: Progress) -> Volume:
     if method is Method.BACK_PROJECTION:
-        return back_projection_image(traces, focus), focus.depth_m
+        return back_projection_image(traces, focus, progress=progress), focus.depth_m
     if method is Method.PHASE_SHIFT:
         return phase_shift_image(traces, focus), focus.depth_m
     along = "x" if method is Method.KIRCHHOFF_2D else "xy"

@@ -21,16 +21,18 @@ def _interpolate_each(  # type: ignore[no-untyped-def]
     values, samples, heights, delays, level, more, least_m
 ):
     """Store what each trace holds at the delay that belongs to its own height."""
-    real, imaginary = samples[0], samples[1]
+    # Indices that cannot be negative are faster.
+    step = np.uint64(samples.shape[2])
+    real, imaginary = samples[0].ravel(), samples[1].ravel()
     for trace in range(values.shape[1]):
         place = delays[level[trace]] + np.float32(2.0) * more[trace]
         index = np.int32(place)
-        share = place - np.float32(index)
+        part = place - np.float32(index)
         weight = np.float32(heights[trace] >= least_m)
-        for part in range(2):
-            before = samples[part, index, trace]
-            after = samples[part, index + 1, trace]
-            values[part, trace] = weight * (before + share * (after - before))
+        earlier, later = weight - weight * part, weight * part
+        here = np.uint64(index) * step + np.uint64(trace)
+        values[0, trace] = earlier * real[here] + later * real[here + step]
+        values[1, trace] = earlier * imaginary[here] + later * imaginary[here + step]
 
 
 @numba.njit(cache=True, fastmath=True, error_model="numpy", nogil=True)

@@ -1,6 +1,6 @@
 """The compiled loops of the back-projection pair by pair; importing this needs numba.
 
-They run without the interpreter's lock, so that several rows are computed at once in threads. Real
+They run without the interpreter's lock, so that several parts are computed at once in threads. Real
 and imaginary parts are in separate arrays, so that the compiler can process several voxels at once.
 """
 
@@ -53,11 +53,11 @@ def _add_apart(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, fastmath=True, nogil=True)
-def project_row(  # type: ignore[no-untyped-def]
+def project_columns(  # type: ignore[no-untyped-def]
     samples, place_m, side_m, height_m, level, more, table, surface, step_m, reach, depth_m,
     uneven, x_m, y_m, column_m, column_level, column_more,
 ):  # fmt: skip
-    """Return one row of the image (x, 2: real and imaginary, depth), float32.
+    """Return adjacent columns of one row of the image (x, 2: real and imaginary, depth), float32.
 
     Args:
         samples: Analytic A-scans (trace, 2: real and imaginary part, delay), float32.
@@ -73,8 +73,8 @@ def project_row(  # type: ignore[no-untyped-def]
         reach: Horizontal reach of the widest ray per height and per depth.
         depth_m: Depths [m].
         uneven: Whether the ground is uneven; level ground does not use the last three.
-        x_m: Positions of the row along X [m].
-        y_m: Its position along Y [m].
+        x_m: Positions of the columns along X [m].
+        y_m: Their position along Y [m].
         column_m: Height of the antennas' plane above the surface at each position [m].
         column_level: Index of the table's height nearest to it.
         column_more: Remaining one-way delay, in samples, float32.
@@ -104,7 +104,5 @@ def project_row(  # type: ignore[no-untyped-def]
             if uneven:
                 own, rest = column_level[column], column_more[column]
                 lower_m = np.float32(height_m[trace] - column_m[column])
-            _add_apart(
-                voxels, samples[trace], table[own], surface, out, back, rest, lower_m, first
-            )
+            _add_apart(voxels, samples[trace], table[own], surface, out, back, rest, lower_m, first)
     return image
