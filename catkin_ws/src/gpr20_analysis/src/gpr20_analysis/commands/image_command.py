@@ -146,7 +146,7 @@ def image_of(
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        progress = inputs.progress_bar(catalogue.tr("imaging polarizations"))
+        progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
 

@@ -33,7 +33,7 @@ from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.processing.sweep import Window
-from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 
@@ -51,7 +51,7 @@ def image_survey(
     Args:
         survey: Dataset with `s21`, without coupling and surface echo.
         options: How the image is made.
-        progress: Shows which polarization is imaged.
+        progress: Shows the progress over all polarizations.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
@@ -85,7 +85,9 @@ def image_survey(
         notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
     _check_unambiguous(traces, focus)
     at = (None, None) if options.grid_step_m is None else (x.values, y.values)
-    volumes = [_volume(one, focus, options.method, at) for one in progress(traces, len(traces))]
+    volumes = [
+        _volume(one, focus, options.method, at, stage) for one, stage in in_stages(traces, progress)
+    ]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
@@ -129,9 +131,15 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _volume(traces: Traces, focus: Focus, method: Method, at: Positions) -> Volume:
+def _volume(
+    traces: Traces,
+    focus: Focus,
+    method: Method,
+    at: Positions,
+    progress: Progress = no_progress,
+) -> Volume:
     if method is Method.BACK_PROJECTION:
-        return back_projection_image(traces, focus, *at), focus.depth_m
+        return back_projection_image(traces, focus, *at, progress=progress), focus.depth_m
     if method is Method.PHASE_SHIFT:
         return phase_shift_image(traces, focus, *at), focus.depth_m
     along = "x" if method is Method.KIRCHHOFF_2D else "xy"
