@@ -145,10 +145,11 @@ def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(survey, t
     with h5py.File(path, "r+") as file:
         del file["A-Scan/Im{A-Scan x-pol}"]
     assert main(["import", str(path), str(tmp_path / "r.nc"), "--format", "merged-hdf5"]) == 0
-    found = read_dataset(tmp_path / "r.nc").s21.values
-    inside = slice(10, -10)
-    error = np.linalg.norm((found - survey.s21.values)[..., inside])
-    assert error < 0.02 * np.linalg.norm(survey.s21.values)
+    found, true = read_dataset(tmp_path / "r.nc").s21.values, survey.s21.values
+    # A real trace also has the negative frequencies, which leak a little.
+    factor = np.vdot(true, found) / np.linalg.norm(true) ** 2
+    assert factor == pytest.approx(1.0, abs=0.02)
+    assert np.linalg.norm(found - true) < 0.15 * np.linalg.norm(true)
 
 
 @pytest.mark.parametrize("band", [(1e9, 9e8, 5), (1e9, 2e9, 1), (1e9, 1e12, 5), (-1.0, 2e9, 5)])
