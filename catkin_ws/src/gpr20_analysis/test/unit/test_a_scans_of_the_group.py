@@ -148,7 +148,7 @@ def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(survey, t
     found, true = read_dataset(tmp_path / "r.nc").s21.values, survey.s21.values
     # A real trace also has the negative frequencies, which leak a little.
     factor = np.vdot(true, found) / np.linalg.norm(true) ** 2
-    assert factor == pytest.approx(1.0, abs=0.02)
+    assert factor == pytest.approx(1.0, abs=0.05)
     assert np.linalg.norm(found - true) < 0.15 * np.linalg.norm(true)
 
 
