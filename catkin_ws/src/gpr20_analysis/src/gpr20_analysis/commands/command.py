@@ -35,6 +35,7 @@ SUMMARIES: Dict[str, str] = {
     "process": "apply a chain of steps and store the result with its recipe",
     "image": "image the ground below a survey and list the echoes in it",
     "plot": "draw a survey, its A-scans or an image",
+    "view": "look at a survey in a window: B-scan, slices, 3D, picks",
     "annotate": "set operator, site, notes and position of a survey",
     "verify": "check a survey's folder against its manifest, recordings and plan",
     "repair": "write a lost or damaged manifest again if everything else agrees",
