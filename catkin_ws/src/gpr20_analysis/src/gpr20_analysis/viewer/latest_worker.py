@@ -65,15 +65,11 @@ class LatestWorker(Generic[Request, Result]):
                 return
             # The thread must survive: the window shows the error and asks for something else.
             except Exception as error:
-                self._report(self._failed, wanted, error)
+                if not self._is_closed:
+                    self._failed(wanted, error)
             else:
-                self._report(self._deliver, wanted, result)
-
-    def _report(self, function: Callable[[Request, object], None], *values: object) -> None:
-        with self._changed:
-            closed = self._is_closed
-        if not closed:
-            function(*values)
+                if not self._is_closed:
+                    self._deliver(wanted, result)
 
     def _until_closed(self, items: Iterable, total: Optional[int] = None) -> Iterable:
         for item in items:

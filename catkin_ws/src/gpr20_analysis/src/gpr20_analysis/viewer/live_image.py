@@ -92,6 +92,8 @@ class LiveImage:
         self.x_m, self.y_m, self.depth_m = (
             image[axis].values.astype(np.float64) for axis in (X, Y, DEPTH)
         )
+        # Those that were asked for last: a cursor that moves needs the same again.
+        self._levels: Optional[Tuple[Tuple[int, float], np.ndarray]] = None
         self._largest = self.magnitude.max(axis=(2, 3))
         self.range = tuple(
             float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest")
@@ -119,8 +121,13 @@ class LiveImage:
 
     def gain_db(self, db_per_ns: float) -> np.ndarray:
         """Return the display gain of each depth [dB]."""
-        return db_per_ns * NS_PER_S * 2.0 * self.depth_m * np.sqrt(self.permittivity) / (
-            speed_of_light
+        return (
+            db_per_ns
+            * NS_PER_S
+            * 2.0
+            * self.depth_m
+            * np.sqrt(self.permittivity)
+            / (speed_of_light)
         )
 
     def reference_db(self, db_per_ns: float) -> float:
@@ -129,16 +136,19 @@ class LiveImage:
 
     def levels_db(self, turn: int, db_per_ns: float) -> np.ndarray:
         """Return the levels of a polarization (depth, y, x) relative to the brightest [dB]."""
-        gain_db = self.gain_db(db_per_ns)[:, None, None] - self.reference_db(db_per_ns)
-        return _decibels(self.magnitude[turn]) + gain_db.astype(np.float32)
+        if self._levels is None or self._levels[0] != (turn, db_per_ns):
+            gain_db = self.gain_db(db_per_ns)[:, None, None] - self.reference_db(db_per_ns)
+            levels_db = _decibels(self.magnitude[turn]) + gain_db.astype(np.float32)
+            self._levels = ((turn, db_per_ns), levels_db)
+        return self._levels[1]
 
     def level_at_db(self, turn: int, x_m: float, y_m: float, depth_m: float) -> float:
         """Return the level of the nearest voxel relative to the brightest one, without gain."""
-        place = tuple(
+        layer, row, column = (
             int(np.argmin(np.abs(axis - at)))
             for axis, at in ((self.depth_m, depth_m), (self.y_m, y_m), (self.x_m, x_m))
         )
-        level = _decibels(self.magnitude[(turn, *place)])
+        level = _decibels(self.magnitude[turn, layer, row, column])
         return float(level) - self.reference_db(0.0)
 
 

@@ -144,7 +144,9 @@ class PickEditor:
         Raises:
             PickRefusedError: The note is too long.
         """
-        self._change(tuple(replace(one, note=note) if one.id == name else one for one in self.picks))
+        self._change(
+            tuple(replace(one, note=note) if one.id == name else one for one in self.picks)
+        )
 
     def undo(self) -> None:
         """Take the last change back, if there is one."""

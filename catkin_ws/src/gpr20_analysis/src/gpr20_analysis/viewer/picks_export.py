@@ -7,14 +7,12 @@ import io
 import json
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Dict
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.viewer.identity import SurveyIdentity
 from gpr20_analysis.viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, Picks
-
-if TYPE_CHECKING:
-    from gpr20_analysis.viewer.picks_file import SurveyIdentity
 
 CSV, JSON = ".csv", ".json"
 SHARED = ("survey_id", "survey_sha256", "simulated", "notice")
@@ -49,7 +47,7 @@ def export_picks(picks: Picks, identity: SurveyIdentity, path: Path) -> None:
         place.write_text(text, encoding="utf-8")
 
 
-def _csv(picks: Picks, shared: "dict[str, str]") -> str:
+def _csv(picks: Picks, shared: Dict[str, str]) -> str:
     stream = io.StringIO()
     names = [field.name for field in fields(Pick)]
     writer = csv.DictWriter(stream, [*names, *SHARED], lineterminator="\n")

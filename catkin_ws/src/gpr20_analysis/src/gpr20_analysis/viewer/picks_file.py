@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
-import numpy as np
-import xarray as xr
-
-from gpr20_analysis.dataset import FREQUENCY, POLARIZATION, S21, S21_DIMS, X, Y, require
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.viewer.identity import SurveyIdentity
 from gpr20_analysis.viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, PickEditor
+from gpr20_analysis.viewer.picks_export import export_picks
 from gpr20_common.message import Message
 from gpr20_survey.files.durable_files import replace_file, sync_path, write_new_file
 from gpr20_survey.folder import survey_folder
@@ -26,35 +23,6 @@ MOST_BYTES = 64 << 20
 
 class PicksFileError(AnalysisError, ValueError):
     """A file of picks cannot be used for this survey."""
-
-
-@dataclass(frozen=True)
-class SurveyIdentity:
-    """Which survey picks belong to.
-
-    Attributes:
-        survey_id: Identifier of the survey; empty if the data have none.
-        sha256: Of the positions and spectra that were loaded.
-        simulated: Whether the survey was made by the simulated robot.
-    """
-
-    survey_id: str
-    sha256: str
-    simulated: bool
-
-    @staticmethod
-    def of(survey: xr.Dataset) -> SurveyIdentity:
-        """Return the identity of a survey that is in memory."""
-        digest = hashlib.sha256()
-        for name in (POLARIZATION, Y, X, FREQUENCY):
-            digest.update(np.ascontiguousarray(survey[name].values, dtype="<f8").tobytes())
-        for values in require(survey, S21, S21_DIMS).values:
-            digest.update(np.ascontiguousarray(values, dtype="<c16").data)
-        return SurveyIdentity(
-            str(survey.attrs.get("survey_id", "")),
-            digest.hexdigest(),
-            bool(survey.attrs.get("simulated")),
-        )
 
 
 def picks_path(survey: Path) -> Path:
@@ -70,11 +38,11 @@ def sealed_folder(path: Path) -> Optional[Path]:
 
 
 def _is_survey(folder: Path) -> bool:
-    recordings = (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
+    names = [survey_folder.SURVEY_FILE, MANIFEST_FILE]
+    # A recording alone may have been copied anywhere.
     if (folder / survey_folder.TRACES_FOLDER).is_dir():
-        recordings += (survey_folder.SURVEY_FILE, MANIFEST_FILE)
-        return any((folder / name).exists() for name in recordings)
-    return (folder / survey_folder.SURVEY_FILE).exists() or (folder / MANIFEST_FILE).exists()
+        names += [survey_folder.BAG_FILE, survey_folder.MCAP_FILE]
+    return any((folder / name).exists() for name in names)
 
 
 class PicksFile:
@@ -163,8 +131,6 @@ class PicksFile:
             PicksFileError: It would be inside a survey's folder, or replace the picks.
             ExportError: The name has another ending, or the file cannot be written.
         """
-        from gpr20_analysis.viewer.picks_export import export_picks
-
         inside = sealed_folder(path.expanduser().resolve().parent)
         if inside is not None or path.expanduser().resolve() == self.path:
             raise PicksFileError(

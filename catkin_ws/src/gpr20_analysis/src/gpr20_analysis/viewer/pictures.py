@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Tuple
 
 import numpy as np
 
@@ -29,8 +30,8 @@ class Picture:
     """
 
     levels_db: np.ndarray
-    across: "tuple[float, float]"
-    down: "tuple[float, float]"
+    across: Tuple[float, float]
+    down: Tuple[float, float]
 
     @staticmethod
     def of(levels_db: np.ndarray, across: np.ndarray, down: np.ndarray) -> Picture:
@@ -102,7 +103,9 @@ def projection_picture(image: LiveImage, turn: int, over: str, db_per_ns: float)
     return Picture.of(levels_db.max(axis=0), x_mm, y_mm)
 
 
-def longest_delay_s(line: Line, deepest_m: float, permittivity: float, separation_m: float) -> float:
+def longest_delay_s(
+    line: Line, deepest_m: float, permittivity: float, separation_m: float
+) -> float:
     """Return the delay down to which traces are shown: the deepest layer, and a little more [s]."""
     middle = len(line.position_m) // 2
     at_m = float(line.position_m[middle])

@@ -62,9 +62,7 @@ class Line:
             separation_m: Distance between the two antennas, along their rotation [m].
         """
         across_m = np.full_like(self.position_m, self.other_m)
-        x_m, y_m = (
-            (self.position_m, across_m) if self.along == X else (across_m, self.position_m)
-        )
+        x_m, y_m = (self.position_m, across_m) if self.along == X else (across_m, self.position_m)
         turn = 0.0 if np.isnan(self.rotation_deg) else np.radians(self.rotation_deg)
         apart_m = 0.0 if np.isnan(self.rotation_deg) else separation_m / 2.0
         total = self.delay_s - self.advance_s
@@ -73,9 +71,7 @@ class Line:
                 x_m + side * apart_m * np.cos(turn) - place.x_m,
                 y_m + side * apart_m * np.sin(turn) - place.y_m,
             )
-            total = total + one_way_delay_s(
-                self.height_m, place.depth_m, distance_m, permittivity
-            )
+            total = total + one_way_delay_s(self.height_m, place.depth_m, distance_m, permittivity)
         return np.asarray(total)
 
     def surface_delays_s(self, separation_m: float) -> np.ndarray:

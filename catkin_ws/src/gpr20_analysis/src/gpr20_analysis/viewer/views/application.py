@@ -11,7 +11,8 @@ import pyqtgraph
 from PyQt5.QtCore import QTimer
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_analysis.viewer.picks_file import PicksFile, SurveyIdentity
+from gpr20_analysis.viewer.identity import SurveyIdentity
+from gpr20_analysis.viewer.picks_file import PicksFile
 from gpr20_analysis.viewer.session import ViewSession
 from gpr20_analysis.viewer.views.main_window import MainWindow
 from gpr20_analysis.viewer.views.pick_desk import PickDesk

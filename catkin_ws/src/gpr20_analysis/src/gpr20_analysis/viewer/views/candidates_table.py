@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import List, Optional
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import (
@@ -90,7 +90,7 @@ class CandidatesTable(QWidget):
         self.table.blockSignals(False)
         self.notes.setText("\n".join(self._notes(found)))
 
-    def _notes(self, found: Optional[CandidateList]) -> "list[str]":
+    def _notes(self, found: Optional[CandidateList]) -> List[str]:
         if found is None:
             return [self._catalogue.tr("No search was made for the image that is shown.")]
         notes = [shown(one, self._catalogue) for one in found.notes]

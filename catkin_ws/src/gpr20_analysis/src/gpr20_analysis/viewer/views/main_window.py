@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Callable, List, Optional
 
 import numpy as np
-from PyQt5.QtCore import pyqtSlot
 from PyQt5.QtGui import QCloseEvent
 from PyQt5.QtWidgets import (
     QCheckBox,
@@ -178,7 +177,6 @@ class MainWindow(QMainWindow):
         self.bridge.close()
         super().closeEvent(event)
 
-    @pyqtSlot(object)
     def _show_computed(self, image: LiveImage) -> None:
         self.image = image
         self._problem = None
@@ -192,7 +190,6 @@ class MainWindow(QMainWindow):
         self.candidates.show_candidates(image.candidates)
         self._refresh_image()
 
-    @pyqtSlot(object, object)
     def _show_failed(self, request: ImageRequest, error: Exception) -> None:
         if request != self._wanted:
             return
@@ -279,9 +276,7 @@ class MainWindow(QMainWindow):
             )
         except Gpr20Error as error:
             # The image says the same of these settings.
-            self._problem = Message(
-                "no image with these settings: {reason}", reason=error.message
-            )
+            self._problem = Message("no image with these settings: {reason}", reason=error.message)
             picture = None
         self.b_scan.show_picture(picture, display.range_db)
 

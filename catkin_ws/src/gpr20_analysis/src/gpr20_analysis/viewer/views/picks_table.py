@@ -22,6 +22,7 @@ from gpr20_analysis.viewer.views.colours import QUIET, SMALL, WRONG
 from gpr20_common.catalogue import Catalogue
 
 NOTE_COLUMN = 5
+READ_ONLY = Qt.ItemFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
 NOTE_PX = 130
 
 
@@ -97,7 +98,7 @@ class PicksTable(QWidget):
             for column, text in enumerate(self._texts(pick)):
                 item = QTableWidgetItem(text)
                 if column != NOTE_COLUMN:
-                    item.setFlags(item.flags() & ~Qt.ItemFlag.ItemIsEditable)
+                    item.setFlags(READ_ONLY)
                 self.table.setItem(row, column, item)
         self.table.clearSelection()
         self.table.resizeColumnsToContents()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import List, Optional, Sequence
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import pyqtgraph
@@ -114,7 +114,7 @@ class PicturePlot(pyqtgraph.PlotWidget):
         return self._image.image
 
     @property
-    def cursor_place(self) -> "tuple[float, float]":
+    def cursor_place(self) -> Tuple[float, float]:
         """Where the cursor is drawn."""
         return float(self._across.value()), float(self._down.value())
 
@@ -162,7 +162,7 @@ class PicturePlot(pyqtgraph.PlotWidget):
         if place is not None:
             self.hovered.emit(*place)
 
-    def _place(self, scene_place: object) -> "Optional[tuple[float, float]]":
+    def _place(self, scene_place: object) -> Optional[Tuple[float, float]]:
         box = self.getViewBox()
         if self._extent is None or not box.sceneBoundingRect().contains(scene_place):
             return None
@@ -170,7 +170,7 @@ class PicturePlot(pyqtgraph.PlotWidget):
         return (place.x(), place.y()) if self._extent.contains(place) else None
 
 
-def _cells(ends: "tuple[float, float]", count: int) -> "tuple[float, float]":
+def _cells(ends: Tuple[float, float], count: int) -> Tuple[float, float]:
     """Return where the cells around even places begin, and the length of all."""
     first, last = ends
     step = (last - first) / (count - 1) if count > 1 else CELL_WITHOUT_NEIGHBOUR_MM

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def add_shortcuts(window: MainWindow) -> None:
     """Let the keys of `KEYS` work in a window; a text that is being edited takes them first."""
     controls, desk = window.controls, window.desk
-    actions: Dict[str, Callable[[], object]] = {
+    actions: Dict[str, Callable[[], None]] = {
         "left": lambda: window.nudge(columns=-1),
         "right": lambda: window.nudge(columns=1),
         "up": lambda: window.nudge(rows=1),

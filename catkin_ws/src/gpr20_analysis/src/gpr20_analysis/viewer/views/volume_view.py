@@ -91,9 +91,7 @@ class ProjectionsView(QWidget):
 
     def show_cursor(self, place: Place) -> None:
         """Draw the cursor."""
-        x_mm, y_mm, depth_mm = (
-            one * MM_PER_M for one in (place.x_m, place.y_m, place.depth_m)
-        )
+        x_mm, y_mm, depth_mm = (one * MM_PER_M for one in (place.x_m, place.y_m, place.depth_m))
         self.plots[DEPTH].show_cursor(x_mm, y_mm)
         self.plots[Y].show_cursor(x_mm, depth_mm)
         self.plots[X].show_cursor(y_mm, depth_mm)
@@ -136,7 +134,10 @@ class PointsView(QWidget):
         lowest_db = -range_db
         if np.count_nonzero(levels_db > lowest_db) > MOST_POINTS:
             lowest_db = float(np.partition(levels_db.ravel(), -MOST_POINTS)[-MOST_POINTS])
-        layer, row, column = np.nonzero(levels_db > lowest_db)
+        found = np.flatnonzero(levels_db > lowest_db)
+        # The brightest first: a faint voxel in front of it lets it through only if drawn later.
+        found = found[np.argsort(-levels_db.ravel()[found])]
+        layer, row, column = np.unravel_index(found, levels_db.shape)
         axes_mm = [one * MM_PER_M for one in (image.x_m, image.y_m, -image.depth_m)]
         places_mm = np.column_stack((axes_mm[0][column], axes_mm[1][row], axes_mm[2][layer]))
         ends = np.array([[np.min(one), np.max(one)] for one in axes_mm])
