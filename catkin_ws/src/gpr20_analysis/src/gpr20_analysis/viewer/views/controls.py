@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Sequence
 
 from PyQt5.QtCore import Qt, pyqtSignal
@@ -18,6 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_analysis.dataset import MM_PER_M, X, Y
+from gpr20_analysis.viewer.scene import Display
 from gpr20_common.catalogue import Catalogue
 
 LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 81.0
@@ -26,23 +26,6 @@ KEY_STEP = 0.1
 DEEPEST_MM = (20.0, 5000.0)
 RANGE_DB = (5.0, 120.0)
 MOST_GAIN_DB_PER_NS = 20.0
-
-
-@dataclass(frozen=True)
-class Display:
-    """Settings that change how the image is drawn, not the image.
-
-    Attributes:
-        turn: Index of the polarization.
-        along: Direction of B-scan and section, "x" or "y".
-        range_db: Difference between the brightest and the darkest colour [dB].
-        db_per_ns: Display gain over the delay.
-    """
-
-    turn: int
-    along: str
-    range_db: float
-    db_per_ns: float
 
 
 class Controls(QWidget):

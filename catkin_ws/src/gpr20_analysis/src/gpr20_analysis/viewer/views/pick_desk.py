@@ -85,10 +85,14 @@ class PickDesk(QObject):
         try:
             added = self.editor.add(pick)
         except PickRefusedError as error:
-            self._say(error.message, wrong=self.is_unsaved)
+            self.refuse(error.message)
             return
         self._store()
         self.table.select(added.id)
+
+    def refuse(self, reason: Message) -> None:
+        """Say why nothing was picked."""
+        self._say(reason, wrong=self.is_unsaved)
 
     def set_note(self, name: str, note: str) -> None:
         """Write a note to a pick."""

@@ -22,7 +22,7 @@ from gpr20_analysis.viewer.views.colours import QUIET, SMALL, WRONG
 from gpr20_common.catalogue import Catalogue
 
 NOTE_COLUMN = 5
-READ_ONLY = Qt.ItemFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
+READ_ONLY = Qt.ItemFlags() | Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
 NOTE_PX = 130
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from PyQt5.QtCore import QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import QFont
 
 from gpr20_analysis.viewer.pictures import Picture
+from gpr20_analysis.viewer.scene import Mark
 from gpr20_analysis.viewer.views.colours import (
     CURSOR,
     INK,
@@ -24,15 +24,6 @@ from gpr20_analysis.viewer.views.colours import (
 AXIS_WIDTH_PX = 46
 TICK_FONT_PX = 11
 CELL_WITHOUT_NEIGHBOUR_MM = 10.0
-
-
-@dataclass(frozen=True)
-class Mark:
-    """A named place in a picture."""
-
-    across: float
-    down: float
-    name: str = ""
 
 
 class Marks:

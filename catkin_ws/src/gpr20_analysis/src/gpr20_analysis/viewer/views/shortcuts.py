@@ -33,7 +33,7 @@ def add_shortcuts(window: MainWindow) -> None:
         "polarization": controls.next_polarization,
         "direction": controls.next_direction,
         "background": controls.background.toggle,
-        "all": window.show_all,
+        "all": window.sections.show_all,
     }
     for key in KEYS:
         for sequence in key.keys:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.viewer.scene import Mark
 from gpr20_analysis.viewer.views.colours import CANDIDATE, NO_DATA
-from gpr20_analysis.viewer.views.picture_plot import Mark, Marks, PicturePlot
+from gpr20_analysis.viewer.views.picture_plot import Marks, PicturePlot
 
 
 class SliceView(PicturePlot):
