@@ -37,6 +37,7 @@ SUMMARIES: Dict[str, str] = {
     "candidates": "list the candidates in the ground below a survey, and write them to files",
     "delay": "fit the delay of cables and antennas to the surface echo",
     "plot": "draw a survey, its A-scans or an image",
+    "view": "look at a survey in a window: B-scan, slices, 3D, picks",
     "annotate": "set operator, site, notes and position of a survey",
     "verify": "check a survey's folder against its manifest, recordings and plan",
     "repair": "write a lost or damaged manifest again if everything else agrees",
