@@ -25,8 +25,10 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Traces
+from gpr20_analysis.imaging.surface_check import surface_notes
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.processing.delay import ADVANCE, known_height
-from gpr20_analysis.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of
@@ -75,9 +77,12 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     _check_relief(height_m, options)
     sweep = FrequencyGrid.of(survey)
     spectra = np.where(present[..., None], measured, 0.0)
+    delay_s = delay_to_remove_s(survey, options.delay_s)
     if ADVANCE in survey:
-        advance = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
-        spectra *= np.exp(-2j * np.pi * sweep.frequency_hz * advance[..., None])
+        advance_s = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
+        spectra *= np.exp(2j * np.pi * sweep.frequency_hz * (delay_s - advance_s[..., None]))
+    elif delay_s:
+        spectra *= np.exp(2j * np.pi * sweep.frequency_hz * delay_s)
     turns = survey[POLARIZATION].values
     x_m, y_m = (np.asarray(survey[name].values, dtype=np.float64) for name in (X, Y))
     traces = [
@@ -93,7 +98,8 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                     rotation_deg=one.rotation_deg,
                 )
             )
-    return traces, [*_notes(survey, present), *_uneven_notes(height_m, options)]
+    notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
+    return traces, [*notes, *surface_notes(survey, options, delay_s)]
 
 
 def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:
