@@ -174,11 +174,12 @@ def _write(image: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) 
 
 
 def _draw(image: xr.Dataset, folder: Path, faintest_db: float, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.scans import c_scan_figure, projection_figure
+    from gpr20_analysis.plotting.projections import projection_figure
+    from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, catalogue)
+        figure = projection_figure(image, turn, catalogue=catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
     for echo in find_echoes(image, faintest_db):
         depth_mm = round(float(image[DEPTH].sel(depth=echo.depth_m, method="nearest")) * 1000.0)
