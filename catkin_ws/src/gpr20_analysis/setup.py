@@ -14,7 +14,9 @@ setup(
             "gpr20_analysis.processing",
             "gpr20_analysis.read",
             "gpr20_analysis.report",
+            "gpr20_analysis.sample",
         ],
+        package_data={"gpr20_analysis.sample": ["survey.mcap"]},
         package_dir={"": "src"},
         entry_points={
             "console_scripts": [

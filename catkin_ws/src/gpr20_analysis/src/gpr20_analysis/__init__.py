@@ -28,6 +28,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "read.load": ("load_survey",),
     "read.verification": ("Verification", "verify_survey"),
     "report.summary": ("summarize",),
+    "sample.sample_survey": ("sample_survey",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)
 

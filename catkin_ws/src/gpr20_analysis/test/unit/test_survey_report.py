@@ -50,7 +50,7 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
 
 def test_a_text_of_several_lines_keeps_them_in_a_pdf():
     section = Section("t", rows=[("notes", "wet\n\nsoil"), ("size", "1 MB")])
-    ((*_, notes, more, size),) = pdf_text.pages_of(Report("t", [section]))
+    ((*_, notes, more, size),) = pdf_text.text_pages(Report("t", [section]))
     assert [[text for _, text in line.cells] for line in (notes, more, size)] == [
         ["notes", "wet"],
         ["soil"],

@@ -103,7 +103,7 @@ def test_lines_of_a_pdf_page_are_on_it_and_apart():
         section = Section("Title", random_text(draw), [random_text(draw)], rows=rows)
         section.heading = tuple(random_text(draw, 2) for _ in range(columns))
         report = Report(random_text(draw), [section] * 2, banner="SIMULATED", footer="No clearance")
-        pages = pdf_text.pages_of(report)
+        pages = pdf_text.text_pages(report)
         assert len(pages) > 1
         for lines in pages[:2]:
             sheet = pdf_pages._sheet(lines, report, "page 1 of 2")

@@ -93,7 +93,14 @@ def doubtful_echoes(echoes: List[Echo]) -> List[Message]:
 
 
 def permittivity_line(image: xr.Dataset) -> Message:
-    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths."""
+    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths.
+
+    Args:
+        image: Dataset with `image`.
+
+    Returns:
+        The sentence.
+    """
     value = float(image.attrs["permittivity"])
     if "permittivity_lowest" not in image.attrs:
         return Message("relative permittivity {permittivity:.3g}, as given", permittivity=value)

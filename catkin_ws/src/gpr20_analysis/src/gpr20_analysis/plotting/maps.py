@@ -44,7 +44,18 @@ STATES = (
 
 
 def coverage_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
-    """Draw a map of the quality of each sample, one for each polarization."""
+    """Draw a map of the quality of each sample, one for each polarization.
+
+    Args:
+        survey: Dataset of a survey.
+        catalogue: Language of the texts.
+
+    Returns:
+        The figure.
+
+    Raises:
+        WrongDatasetError: The data have no `quality`.
+    """
     quality = require(survey, QUALITY, SAMPLE_DIMS).values
     state = np.where(quality & int(Quality.REMARKED | Quality.NO_HEIGHT), 1, 0)
     state[(quality & int(Quality.DAMAGED)) != 0] = 2
@@ -69,7 +80,18 @@ def coverage_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figur
 
 
 def height_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
-    """Draw a map of the recorded antenna height, one for each polarization."""
+    """Draw a map of the recorded antenna height, one for each polarization.
+
+    Args:
+        survey: Dataset of a survey.
+        catalogue: Language of the texts.
+
+    Returns:
+        The figure.
+
+    Raises:
+        WrongDatasetError: The data have no `height`.
+    """
     height_mm = in_mm(require(survey, HEIGHT, SAMPLE_DIMS).values)
     turns = survey[POLARIZATION].values
     title = catalogue.tr("Antenna height above the ground")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import List, Tuple
+from typing import Iterator, List, Tuple
 
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ from gpr20_analysis.report.pdf_text import (
     TEXT_WIDTH_PT,
     TOP_PT,
     Line,
-    pages_of,
+    text_pages,
 )
 from gpr20_analysis.report.records import Report
 from gpr20_common.catalogue import Catalogue
@@ -37,23 +37,37 @@ def write_pdf(path: Path, report: Report, catalogue: Catalogue) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    texts = pages_of(report)
+    with PdfPages(str(path), metadata={"Title": report.title}) as pages:
+        for page in pages_of(report, catalogue):
+            pages.savefig(page, dpi=RESOLUTION_DPI)
+
+
+def pages_of(report: Report, catalogue: Catalogue) -> Iterator[Figure]:
+    """Yield each page of a report.
+
+    Args:
+        report: What it shows.
+        catalogue: Language of the page numbers.
+
+    Yields:
+        The pages of text, then the figures.
+    """
+    texts = text_pages(report)
     figures = [
         (f"{section.title}: {report.caption(caption)}", figure)
         for section in report.sections
         for caption, figure in section.figures
     ]
     count = len(texts) + len(figures)
-    with PdfPages(str(path), metadata={"Title": report.title}) as pages:
-        for number, lines in enumerate(texts, 1):
-            page = catalogue.tr("page {number} of {count}", number=number, count=count)
-            pages.savefig(_sheet(lines, report, page))
-        for number, (caption, figure) in enumerate(figures, len(texts) + 1):
-            page = catalogue.tr("page {number} of {count}", number=number, count=count)
-            below = [one for one in (report.footer, f"{page}, {report.title}") if one]
-            if isinstance(figure, NotedFigure):
-                figure.add_lines(above=[caption], below=below)
-            pages.savefig(figure, dpi=RESOLUTION_DPI)
+    for number, lines in enumerate(texts, 1):
+        page = catalogue.tr("page {number} of {count}", number=number, count=count)
+        yield _sheet(lines, report, page)
+    for number, (caption, figure) in enumerate(figures, len(texts) + 1):
+        page = catalogue.tr("page {number} of {count}", number=number, count=count)
+        below = [one for one in (report.footer, f"{page}, {report.title}") if one]
+        if isinstance(figure, NotedFigure):
+            figure.add_lines(above=[caption], below=below)
+        yield figure
 
 
 def _sheet(lines: List[Line], report: Report, page: str) -> Figure:

@@ -40,7 +40,7 @@ class Line:
         return self.size_pt * LINE_SPACING
 
 
-def pages_of(report: Report) -> List[List[Line]]:
+def text_pages(report: Report) -> List[List[Line]]:
     """Return the lines of each page of text."""
     lines = _text(report.title, TITLE_PT, weight="bold")
     for section in report.sections:
