@@ -17,7 +17,7 @@ SCENE = SCENES / "imaging_targets.yaml"
 SURVEY = (
     *("--x-start-mm", "60", "--x-stop-mm", "420", "--x-points", "21"),
     *("--y-start-mm", "60", "--y-stop-mm", "420", "--y-points", "21"),
-    *("--frequency-points", "51"),
+    *("--frequency-points", "101"),
     *("--site", "simulated ground imaging_targets"),
 )
 # The traces, and what describes them. The other topics, such as those of the motors, would make the

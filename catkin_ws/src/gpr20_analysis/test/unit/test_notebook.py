@@ -41,7 +41,9 @@ def ran(runner, stored):
 
 def test_it_finds_the_point_targets(ran):
     _, names = ran
-    found_mm = 1e3 * np.array([(one.x_m, one.y_m, one.depth_m) for one in names["echoes"]])
+    found_mm = 1e3 * np.array(
+        [(one.x_m, one.y_m, one.depth_m) for one in names["found"].candidates]
+    )
     for target_mm in TARGETS_MM:
         assert min(np.linalg.norm(found_mm - target_mm, axis=1)) < 6.0
 

@@ -16,7 +16,7 @@ def test_it_is_small_whole_and_simulated():
     assert path.stat().st_size < MOST_BYTES
     survey = gpr20_analysis.load_survey(path)
     assert survey.attrs["simulated"] and not survey.attrs["missing"] + survey.attrs["faults"]
-    assert survey.s21.shape == (2, 21, 21, 51)
+    assert survey.s21.shape == (2, 21, 21, 101)
     assert np.isfinite(survey.height).all()
     lines = gpr20_analysis.summarize(survey)
     assert lines["VNA"].split(",")[2] == "SIMULATED" and "SIMULATED" in lines["ground"]

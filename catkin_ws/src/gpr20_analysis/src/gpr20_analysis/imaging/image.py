@@ -4,19 +4,30 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Dict, Sequence, Tuple
+from typing import Any, Dict, Hashable, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.dataset import ATTRIBUTES, DEPTH, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.dataset import (
+    ATTRIBUTES,
+    DEPTH,
+    IMAGE,
+    NOISE,
+    NOISE_OVER_X,
+    NOISE_OVER_Y,
+    POLARIZATION,
+    X,
+    Y,
+)
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.imaging.noise import law_of, measured_noise
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.progress import Progress, no_progress
@@ -39,7 +50,9 @@ def image_survey(
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
-        methods), and attributes that describe how it was made and what was left out.
+        methods), and attributes that describe how it was made and what was left out. `noise`
+        (polarization, depth), times `noise_over_y` and `noise_over_x`, is the standard magnitude of
+        noise in each voxel, measured where no echo can arrive; missing where that is impossible.
 
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
@@ -70,6 +83,7 @@ def image_survey(
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
+    image = image.assign(_noise(traces, focus, options.method, volumes[0][1]))
     described = with_notes(survey, notes)
     return image.assign_attrs({**described, **attributes, **_record(options, focus)})
 
@@ -109,6 +123,26 @@ def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
         return phase_shift_image(traces, focus), focus.depth_m
     along = "x" if method is Method.KIRCHHOFF_2D else "xy"
     return kirchhoff_image(traces, focus, along)
+
+
+def _noise(
+    traces: Sequence[Traces], focus: Focus, method: Method, depth_m: np.ndarray
+) -> Dict[Hashable, Any]:
+    law = law_of(method.value)
+    found = measured_noise(
+        traces, focus, depth_m, law, lambda some, how: _volume(some, how, method)
+    )
+    if found is None:
+        return {}
+    attributes = {"units": "1", "long_name": "standard magnitude of noise", "law": law.value}
+    for name, correlation in zip((DEPTH, Y, X), found.correlation):
+        attributes[f"correlation_{name}"] = correlation  # type: ignore[assignment]
+    attributes["measured_from_s"] = found.late_s  # type: ignore[assignment]
+    return {
+        NOISE: ((POLARIZATION, DEPTH), found.depth, attributes),
+        NOISE_OVER_Y: (Y, found.over_y, {"units": "1", "long_name": "noise relative to `noise`"}),
+        NOISE_OVER_X: (X, found.over_x, {"units": "1", "long_name": "noise relative to `noise`"}),
+    }
 
 
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:

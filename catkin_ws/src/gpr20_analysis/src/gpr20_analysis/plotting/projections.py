@@ -25,6 +25,8 @@ from gpr20_common.catalogue import Catalogue
 
 MARK_PT, MARK_LETTERS_PT, OUTLINE_PT = 9.0, 7.0, 2.0
 ROWS = 1.7
+# More would hide the image.
+MOST_MARKED = 12
 
 
 def projection_figure(
@@ -40,7 +42,7 @@ def projection_figure(
     Args:
         image: Dataset with `image`.
         turn: Index of the polarization.
-        candidates: Candidates that are marked.
+        candidates: The candidates, of which the first are marked.
         catalogue: Language of the texts.
 
     Returns:
@@ -99,7 +101,7 @@ def candidate_map_figure(
 
     Args:
         image: Dataset with `image`.
-        candidates: The candidates; each is marked with its id.
+        candidates: The candidates, of which the first are marked with their ids.
         catalogue: Language of the texts.
 
     Returns:
@@ -110,7 +112,11 @@ def candidate_map_figure(
     """
     magnitude = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
     values = magnitude.max((POLARIZATION, DEPTH)).transpose(Y, X).values
-    figure = new_figure(image, 1, catalogue.tr("Map of the candidates"), catalogue, 1.2)
+    if len(candidates) > MOST_MARKED:
+        title = catalogue.tr("Map of the first {count} candidates", count=MOST_MARKED)
+    else:
+        title = catalogue.tr("Map of the candidates")
+    figure = new_figure(image, 1, title, catalogue, 1.2)
     axes = figure.subplots()
     scale = DecibelScale(magnitude.values, float(magnitude.max()))
     scale.draw(axes, values, in_mm(image[X]), in_mm(image[Y]))
@@ -121,15 +127,15 @@ def candidate_map_figure(
 
 
 def mark(axes: Axes, candidates: Sequence[Candidate], plane: Tuple[str, str]) -> None:
-    """Mark candidates with their ids in a panel.
+    """Mark the first candidates with their ids in a panel.
 
     Args:
         axes: The panel, in millimetres.
-        candidates: The candidates.
+        candidates: The candidates, of which the first `MOST_MARKED` are marked.
         plane: Its axis across and its axis down.
     """
     outline = [withStroke(linewidth=OUTLINE_PT, foreground="black")]
-    for one in candidates:
+    for one in candidates[:MOST_MARKED]:
         place_m = {X: one.x_m, Y: one.y_m, DEPTH: one.depth_m}
         across_mm, down_mm = (float(in_mm(place_m[axis])) for axis in plane)
         axes.plot(

@@ -7,17 +7,13 @@ from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.imaging.echoes import find_echoes
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.image_output import (
-    doubtful_echoes,
-    echo_heading,
-    echo_row,
-    permittivity_line,
-)
+from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.plotting import projections, scans
 from gpr20_analysis.plotting.ranges import last_delay_s, surface_delay_s, until
 from gpr20_analysis.processing.chain import Step, apply_steps
@@ -89,9 +85,10 @@ def imaged(
         views = _after_steps(processed, steps, options, options.permittivity, catalogue)
         return [_no_image(error, catalogue), *views]
     permittivity = float(image.attrs["permittivity"])
+    found = find_candidates(image)
     return [
-        _candidates(image, catalogue),
-        _image(image, options, catalogue),
+        _candidates(image, found, catalogue),
+        _image(image, found, options, catalogue),
         *_after_steps(processed, steps, options, permittivity, catalogue),
     ]
 
@@ -120,26 +117,28 @@ def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
     )
 
 
-def _candidates(image: xr.Dataset, catalogue: Catalogue) -> Section:
-    echoes = find_echoes(image)
-    lines = [catalogue.text(one) for one in doubtful_echoes(echoes)]
+def _candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> Section:
+    figure = projections.candidate_map_figure(image, found.candidates, catalogue)
     return Section(
         catalogue.text(CANDIDATES_TITLE),
         catalogue.text(NO_CLEARANCE),
-        lines=lines if echoes else [catalogue.tr("No echo was found.")],
-        rows=[echo_row(echo, catalogue) for echo in echoes],
-        heading=echo_heading(catalogue),
+        lines=[shown(one, catalogue) for one in [*tail_sentences(found), *found.notes]],
+        rows=[candidate_row(one, catalogue) for one in found.candidates],
+        heading=candidate_heading(catalogue),
+        figures=[(catalogue.tr("Map of the candidates"), figure)],
     )
 
 
-def _image(image: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> Section:
+def _image(
+    image: xr.Dataset, found: CandidateList, options: ImageOptions, catalogue: Catalogue
+) -> Section:
     figures: Pictures = []
     for number, turn in enumerate(image[dataset.POLARIZATION].values):
         caption = catalogue.tr("Maximum projections at {rotation_deg:g} deg", rotation_deg=turn)
-        figure = projections.projection_figure(image, number, catalogue=catalogue)
+        figure = projections.projection_figure(image, number, found.candidates, catalogue)
         figures.append((caption, figure))
-    echoes = find_echoes(image)
-    slices_m = image[dataset.DEPTH].sel(depth=[one.depth_m for one in echoes], method="nearest")
+    depths_m = [one.depth_m for one in found.candidates]
+    slices_m = image[dataset.DEPTH].sel(depth=depths_m, method="nearest")
     # Some candidates are at one depth.
     for depth_m in list(dict.fromkeys(slices_m.values.tolist()))[:SLICES]:
         caption = catalogue.tr("Slice at {depth_mm:.1f} mm", depth_mm=depth_m * dataset.MM_PER_M)

@@ -9,7 +9,7 @@ def sample_survey() -> Path:
     """Return the path of the survey that is installed with this package.
 
     The simulated robot recorded it over the scene `imaging_targets.yaml` of gpr20_simulator:
-    21 x 21 stops, rotations of 0 and 90 degrees, 51 frequencies. All data of it are SIMULATED.
+    21 x 21 stops, rotations of 0 and 90 degrees, 101 frequencies. All data of it are SIMULATED.
 
     Returns:
         Path of an MCAP file for `load_survey`.
