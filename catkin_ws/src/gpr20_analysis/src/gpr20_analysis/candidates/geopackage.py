@@ -11,7 +11,7 @@ import sqlite3
 import struct
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any, Dict, Sequence, Tuple
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 APPLICATION_ID, USER_VERSION = 0x47504B47, 10400
 WGS84, UNKNOWN_CARTESIAN = 4326, -1
@@ -118,10 +118,10 @@ def _describe(
             ("Undefined geographic SRS", 0, "NONE", 0, "undefined", None),
         ],
     )
-    bounds = (None,) * 4
+    bounds: Tuple[Optional[float], ...] = (None,) * 4
     if points:
         x, y = zip(*points)
-        bounds = (min(x), min(y), max(x), max(y))  # type: ignore[assignment]
+        bounds = (min(x), min(y), max(x), max(y))
     now = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%S.%fZ")
     now = now[:-4] + "Z"
     database.executemany(

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.plotting.noted_figure import NotedFigure
 from gpr20_analysis.plotting.ranges import range_db
-from gpr20_analysis.processing.polarization import COMBINED, DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
+from gpr20_analysis.processing.polarization import COMBINED
 from gpr20_analysis.sentences import ENGLISH, limited, sentence_of, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
