@@ -104,8 +104,8 @@ class LiveImage:
         """Method and permittivity of the image, and where the permittivity came from."""
         if self.range is not None:
             return Message(
-                "{method}, permittivity {permittivity:.3g}, {source}, possible are {lowest:.3g} to "
-                "{highest:.3g}",
+                "{method}, permittivity {permittivity:.3g} ({lowest:.3g} to {highest:.3g}), "
+                "{source}",
                 method=self.method,
                 permittivity=self.permittivity,
                 source=self.source.message,

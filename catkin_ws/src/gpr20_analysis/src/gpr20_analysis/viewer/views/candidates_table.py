@@ -97,7 +97,9 @@ class CandidatesTable(QWidget):
         if not found.candidates:
             notes.append(self._catalogue.tr("No candidate was found."))
         if found.omitted:
-            count = self._catalogue.tr("{count} fainter ones are not listed", count=found.omitted)
+            count = self._catalogue.tr(
+                "{count} fainter candidates are not listed", count=found.omitted
+            )
             notes.append(count)
         return notes
 
