@@ -44,7 +44,7 @@ class ImageRequest:
     Attributes:
         permittivity: Relative permittivity; None: estimate it.
         source: Where it came from.
-        background: Whether the mean of all traces is subtracted.
+        background: Whether the background is subtracted.
         deepest_m: Depth of the deepest layer [m].
         candidates: Whether candidates are searched.
     """

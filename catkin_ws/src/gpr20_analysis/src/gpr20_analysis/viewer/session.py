@@ -26,13 +26,14 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
 from gpr20_analysis.imaging.phase_shift import grid_step_m
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.processing.chain import process_survey, recipe_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_analysis.viewer.live_image import ImageRequest, LiveImage, PermittivitySource
-from gpr20_analysis.viewer.positions import ANTENNA_DELAY, Line, Place, line_of
+from gpr20_analysis.viewer.positions import Line, Place, line_of
 from gpr20_common.message import Message
 
-BACKGROUND = "background:method=mean"
+BACKGROUND = "background:method=surface"
 ASSUMED_PERMITTIVITY = 4.0
 MOST_DEPTHS = 200
 
@@ -47,6 +48,7 @@ class ViewSession:
         survey: The survey after the steps that were chosen.
         options: How images are made; the permittivity and the last depth are the first shown.
         find_candidates: Finds candidates in an image; None: there is no search.
+        background: The step that removes the background where that is switched on.
 
     Attributes:
         survey: The survey in memory.
@@ -62,11 +64,13 @@ class ViewSession:
         survey: xr.Dataset,
         options: ImageOptions,
         find_candidates: Optional[FindCandidates] = None,
+        background: str = BACKGROUND,
     ) -> None:
         spectra = require(survey, S21, S21_DIMS)
         _require_room(spectra, options)
         self.survey = survey.compute()
         self.find_candidates = find_candidates
+        self._background = background
         self.remarks: List[Message] = []
         self.options = self._suitable(options)
         traces_of(self.survey, self.options)
@@ -121,9 +125,9 @@ class ViewSession:
         return np.column_stack((self.axis_m(X)[columns], self.axis_m(Y)[rows]))
 
     def data(self, background: bool) -> xr.Dataset:
-        """Return the survey, with or without the mean of all traces subtracted."""
+        """Return the survey, with its background or without it."""
         if background not in self._data:
-            self._data[background] = process_survey(self.survey, BACKGROUND)
+            self._data[background] = process_survey(self.survey, self._background)
         return self._data[background]
 
     def compute(self, request: ImageRequest, loop: Loop) -> LiveImage:
@@ -176,7 +180,7 @@ class ViewSession:
         if height_m is None:
             known_m = self.survey[HEIGHT].values
             height_m = float(np.mean(known_m[known_m > 0.0]))
-        delay_s = float(self.survey.attrs.get(ANTENNA_DELAY, 0.0))
+        delay_s = delay_to_remove_s(self.survey, self.options.delay_s)
         line = line_of(self.survey, turn, along, at_m, height_m, delay_s)
         if self.options.height_m is not None:
             heights_m = np.full_like(line.height_m, self.options.height_m)

@@ -153,7 +153,7 @@ class MainWindow(QMainWindow):
                 self._wanted, permittivity=image.permittivity, source=image.source
             )
             self.controls.show_permittivity(image.permittivity)
-        self.candidates.show_candidates(image.candidates)
+        self.candidates.show_candidates(image.candidates, image.source)
         self._refresh_image()
 
     def _show_failed(self, request: ImageRequest, error: Exception) -> None:
