@@ -368,6 +368,10 @@ def test_candidates_are_listed_with_the_sentence_and_marked(windows, survey):
     computed(window)
     assert "no clearance" in window.candidates.notice.text()
     assert window.candidates.table.item(0, 1).text() == "240 ± 1"
+    window.controls.permittivity_box.setValue(5.0)
+    assert window.candidates.table.rowCount() == 1  # of the image that is still shown
+    computed(window)
+    assert window.image.candidates.permittivity == 5.0
     window.candidates.table.selectRow(0)
     assert near(window.place, PLACE)
     assert window.sections.slice.candidates.count == 1 == window.sections.section.candidates.count

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
 import numpy as np
@@ -54,6 +54,10 @@ class ImageRequest:
     background: bool
     deepest_m: float
     candidates: bool = False
+
+    def same_image(self, other: ImageRequest) -> bool:
+        """Return whether another request leads to the same image."""
+        return replace(self, candidates=False) == replace(other, candidates=False)
 
 
 class LiveImage:

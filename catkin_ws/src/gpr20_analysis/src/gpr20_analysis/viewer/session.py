@@ -39,6 +39,8 @@ MOST_DEPTHS = 200
 
 FindCandidates = Callable[[xr.Dataset], CandidateList]
 Loop = Callable[..., Iterable]
+Remarks = List[Message]
+Computed = Tuple[xr.Dataset, PermittivitySource, Remarks]
 
 
 class ViewSession:
@@ -75,7 +77,9 @@ class ViewSession:
         self.options = self._suitable(options)
         traces_of(self.survey, self.options)
         self._data: Dict[bool, xr.Dataset] = {False: self.survey}
-        # Value, lowest, highest of the estimate; only `compute` uses it, in one thread.
+        # Only `compute` uses these, in one thread: the last image, and value, lowest and highest of
+        # the estimate.
+        self._last: Optional[Tuple[ImageRequest, xr.Dataset, PermittivitySource, Remarks]] = None
         self._estimate: Optional[Tuple[float, ...]] = None
         self._usable = usable(self.survey).transpose(*SAMPLE_DIMS).values
 
@@ -139,31 +143,34 @@ class ViewSession:
         Raises:
             AnalysisError: The image cannot be made.
         """
+        plain = dataclasses.replace(request, candidates=False)
+        if self._last is None or self._last[0] != plain:
+            self._last = (plain, *self._computed(plain, loop))
+        _request, image, source, remarks = self._last
+        found = None
+        if request.candidates and self.find_candidates is not None:
+            found = self.find_candidates(image)
+        added = sentences_of(image, NOTES)[
+            len(sentences_of(self.data(request.background), NOTES)) :
+        ]
+        return LiveImage(request, image.assign_attrs(notes=[]), source, (*added, *remarks), found)
+
+    def _computed(self, request: ImageRequest, loop: Loop) -> Computed:
         survey = self.data(request.background)
-        source, remarks = request.source, []
         try:
             image = image_survey(survey, self._options(request, request.permittivity), loop)
         except AnalysisError as error:
             if request.permittivity is not None:
                 raise
-            options = self._options(request, ASSUMED_PERMITTIVITY)
-            image = image_survey(survey, options, loop)
-            source = PermittivitySource.ASSUMED
-            remarks.append(
-                Message(
-                    "the permittivity cannot be estimated ({reason}); {permittivity:g} is "
-                    "ASSUMED, so depths are uncertain: set it with the slider",
-                    reason=error.message,
-                    permittivity=ASSUMED_PERMITTIVITY,
-                )
+            image = image_survey(survey, self._options(request, ASSUMED_PERMITTIVITY), loop)
+            remark = Message(
+                "the permittivity cannot be estimated ({reason}); {permittivity:g} is ASSUMED, so "
+                "depths are uncertain: set it with the slider",
+                reason=error.message,
+                permittivity=ASSUMED_PERMITTIVITY,
             )
-        image = self._with_range(image, source)
-        found = None
-        if request.candidates and self.find_candidates is not None:
-            found = self.find_candidates(image)
-        added = sentences_of(image, NOTES)[len(sentences_of(survey, NOTES)) :]
-        image = image.assign_attrs(notes=[])
-        return LiveImage(request, image, source, (*added, *remarks), found)
+            return image, PermittivitySource.ASSUMED, [remark]
+        return self._with_range(image, request.source), request.source, []
 
     def _with_range(self, image: xr.Dataset, source: PermittivitySource) -> xr.Dataset:
         # The estimate is kept with other settings, and so is what is said about it.
