@@ -40,6 +40,8 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import printable
 
 DEFAULT_STEPS = ("background:method=surface",)
+# The GPR-20 group's program subtracts the mean.
+STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
 SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
@@ -142,7 +144,8 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
-    default = () if recipe_of(survey) else DEFAULT_STEPS
+    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
+    default = () if recipe_of(survey) else usual
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
