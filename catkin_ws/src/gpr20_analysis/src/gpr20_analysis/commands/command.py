@@ -34,6 +34,7 @@ SUMMARIES: Dict[str, str] = {
     "info": "show what a survey contains and what is missing in it",
     "process": "apply a chain of steps and store the result with its recipe",
     "image": "image the ground below a survey and list the echoes in it",
+    "delay": "fit the delay of cables and antennas to the surface echo",
     "plot": "draw a survey, its A-scans or an image",
     "annotate": "set operator, site, notes and position of a survey",
     "verify": "check a survey's folder against its manifest, recordings and plan",

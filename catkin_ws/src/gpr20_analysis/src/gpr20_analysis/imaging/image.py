@@ -4,24 +4,39 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Dict, Sequence, Tuple
+from typing import Any, Dict, Hashable, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.dataset import ATTRIBUTES, DEPTH, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.dataset import (
+    ATTRIBUTES,
+    DEPTH,
+    IMAGE,
+    NOISE,
+    NOISE_OVER_X,
+    NOISE_OVER_Y,
+    POLARIZATION,
+    X,
+    Y,
+)
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
+from gpr20_analysis.imaging.noise import law_of, measured_noise
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.imaging.records import Focus, Ground, Traces
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
+
+KIRCHHOFF = (Method.KIRCHHOFF, Method.KIRCHHOFF_2D)
 
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
@@ -39,7 +54,9 @@ def image_survey(
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
-        methods), and attributes that describe how it was made and what was left out.
+        methods), and attributes that describe how it was made and what was left out. `noise`
+        (polarization, depth), times `noise_over_y` and `noise_over_x`, is the standard magnitude of
+        noise in each voxel, measured where no echo can arrive; missing where that is impossible.
 
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
@@ -52,13 +69,17 @@ def image_survey(
         window=options.window,
         widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
-        ground=options.ground,
+        ground=options.ground or Ground.LEVEL,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
     if options.permittivity is None:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+    if options.method in KIRCHHOFF:
+        # The group's program has its own window.
+        focus = replace(focus, window=Window.HAMMING)
+        notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
     _check_unambiguous(traces, focus)
     volumes = [
         _volume(one, focus, options.method, stage) for one, stage in in_stages(traces, progress)
@@ -72,8 +93,10 @@ def image_survey(
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
+    image = image.assign(_noise(traces, focus, options.method, volumes[0][1]))
     described = with_notes(survey, notes)
-    return image.assign_attrs({**described, **attributes, **_record(options, focus)})
+    delay_s = delay_to_remove_s(survey, options.delay_s)
+    return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
 
 def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
@@ -113,6 +136,26 @@ def _volume(traces: Traces, focus: Focus, method: Method, progress: Progress) ->
     return kirchhoff_image(traces, focus, along)
 
 
+def _noise(
+    traces: Sequence[Traces], focus: Focus, method: Method, depth_m: np.ndarray
+) -> Dict[Hashable, Any]:
+    law = law_of(method.value)
+    found = measured_noise(
+        traces, focus, depth_m, law, lambda some, how: _volume(some, how, method)
+    )
+    if found is None:
+        return {}
+    attributes = {"units": "1", "long_name": "standard magnitude of noise", "law": law.value}
+    for name, correlation in zip((DEPTH, Y, X), found.correlation):
+        attributes[f"correlation_{name}"] = correlation  # type: ignore[assignment]
+    attributes["measured_from_s"] = found.late_s  # type: ignore[assignment]
+    return {
+        NOISE: ((POLARIZATION, DEPTH), found.depth, attributes),
+        NOISE_OVER_Y: (Y, found.over_y, {"units": "1", "long_name": "noise relative to `noise`"}),
+        NOISE_OVER_X: (X, found.over_x, {"units": "1", "long_name": "noise relative to `noise`"}),
+    }
+
+
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     return {
         "permittivity_source": "estimated by focus",
@@ -122,7 +165,7 @@ def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     }
 
 
-def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
+def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, object]:
     record = {
         "method": options.method.value,
         "permittivity": focus.permittivity,
@@ -132,6 +175,7 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
         "ground": focus.ground.value,
         "height_m": options.height_m,
         "leave_out_missing": options.leave_out_missing,
+        "delay_s": delay_s,
     }
     return {"permittivity": focus.permittivity, "method": options.method.value,
             "imaging": json.dumps(record)}  # fmt: skip
