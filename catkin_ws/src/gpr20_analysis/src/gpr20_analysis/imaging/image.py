@@ -141,7 +141,7 @@ def _noise(
 ) -> Dict[Hashable, Any]:
     law = law_of(method.value)
     found = measured_noise(
-        traces, focus, depth_m, law, lambda some, how: _volume(some, how, method)
+        traces, focus, depth_m, law, lambda some, how: _volume(some, how, method, no_progress)
     )
     if found is None:
         return {}
