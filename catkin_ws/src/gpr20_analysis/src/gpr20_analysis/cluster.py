@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Sequence
 
+import dask
+import dask.array
 import numpy as np
 import xarray as xr
 
@@ -23,7 +24,6 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 
 if TYPE_CHECKING:
-    import dask.array
     from distributed import Client
 
 TIME_LIMIT_S = 10.0
@@ -139,8 +139,6 @@ def fetched(data: xr.Dataset) -> Iterator[xr.Dataset]:
     if client is None:
         yield data
         return
-    import dask.array
-
     found = data
     for name, values in data.data_vars.items():
         if values.chunks is not None:
@@ -173,11 +171,6 @@ class _Blocks:
 
 
 def _client() -> Optional[Client]:
-    # Without that library there is no client; its import, and dask's, take half a second.
-    if "distributed" not in sys.modules:
-        return None
-    import dask
-
     if dask.config.get("scheduler", None) != "dask.distributed":
         return None
     from distributed import default_client

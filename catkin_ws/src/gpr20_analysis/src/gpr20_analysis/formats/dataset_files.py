@@ -5,14 +5,15 @@ NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real
 
 from __future__ import annotations
 
-import contextlib
 import json
+import threading
 from pathlib import Path
-from typing import Any, ContextManager, Dict, Optional, Union
+from typing import Any, Dict, Optional, Union
 
-import dask
+import dask.array
 import numpy as np
 import xarray as xr
+from xarray.backends import H5NetCDFStore
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import Y
@@ -63,16 +64,20 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
         if path.suffix == ZARR:
             stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
-            with _without_cluster(stored):
-                stored.to_netcdf(str(place), engine="h5netcdf")
+            _write_netcdf(stored, place)
         add_checksum(place)
 
 
-def _without_cluster(stored: xr.Dataset) -> ContextManager[Any]:
-    """Return a context in which nothing is searched for a cluster that would write lazy data."""
+def _write_netcdf(stored: xr.Dataset, path: Path) -> None:
     if stored.chunks:
-        return contextlib.nullcontext()
-    return dask.config.set(scheduler="threads")
+        stored.to_netcdf(str(path), engine="h5netcdf")
+        return
+    # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
+    store = H5NetCDFStore.open(str(path), mode="w", lock=threading.Lock())
+    try:
+        stored.dump_to_store(store)
+    finally:
+        store.close()
 
 
 def _size(stored: xr.Dataset) -> int:
@@ -203,8 +208,6 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
             values = _joined(real.values, imaginary.values)
         else:
             kind = _kind(real.dtype)
-            import dask.array  # only for large surveys, since it takes 0.3 s
-
             values = dask.array.map_blocks(_joined, real.data, imaginary.data, dtype=kind)
         kept = {key: value for key, value in real.attrs.items() if key != PART_OF}
         data[whole] = (real.dims, values, kept)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import List, Optional
+from typing import Iterable, List, Optional
 
 import numpy as np
 import orjson
@@ -107,7 +107,7 @@ def read_group_csv(
         AnalysisError: There is none.
         UnreadableFileError: A file is damaged, two have the same position, or frequencies differ.
     """
-    found = {kind: sorted(folder.glob(f"{kind}_*.csv")) for kind in HEADERS}
+    found = {kind: _in_order(folder.glob(f"{kind}_*.csv")) for kind in HEADERS}
     if not any(found.values()):
         raise AnalysisError(
             Message(
@@ -156,6 +156,10 @@ def read_group_csv(
         facts=facts,
         delay_s=delay_s,
     )
+
+
+def _in_order(paths: Iterable[Path]) -> List[Path]:
+    return sorted(paths, key=lambda path: path.name)  # faster than the order of paths
 
 
 def _times(

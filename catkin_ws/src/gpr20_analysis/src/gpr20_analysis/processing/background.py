@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 
+import dask
 import numpy as np
 import xarray as xr
 from scipy.ndimage import uniform_filter
@@ -139,11 +140,7 @@ def _mean(measured: xr.DataArray) -> xr.DataArray:
     present = _present(measured)
     # Row by row, so that the last digit does not depend on the chunks.
     of_rows = measured.where(present, 0.0).sum(X, skipna=False)
-    counts = present.sum([Y, X])
-    if measured.chunks is not None:
-        import dask
-
-        of_rows, counts = dask.compute(of_rows, counts)
+    of_rows, counts = dask.compute(of_rows, present.sum([Y, X]))
     return of_rows.sum(Y, skipna=False) / np.maximum(counts, 1)
 
 

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, Dict, List, Tuple, Union
 
+import dask.array
 import numpy as np
 import xarray as xr
 
@@ -70,8 +71,6 @@ def load_survey(
         return survey
     row_bytes = s21.nbytes // (s21.shape[0] * s21.shape[1])
     chunks = (1, max(1, CHUNK_BYTES // row_bytes), -1, -1)
-    import dask.array  # only for large surveys, since it takes 0.3 s
-
     lazy = dask.array.from_array(made[-1].finished(s21.shape), chunks=chunks, name=False)
     return survey.assign({dataset.S21: (s21.dims, lazy, s21.attrs)})
 
