@@ -109,8 +109,8 @@ def test_segyio_reads_a_cube_whose_traces_are_the_a_scans(survey, tmp_path, fold
         cube = segyio.tools.cube(file)
         assert cube.shape[:2] == (3, 3)
         header = file.header[1]
-        assert header[segyio.TraceField.SourceX] == 15
-        assert header[segyio.TraceField.SourceGroupScalar] == -1000
+        assert header[segyio.TraceField.SourceX] == 150
+        assert header[segyio.TraceField.SourceGroupScalar] == -10000
         assert file.bin[segyio.BinField.Interval] == 50
     own = survey.s21.sel(polarization=90.0, y=0.01, x=0.015).values
     weights = np.hanning(7)[1:-1]

@@ -55,6 +55,8 @@ class Candidate:
             noise could not be measured.
         false_alarm_probability: Probability that noise alone has a voxel as bright as this
             anywhere in the image, 0 to 1; 1 if the noise could not be measured.
+        rotations_deg: Rotations of the antennas at which it is brighter than noise, the one where
+            it is brightest first [deg]; NaN for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
             only one polarization was measured.
         flags: What to know before believing it.
@@ -69,6 +71,7 @@ class Candidate:
     depth_uncertainty_m: float
     above_noise_db: float
     false_alarm_probability: float
+    rotations_deg: Tuple[float, ...]
     polarization_ratio_db: Optional[float]
     flags: Tuple[Flag, ...]
 
@@ -76,6 +79,21 @@ class Candidate:
     def confidence(self) -> float:
         """Probability that noise alone has no voxel as bright as this, 0 to 1."""
         return 1.0 - self.false_alarm_probability
+
+
+@dataclass(frozen=True)
+class AreaPosition:
+    """Where the survey's area is on the earth.
+
+    Attributes:
+        latitude_deg: WGS 84 latitude of the origin of X and Y [deg], north positive.
+        longitude_deg: WGS 84 longitude of the origin [deg], east positive.
+        heading_deg: Direction of +Y, clockwise from north [deg]; +X is 90 degrees to its right.
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+    heading_deg: float
 
 
 @dataclass(frozen=True)
@@ -95,6 +113,8 @@ class CandidateList:
         omitted: Number of candidates beyond the longest list, the last ones.
         candidates: The candidates.
         notes: What was left out or may be wrong.
+        position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
+            has no position or no heading.
     """
 
     survey_id: str
@@ -107,3 +127,4 @@ class CandidateList:
     omitted: int
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()
+    position: Optional[AreaPosition] = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Optional, Sequence
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -38,7 +38,7 @@ class Rating:
         self._magnitude = magnitude
         self._law = law_of(str(image.attrs["method"]))
         self.is_rated = NOISE in image
-        correlation = (0.0, 0.0, 0.0)
+        correlation: Tuple[float, ...] = (0.0, 0.0, 0.0)
         steps_m = np.array([_step_m(image[name].values) for name in (DEPTH, Y, X)])
         if self.is_rated:
             noise = image[NOISE].transpose(POLARIZATION, DEPTH)
@@ -63,6 +63,10 @@ class Rating:
         """A peak that much fainter than one near it may be a sidelobe [dB]."""
         return SIDELOBE_DB[self._law]
 
+    def magnitude(self, turn: int) -> np.ndarray:
+        """Return the magnitudes (depth, y, x) of a polarization."""
+        return self._magnitude[turn]
+
     def level(self, turn: int) -> np.ndarray:
         """Return magnitudes (depth, y, x) above noise; bare magnitudes if it is not known."""
         if not self.is_rated:
@@ -85,7 +89,9 @@ class Rating:
         """Return the probability that noise alone has a voxel as bright; 1 if not known."""
         if not self.is_rated:
             return 1.0
-        return self._alarms.probability(float(self._law.log_tail(self._ratio(turn, place))))
+        return self._alarms.probability(
+            float(self._law.log_tail(np.asarray(self._ratio(turn, place))))
+        )
 
     def polarization_ratio_db(self, place: Sequence[int]) -> Optional[float]:
         """Return the level of the first polarization above the second around a voxel [dB]."""

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 from scipy.ndimage import maximum_filter
 
-from gpr20_analysis.candidates.candidate import SECONDARY, Candidate, CandidateList, Flag
+from gpr20_analysis.candidates.candidate import (
+    SECONDARY,
+    AreaPosition,
+    Candidate,
+    CandidateList,
+    Flag,
+)
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.echoes import peak_place
+from gpr20_analysis.read.annotation_attributes import HEADING, LATITUDE, LONGITUDE
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 
@@ -101,7 +108,15 @@ def find_candidates(
         omitted=len(found) - len(listed),
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
+        position=_position(image),
     )
+
+
+def _position(image: xr.Dataset) -> Optional[AreaPosition]:
+    names = (LATITUDE, LONGITUDE, HEADING)
+    if not all(name in image.attrs for name in names):
+        return None
+    return AreaPosition(*(float(image.attrs[name]) for name in names))
 
 
 def _notes(rating: Rating) -> List[Message]:
@@ -132,10 +147,10 @@ class _Peaks:
 def _peaks(rating: Rating, options: CandidateOptions) -> _Peaks:
     places = []
     for turn in range(rating.polarizations):
-        level = rating.level(turn)
-        highest = maximum_filter(level, size=3, mode="nearest")
+        level, magnitude = rating.level(turn), rating.magnitude(turn)
+        highest = maximum_filter(magnitude, size=3, mode="nearest")
         threshold = rating.threshold(options.false_alarm_rate)
-        chosen = np.argwhere((level == highest) & (level > 0.0) & (level >= threshold))
+        chosen = np.argwhere((magnitude == highest) & (magnitude > 0.0) & (level >= threshold))
         places.append(np.insert(chosen, 0, turn, axis=1))
     place = np.concatenate(places)
     levels = np.array([rating.level(turn)[depth, y, x] for turn, depth, y, x in place])
@@ -170,8 +185,9 @@ def _candidate(
     options: CandidateOptions,
 ) -> Candidate:
     turn, *place = (int(one) for one in group[0])
-    level = rating.level(turn)
-    depth_m, y_m, x_m = peak_place(level, axes, tuple(place))
+    # The noise varies over the image, so the voxel that is furthest above it is not the peak.
+    top_turn, *top = max(group.tolist(), key=lambda one: rating.magnitude(one[0])[tuple(one[1:])])
+    depth_m, y_m, x_m = peak_place(rating.magnitude(top_turn), axes, tuple(top))
     picked_m = rating.picking_m(rating.above_noise_db(turn, place))
     lowest, highest = _permittivity_range(image)
     permittivity = float(image.attrs["permittivity"])
@@ -189,6 +205,9 @@ def _candidate(
         depth_uncertainty_m=math.hypot(picked_m[0], of_height_m) + max(of_permittivity_m, 0.0),
         above_noise_db=rating.above_noise_db(turn, place),
         false_alarm_probability=rating.false_alarm_probability(turn, place),
+        rotations_deg=tuple(
+            float(image[POLARIZATION][one]) for one in dict.fromkeys(group[:, 0].tolist())
+        ),
         polarization_ratio_db=rating.polarization_ratio_db(place),
         flags=_flags(group, (depth_m, y_m, x_m), rating, axes),
     )

@@ -53,8 +53,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         )
     fit = fit_delay(survey, chosen.separation, chosen.height, chosen.plate)
     recorded_ns = recorded_delay_s(survey) * NS_PER_S
-    print(catalogue.tr("delay of cables and antennas: {delay_ns:.3f} ns, within {uncertainty_ns:.3f} "
-                       "ns (95 %), from {count} traces",
+    print(catalogue.tr("delay of cables and antennas: {delay_ns:.3f} ns, within "
+                       "{uncertainty_ns:.3f} ns (95 %), from {count} traces",
                        delay_ns=fit.delay_s * NS_PER_S,
                        uncertainty_ns=fit.uncertainty_s * NS_PER_S,
                        count=fit.traces))  # fmt: skip

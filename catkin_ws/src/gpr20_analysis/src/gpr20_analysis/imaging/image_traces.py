@@ -28,7 +28,7 @@ from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.imaging.surface_check import surface_notes
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.processing.delay import ADVANCE, known_height
-from gpr20_analysis.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of

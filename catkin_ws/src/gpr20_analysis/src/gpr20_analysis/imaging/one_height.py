@@ -15,7 +15,7 @@ THREADS = 2
 # Of the amplitude of a wave of the highest frequency at the widest angle; all others are nearer.
 TOLERANCE = 0.03
 # Samples whose phases are computed at once.
-SAMPLES_AT_ONCE = 1_000_000
+SAMPLES_AT_ONCE = 250_000
 
 
 def transform_at_one_height(
@@ -27,6 +27,8 @@ def transform_at_one_height(
     focus: Focus,
 ) -> np.ndarray:
     """Return the spectra over wavenumber (frequency, wavenumber) at the middle height.
+
+    Waves beyond the widest angle may be 0.
 
     Each plane wave of each trace gets the phase of its way from the height of the trace to the
     middle height: exp(i kz d), with kz the vertical wavenumber. Over the heights d of the traces
@@ -52,21 +54,21 @@ def transform_at_one_height(
     points_m = most_m * chebpts1(count)
     weights = _lagrange_weights(points_m, higher_m)
     found = np.zeros((len(spectra), len(across_rad_m)), dtype=np.complex64)
+    widest = math.sin(math.radians(focus.widest_angle_deg))
     at_once = max(1, SAMPLES_AT_ONCE // len(across_rad_m))
     for start in range(0, len(spectra), at_once):
         part = slice(start, start + at_once)
-        air_part = air_rad_m[part, None]
-        down = np.sqrt(np.maximum(air_part**2 - across_rad_m**2, 0.0)) - middle_rad_m[part, None]
-        for index, point_m in enumerate(points_m[: (count + 1) // 2]):
-            mirrored = count - 1 - index
-            one = _transform(spectra[part] * weights[index], padded)
-            if mirrored == index:
-                # The point in the middle has no phase.
-                found[part] += one
-                continue
-            turn = unit_phasor(down * point_m)
-            found[part] += one * turn
-            found[part] += _transform(spectra[part] * weights[mirrored], padded) * turn.conj()
+        used = np.flatnonzero(across_rad_m < air_rad_m[part][-1] * widest)
+        square = air_rad_m[part, None] ** 2 - across_rad_m[used] ** 2
+        down = np.sqrt(np.maximum(square, 0.0)) - middle_rad_m[part, None]
+        moved = np.zeros(down.shape, dtype=np.complex64)
+        turns = [unit_phasor(down * point_m) for point_m in points_m[: count // 2]]
+        # The points are symmetric, and one in the middle has no phase.
+        middle = [np.ones((1, 1), dtype=np.complex64)] * (count % 2)
+        turns = [*turns, *middle, *(turn.conj() for turn in reversed(turns))]
+        for weight, turn in zip(weights, turns):
+            moved += _transform(spectra[part] * weight, padded)[:, used] * turn
+        found[part, used] = moved
     return found
 
 

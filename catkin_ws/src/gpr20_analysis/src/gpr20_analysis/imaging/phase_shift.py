@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from typing import Iterator, Tuple, Union
+from typing import Iterator, Optional, Tuple, Union
 
 import numpy as np
 import scipy.fft
@@ -25,6 +25,7 @@ from gpr20_analysis import cluster
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
+from gpr20_analysis.imaging.image_grid import interpolated
 from gpr20_analysis.imaging.one_height import transform_at_one_height, unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.imaging.refraction import one_way_delay_s
@@ -38,12 +39,19 @@ SAMPLES_AT_ONCE = 60_000
 THREADS = 2
 
 
-def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
-    """Return the complex image (depth, y, x) at the positions of the traces.
+def phase_shift_image(
+    traces: Traces,
+    focus: Focus,
+    x_m: Optional[np.ndarray] = None,
+    y_m: Optional[np.ndarray] = None,
+) -> np.ndarray:
+    """Return the complex image (depth, y, x).
 
     Args:
         traces: Traces on a regular grid.
         focus: How to focus.
+        x_m: Positions of the image along X, within those of the traces [m]; default theirs.
+        y_m: The same along Y.
 
     Raises:
         WrongDatasetError: The positions do not form a regular grid.
@@ -72,7 +80,10 @@ def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
     focused = cluster.distribute(_focused, focus, [waves.some(part) for part in cut])
     for part, found in zip(cut, focused):
         image[:, part] = found
-    image = scipy.fft.ifft2(image.reshape(-1, *padded), workers=THREADS, overwrite_x=True)
+    image = image.reshape(-1, *padded)
+    if x_m is not None and y_m is not None:
+        return interpolated(image, step_m, x_m - traces.x_m[0], y_m - traces.y_m[0])
+    image = scipy.fft.ifft2(image, workers=THREADS, overwrite_x=True)
     return image[:, : len(traces.y_m), : len(traces.x_m)]
 
 

@@ -30,7 +30,7 @@ def one_way_delay_s(
         permittivity: Relative permittivity of the soil, 1 or more.
     """
     height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
-    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    tangent = tangent_in_air(height_m, depth_m, distance_m, permittivity)
     secant = np.sqrt(1.0 + tangent**2)
     sine_in_soil = tangent / secant / np.sqrt(permittivity)
     air_m = height_m * secant
@@ -55,7 +55,7 @@ def surface_delay_s_per_m(
         permittivity: Relative permittivity of the soil, 1 or more.
     """
     height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
-    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    tangent = tangent_in_air(height_m, depth_m, distance_m, permittivity)
     root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
     # Share of the horizontal distance beyond the crossing.
     beyond = (depth_m / root) / (height_m + depth_m / root)
@@ -65,12 +65,13 @@ def surface_delay_s_per_m(
     return beyond * (1.0 / secant - in_soil) / speed_of_light
 
 
-def _tangent_in_air(
-    height_m: np.ndarray, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: float
+def tangent_in_air(
+    height_m: np.ndarray, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: Floats
 ) -> np.ndarray:
+    """Return the tangent of the angle to the vertical in air; the arguments broadcast."""
     # The distance that a ray reaches grows with the tangent t in air and is concave in it, so
     # Newton's iteration from t = 0 approaches the root from below and cannot overshoot.
-    tangent = np.zeros(np.shape(distance_m))
+    tangent = np.zeros(np.broadcast(height_m, depth_m, distance_m, permittivity).shape)
     for _ in range(MOST_ITERATIONS):
         root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
         missing_m = distance_m - tangent * (height_m + depth_m / root)

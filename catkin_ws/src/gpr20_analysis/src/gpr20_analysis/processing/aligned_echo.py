@@ -14,20 +14,29 @@ from gpr20_analysis.processing.sweep import FrequencyGrid, Window
 from gpr20_common.message import Message
 
 PADDING = 4
-# Delays beyond the path by the height, between which the surface echo may lie [s].
-EARLIEST_S, LATEST_S = -0.7e-9, 40e-9
+# Delays beyond the path by the height, between which the surface echo may lie [s]. What is earlier
+# may be the coupling, unless it moves with the height.
+EARLIEST_S, EARLIEST_MOVING_S, LATEST_S = -0.07e-9, -0.7e-9, 40e-9
 # Levels relative to the strongest echo. The last echo above the first is the surface; over a
 # plate, a second echo above the other makes the first ambiguous.
 LAST_STRONG, SECOND_OF_PLATE = 10.0 ** (-20.0 / 20.0), 10.0 ** (-3.0 / 20.0)
 # Of the median of the mean trace, which noise exceeds 3 times among 500 values.
 CLEAR = 6.0
-# Of the root mean square over the traces: an echo that is the same in all of them has 1.
-COMMON = 0.8
+# Of the root mean square over the traces: an echo that is the same in all of them has 1. Errors of
+# the heights blur an echo that moves, but a target does not move with the heights.
+COMMON, COMMON_MOVING = 0.9, 0.6
 FEWEST_FOR_MOVEMENT = 8
 # Share of what differs between the traces that the movement of the surface must explain.
 EXPLAINED = 0.5
 # Share of the movement's largest variance below which a frequency does not separate.
 LEAST_VARIANCE = 0.02
+# Of the level by which the movement explains the differences, what all traces must show there.
+LEAST_SHOWN = 0.5
+# A single strong echo is the coupling if a later one of at least this level follows, further away
+# than the sidelobes of the first [resolution].
+WEAK_SURFACE, FROM_SIDELOBES = 10.0 ** (-35.0 / 20.0), 3.2
+# Strong echoes that all traces have in common: the coupling and the surface.
+MOST_STRONG = 2
 # How far an echo of the same level moves another one, relative to the resolution.
 PULL = 0.9
 SMALLEST_S = 1e-12
@@ -64,6 +73,14 @@ class _Echoes:
     level: np.ndarray
     coherence: np.ndarray
     floor: float
+
+    @property
+    def strong(self) -> np.ndarray:
+        """Places of the strong echoes that all traces have in common; else of the strongest."""
+        common = np.where(self.coherence >= COMMON, self.level, 0.0)
+        if not np.any(common):
+            common = np.where(self.level == self.level.max(), self.level, 0.0)
+        return np.flatnonzero(common >= max(LAST_STRONG * common.max(), 1e-300))
 
 
 class SurfaceEcho:
@@ -144,6 +161,11 @@ class SurfaceEcho:
             return None
         # Low frequencies hardly separate the two: there both stay in the traces.
         surface = covariance / (variance + LEAST_VARIANCE * variance.max())
+        moved = spectra * back
+        place = int(np.argmax(self._a_scan(covariance)))
+        shown, needed = (self._a_scan(one)[place] for one in (moved.mean(axis=0), surface))
+        if shown < LEAST_SHOWN * needed:
+            return None
         alone = spectra - (mean - surface * mean_moving)
         return _Aligned(alone * back, covariance, np.zeros(len(spectra)))
 
@@ -194,30 +216,18 @@ class SurfaceEcho:
         """Return which of the echoes is that of the surface."""
         if self.by_movement or plate:
             return int(np.argmax(echoes.level))
-        common = np.where(echoes.coherence >= COMMON, echoes.level, 0.0)
-        return int(np.flatnonzero(common >= LAST_STRONG * common.max())[-1])
+        return int(echoes.strong[-1])
 
     def _check(self, echoes: _Echoes, place: int, plate: bool) -> None:
         if not echoes.level[place] > CLEAR * echoes.floor:
             raise WrongDatasetError(
                 Message("no echo rises above the noise in the mean of all traces")
             )
-        if not echoes.coherence[place] >= COMMON:
+        if not echoes.coherence[place] >= (COMMON_MOVING if self.by_movement else COMMON):
             raise WrongDatasetError(
                 Message(
                     "the traces have no echo in common; fit the delay to the survey as measured, "
                     "before its background is removed"
-                )
-            )
-        if not EARLIEST_S <= echoes.delay_s[place] <= LATEST_S:
-            raise WrongDatasetError(
-                Message(
-                    "the last strong echo of all traces is {delay_ns:.2f} ns after the delay of "
-                    "the recorded heights; a surface echo is expected from {earliest_ns:.1f} to "
-                    "{latest_ns:.0f} ns",
-                    delay_ns=echoes.delay_s[place] * 1e9,
-                    earliest_ns=EARLIEST_S * 1e9,
-                    latest_ns=LATEST_S * 1e9,
                 )
             )
         second = np.max(np.delete(echoes.level, place), initial=0.0)
@@ -226,6 +236,34 @@ class SurfaceEcho:
                 Message(
                     "the echo of the plate is not stronger than the coupling of the antennas; "
                     "measure the plate at a smaller height"
+                )
+            )
+        earliest_s = EARLIEST_MOVING_S if self.by_movement else EARLIEST_S
+        if not earliest_s <= echoes.delay_s[place] <= LATEST_S:
+            raise WrongDatasetError(
+                Message(
+                    "the last strong echo of all traces is {delay_ns:.2f} ns later than the "
+                    "heights say; {earliest_ns:g} to {latest_ns:g} ns are allowed",
+                    delay_ns=echoes.delay_s[place] * 1e9,
+                    earliest_ns=earliest_s * 1e9,
+                    latest_ns=LATEST_S * 1e9,
+                )
+            )
+        if not self.by_movement and not plate:
+            self._check_alone(echoes)
+
+    def _check_alone(self, echoes: _Echoes) -> None:
+        strong = echoes.strong
+        later = echoes.delay_s > echoes.delay_s[strong[-1]] + FROM_SIDELOBES * self._resolution_s
+        weak = (echoes.level > WEAK_SURFACE * echoes.level.max()) & (echoes.coherence >= COMMON)
+        others = int(np.count_nonzero(later & weak)) if len(strong) == 1 else 0
+        count = len(strong) + others
+        if count > MOST_STRONG or others:
+            raise WrongDatasetError(
+                Message(
+                    "all traces have {count} strong echoes in common, so it is not known which is "
+                    "the surface; measure at different heights, or over a metal plate",
+                    count=count,
                 )
             )
 

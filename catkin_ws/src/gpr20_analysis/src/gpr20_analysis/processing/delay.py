@@ -122,12 +122,22 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         WrongDatasetError: Time zero was set before.
         DamagedSurveyError: A usable sample has no height.
     """
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    require(survey, S21, S21_DIMS)
     if ADVANCE in survey:
         raise WrongDatasetError(
             Message("time zero was set before; setting it again would shift it twice")
         )
-    advance = 2.0 * known_height(survey) / speed_of_light + recorded_delay_s(survey)
+    return advanced(survey, 2.0 * known_height(survey) / speed_of_light + recorded_delay_s(survey))
+
+
+def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
+    """Return a survey without a delay of each trace, which becomes variable `advance`.
+
+    Args:
+        survey: Dataset with `s21`.
+        advance: The delay (polarization, y, x) [s].
+    """
+    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     frequency_hz = survey[FREQUENCY].values
     shifted = xr.apply_ufunc(
         lambda s21, s: s21 * np.exp(2j * np.pi * frequency_hz * s[..., np.newaxis]),
@@ -138,7 +148,7 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         dask="parallelized",
         output_dtypes=[measured.dtype],
     )
-    removed = advance.assign_attrs(units="s", long_name="delay of the surface, removed")
+    removed = advance.assign_attrs(units="s", long_name="delay that was removed: time zero")
     return survey.assign({S21: shifted, ADVANCE: removed})
 
 

@@ -9,7 +9,7 @@ factors are fitted to all traces by least squares; what is left is never more th
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Optional, Sequence
 
 import numpy as np
 import xarray as xr
@@ -114,17 +114,18 @@ class _Surface:
             found[index] = np.einsum("axf,bxf->fab", columns.conj(), both)
         return found
 
-    def subtracted(self, s21: np.ndarray, *known: np.ndarray) -> np.ndarray:
+    def subtracted(self, s21: np.ndarray, *known_and_factors: np.ndarray) -> np.ndarray:
         """Return the traces (..., x, frequency) without the components times the last argument."""
-        *known, factors = known
+        *known, factors = known_and_factors
+        places = s21.shape[:-2]
+        factors = np.broadcast_to(factors, (*places, *factors.shape[-2:]))
         cleaned = np.empty_like(s21)
-        for index in np.ndindex(*s21.shape[:-2]):
-            factors_here = np.broadcast_to(factors, (*s21.shape[:-2], *factors.shape[-2:]))[index]
+        for index in np.ndindex(*places):
             columns = self._columns([one[index] for one in known])
-            cleaned[index] = s21[index] - np.einsum("axf,fa->xf", columns, factors_here)
+            cleaned[index] = s21[index] - np.einsum("axf,fa->xf", columns, factors[index])
         return cleaned
 
-    def _columns(self, known: Tuple[np.ndarray, ...]) -> np.ndarray:
+    def _columns(self, known: Sequence[np.ndarray]) -> np.ndarray:
         height_m, mean_m, spread_m, advance_s = (one[:, None] for one in known)
         turn = 2j * np.pi * self._frequency_hz
         constant = np.exp(turn * advance_s)
