@@ -35,6 +35,7 @@ STEPS = [
     "combine:method=sum",
     "polarization:rotation_deg=90",
     "time",
+    "time:window=none frequency",
     "time gain:method=linear",
     "time gain:method=exponential",
     "time gain:method=agc",

@@ -24,6 +24,7 @@ from gpr20_analysis.processing.samples import fill_missing
 from gpr20_analysis.processing.surface_echo import with_surface_delay
 from gpr20_analysis.processing.sweep import apply_window, select_band
 from gpr20_analysis.processing.time_zero import correct_topography, pick_time_zero
+from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
@@ -46,6 +47,7 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
+    "frequency": to_frequency,
     "gain": apply_gain,
     "envelope": envelope,
 }

@@ -24,6 +24,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.processing.antenna_delay import REMOVED, check_delay, recorded_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
 from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
 from gpr20_common.message import Message
 
@@ -74,6 +75,7 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
         dask_gufunc_kwargs={"output_sizes": {DELAY: count}},
     )
     in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
+    in_time = in_time.assign_attrs({SPECTRUM: Spectrum(sweep, window).to_json()})
     in_time = in_time.assign_coords({DELAY: (DELAY, delay_s, ATTRIBUTES[DELAY])})
     return in_time.assign({A_SCAN: a_scans.assign_attrs(ATTRIBUTES[A_SCAN])})
 
