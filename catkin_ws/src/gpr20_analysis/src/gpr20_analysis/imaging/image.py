@@ -55,6 +55,7 @@ def image_survey(
         ground=options.ground,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
+    heights_m = float(np.mean([np.mean(one.height_m) for one in traces]))
     if options.permittivity is None:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
@@ -71,6 +72,7 @@ def image_survey(
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
     described = with_notes(survey, notes)
+    attributes["mean_height_m"] = heights_m
     return image.assign_attrs({**described, **attributes, **_record(options, focus)})
 
 
