@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -85,7 +86,8 @@ def test_migrated_images_are_written_and_read_again(survey_folder, tmp_path, cap
             assert file.attrs["Relative permittivity"] == 4.0
             place = file["Position"].attrs
             assert [place[f"q{axis}"] for axis in "xyz"] == [3, 3, 5]
-            assert place["zf"] == pytest.approx(0.02) and place["h_ant_mig"] == 0.03
+            assert place["zf"] == pytest.approx(0.02)
+            assert place["h_ant_mig"] == pytest.approx(0.03)
             stored = file["MigratedImage/Image"]
             assert (stored.dtype, stored.compression) == (np.float32, "gzip")
             own = np.abs(image.image.values[turn]).transpose(2, 1, 0)
@@ -101,7 +103,7 @@ def test_migrated_images_are_written_and_read_again(survey_folder, tmp_path, cap
     assert main(["info", str(tmp_path / "i_090.h5")]) == 0
     assert "SIMULATED" in capsys.readouterr().out
     figure = tmp_path / "p.png"
-    assert main(["plot", "cscan", str(tmp_path / "i_090.h5"), "-o", str(figure)]) == 0
+    assert main(["plot", "c-scan", str(tmp_path / "i_090.h5"), "-o", str(figure)]) == 0
     assert main([*command, "-o", str(tmp_path / "i.h5")]) == 3
     assert "i.nc exists" in capsys.readouterr().err
     (tmp_path / "i.nc").unlink()
@@ -170,7 +172,29 @@ def test_simulated_survives_every_format(survey_folder, tmp_path, form, name, in
         assert found.attrs["simulated"] == 1
 
 
-def test_vtk_files_say_that_they_are_simulated(survey_folder, tmp_path):
-    assert main(["image", str(survey_folder), *IMAGE, "-o", str(tmp_path / "i.vtr")]) == 0
-    content = (tmp_path / "i.vtr").read_bytes()
-    assert b"FieldData" in content and b'Name="simulated"' in content
+def read_vtr(path):
+    """Return the arrays of a VTK file by name, from its XML alone."""
+    head, _, data = path.read_bytes().partition(b'<AppendedData encoding="raw">')
+    data = data[data.index(b"_") + 1 :]
+    root = ElementTree.fromstring(head + b"</VTKFile>")
+    assert (root.get("type"), root.get("byte_order")) == ("RectilinearGrid", "LittleEndian")
+    size_type = {"UInt32": "<u4", "UInt64": "<u8", None: "<u4"}[root.get("header_type")]
+    found = {}
+    for one in root.iter("DataArray"):
+        start = int(one.get("offset"))
+        (size,) = np.frombuffer(data, size_type, 1, start)
+        start += np.dtype(size_type).itemsize
+        kind = {"Float64": "<f8", "Float32": "<f4", "Int64": "<i8"}[one.get("type")]
+        found[one.get("Name")] = np.frombuffer(data[start : start + int(size)], kind)
+    return found
+
+
+def test_vtk_files_hold_the_image_and_say_that_it_is_simulated(survey_folder, tmp_path):
+    paths = [tmp_path / name for name in ("i.vtr", "i.nc")]
+    outputs = [word for path in paths for word in ("-o", str(path))]
+    assert main(["image", str(survey_folder), *IMAGE, *outputs]) == 0
+    found, image = read_vtr(paths[0]), read_dataset(paths[1])
+    own = np.abs(image.image.values[1])[::-1].reshape(-1)  # x fastest, z upwards
+    np.testing.assert_array_equal(found["magnitude_90deg"], own)
+    np.testing.assert_allclose(found["z_coordinates"], -image.depth.values[::-1], atol=1e-12)
+    assert found["simulated"].tolist() == [1]
