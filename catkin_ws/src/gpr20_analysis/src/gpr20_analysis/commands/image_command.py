@@ -21,7 +21,10 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
 from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
+from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.formats.migrated_hdf5 import ENDING as MIGRATED
+from gpr20_analysis.formats.migrated_hdf5 import write_migrated
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
@@ -56,7 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
+        help="image as .nc, .zarr, .vtr (VTK) or .h5 (migrated image of the group, one file per "
+        "polarization); may be given more than once")  # fmt: skip
     add(
         "--figures",
         type=Path,
@@ -149,6 +153,7 @@ def image_of(
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
+        outputs.check(_migrated(processed, chosen), [chosen.survey], chosen.overwrite)
         progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
@@ -192,10 +197,22 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
     for path in chosen.output:
-        if path.suffix not in (NETCDF, ZARR, VTK):
-            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK)))
-        found.append(Output(path) if path.suffix == VTK else outputs.dataset_output(path))
+        if path.suffix not in (NETCDF, ZARR, VTK, MIGRATED):
+            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK, MIGRATED)))
+        is_dataset = path.suffix in (NETCDF, ZARR)
+        found.append(outputs.dataset_output(path) if is_dataset else Output(path))
     return found
+
+
+def _migrated(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
+    """Return the files of migrated images: one for each polarization."""
+    paths = [path for path in chosen.output if path.suffix == MIGRATED]
+    return [Output(one) for path in paths for one in _files_of(data, path)]
+
+
+def _files_of(data: xr.Dataset, path: Path) -> List[Path]:
+    turns = data[POLARIZATION].values
+    return [path] if len(turns) == 1 else [segy.file_of(path, turn) for turn in turns]
 
 
 def _write(
@@ -204,6 +221,10 @@ def _write(
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
+        elif path.suffix == MIGRATED:
+            for turn, own in enumerate(_files_of(image, path)):
+                with atomic_output(own) as place:
+                    write_migrated(image.isel({POLARIZATION: [turn]}), place, own.stem)
         else:
             with atomic_output(path) as place:
                 write_volume(image, place)

@@ -75,6 +75,7 @@ def image_survey(
         ground=options.ground or Ground.LEVEL,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
+    heights_m = float(np.mean([np.mean(one.height_m) for one in traces]))
     if options.permittivity is None:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
@@ -99,6 +100,7 @@ def image_survey(
     image[IMAGE].attrs.update(units="1", long_name="image")
     image = image.assign(_noise(traces, focus, options.method, volumes[0], at))
     described = with_notes(survey, notes)
+    attributes["mean_height_m"] = heights_m
     delay_s = delay_to_remove_s(survey, options.delay_s)
     return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
