@@ -21,9 +21,9 @@ import xarray as xr
 from random_scenes_kit import Clutter, RandomScene, random_noise, random_scene
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
+from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.records import Focus
 from gpr20_analysis.processing.background import remove_background
 

@@ -16,7 +16,7 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from gpr20_analysis.imaging.echo_cells import Cells
-from gpr20_analysis.imaging.echo_search import TRIAL_PERMITTIVITY, Apex
+from gpr20_analysis.imaging.echo_search import Apex
 from gpr20_analysis.imaging.wavefront import Wavefront, wavefront
 
 PERMITTIVITIES = np.geomspace(1.5, 36.0, 49)

@@ -13,10 +13,10 @@ from scipy.constants import speed_of_light
 from gpr20_analysis.dataset import ATTRIBUTES, DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
-from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.progress import Progress, no_progress
@@ -59,6 +59,7 @@ def image_survey(
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+        notes = [*notes, *estimate.notes]
     _check_unambiguous(traces, focus)
     volumes = [_volume(one, focus, options.method) for one in progress(traces, len(traces))]
     coordinates = {
@@ -113,7 +114,7 @@ def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
 
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     return {
-        "permittivity_source": "estimated by focus",
+        "permittivity_source": "estimated from echoes",
         "permittivity_lowest": estimate.lowest,
         "permittivity_highest": estimate.highest,
         "depth_uncertainty": estimate.depth_uncertainty,

@@ -11,7 +11,7 @@ chance exceeds in 5 % of cases. Where the data leave too much open, the estimate
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -39,6 +39,10 @@ SEARCHED_PERMITTIVITY = 9.0
 SAME_BODY_M = 0.06
 # Of the unambiguous range of delays; the rest shows the noise.
 SEARCHED_SHARE = 0.55
+_ONE_LINE = Message(
+    "the survey is a single line: the permittivity range is valid only if no long object crosses "
+    "the line at a slant"
+)
 
 
 @dataclass(frozen=True)
@@ -49,13 +53,15 @@ class PermittivityEstimate:
         permittivity: Mean of the compatible values, by their likelihood.
         lowest: Lowest compatible value (95 % range).
         highest: Highest compatible value.
-        echoes: Number of bodies whose echoes were used.
+        bodies: Number of bodies whose echoes were used.
+        notes: What the range assumes.
     """
 
     permittivity: float
     lowest: float
     highest: float
-    echoes: int
+    bodies: int
+    notes: Tuple[Message, ...] = ()
 
     @property
     def depth_uncertainty(self) -> float:
@@ -96,14 +102,15 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
                 advice=_advice(),
             )
         )
-    bodies = _of_same_body(fits)
-    return _range_of(bodies)
+    estimate = _range_of(_of_same_body(fits))
+    one_line = all(min(len(one.x_m), len(one.y_m)) == 1 for one in traces)
+    return replace(estimate, notes=(_ONE_LINE,)) if one_line else estimate
 
 
 def _advice() -> Message:
     return Message(
-        "give it with --permittivity: from a probe in the soil, or so that a body buried at a known "
-        "depth appears there"
+        "give it with --permittivity: measure it with a soil probe, or bury a metal object at a "
+        "known depth and choose the value that shows it there"
     )
 
 
