@@ -16,6 +16,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.constants import speed_of_light
+from scipy.interpolate import CubicSpline
 
 from gpr20_analysis import cluster
 from gpr20_analysis.errors import WrongDatasetError
@@ -37,6 +38,8 @@ WIDEST_RATIO = 2.25
 # Bodies at the depths of the image are searched in soil of up to this permittivity.
 SEARCHED_PERMITTIVITY = 9.0
 SAME_BODY_M = 0.06
+# Steps from one trial value of the permittivity to the next.
+BETWEEN = 6
 # Of the unambiguous range of delays; the rest shows the noise.
 SEARCHED_SHARE = 0.55
 _ONE_LINE = Message(
@@ -149,17 +152,19 @@ def _of_same_body(fits: Sequence[EchoFit]) -> List[np.ndarray]:
 
 
 def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
-    worse = np.sum(bodies, axis=0)
+    # The functions are smooth, so a few values suffice for many between them.
+    logarithm = np.log(PERMITTIVITIES)
+    fine = np.linspace(logarithm[0], logarithm[-1], BETWEEN * (len(logarithm) - 1) + 1)
+    worse = CubicSpline(logarithm, np.sum(bodies, axis=0))(fine)
     least = float(worse.min())
     # Bodies that contradict each other by more than the model allows widen the range.
     contradiction = max(1.0, least / max(len(bodies) - 1, 1))
     worse = (worse - least) / contradiction
     compatible = np.flatnonzero(worse <= COMPATIBLE)
     first, last = int(compatible[0]), int(compatible[-1])
-    # The ends lie between the values that were tried.
-    lowest, highest = (
-        float(PERMITTIVITIES[min(max(one, 0), len(worse) - 1)]) for one in (first - 1, last + 1)
-    )
+    # The ends lie between two values.
+    lowest = float(np.exp(fine[max(first - 1, 0)]))
+    highest = float(np.exp(fine[min(last + 1, len(fine) - 1)]))
     if first == 0 or last == len(worse) - 1 or highest > WIDEST_RATIO * lowest:
         raise WrongDatasetError(
             Message(
@@ -172,5 +177,5 @@ def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
             )
         )
     likelihood = np.exp(-worse)
-    mean = float(np.exp(np.sum(likelihood * np.log(PERMITTIVITIES)) / np.sum(likelihood)))
+    mean = float(np.exp(np.sum(likelihood * fine) / np.sum(likelihood)))
     return PermittivityEstimate(mean, lowest, highest, len(bodies))
