@@ -96,7 +96,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     """Declare how an image is made."""
     add = parser.add_argument
     add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
-    add("--permittivity", type=float, help="relative permittivity; estimated by focus if not given")
+    add("--permittivity", type=float,
+        help="relative permittivity; estimated from echoes if not given")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
         metavar=("FIRST", "LAST", "STEP"),
         help="depths of the image [m]; default 0 0.3 0.003")  # fmt: skip
@@ -115,7 +116,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
-        help="distance between the antennas; only back-projection uses it")  # fmt: skip
+        help="distance between the antennas; used by back-projection and by the estimate of the "
+        "permittivity")  # fmt: skip
     add("--grid-step", type=float, metavar="MM",
         help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],

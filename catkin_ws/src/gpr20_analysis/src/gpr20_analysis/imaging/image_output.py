@@ -58,9 +58,8 @@ def permittivity_line(image: xr.Dataset) -> Message:
     lowest, highest = (float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest"))
     deeper, shallower = (100.0 * (np.sqrt(value / one) - 1.0) for one in (lowest, highest))
     return Message(
-        "relative permittivity {permittivity:.3g}, ESTIMATED by focus; {lowest:.3g} to "
-        "{highest:.3g} are nearly as good, so the error of depths is {shallower:+.0f} % to "
-        "{deeper:+.0f} %",
+        "relative permittivity {permittivity:.3g}, ESTIMATED from echoes; 95 % range {lowest:.3g} "
+        "to {highest:.3g}, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
         permittivity=value,
         lowest=lowest,
         highest=highest,
