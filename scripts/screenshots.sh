@@ -4,6 +4,7 @@
 #   scripts/screenshots.sh FOLDER            the same into another folder
 #   scripts/screenshots.sh --faults FOLDER   STATUS, after each fault of the simulator
 #   scripts/screenshots.sh --replay SURVEY   a replay of a recorded survey, into docs/images
+#   scripts/screenshots.sh --candidates SURVEY   the candidates of a survey, into docs/images
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -16,6 +17,10 @@ if [ "${1:-}" = --faults ]; then
 fi
 if [ "${1:-}" = --replay ]; then
     exec python "$GPR20_ROOT/scripts/replay_screenshots.py" "${2:?name a survey}" \
+        "${3:-$GPR20_ROOT/docs/images}"
+fi
+if [ "${1:-}" = --candidates ]; then
+    exec python "$GPR20_ROOT/scripts/candidate_screenshots.py" "${2:?name a survey}" \
         "${3:-$GPR20_ROOT/docs/images}"
 fi
 exec python "$GPR20_ROOT/scripts/screenshots.py" "${1:-$GPR20_ROOT/docs/images}"

@@ -116,6 +116,7 @@ def test_nothing_is_cut_off_in_any_state(window):
     assert_fits(window)
     ended(window, json.dumps(MANY), errors="note: something about the survey. " * 30)
     assert_fits(window)
+    assert sheet.permittivity.geometry().right() < sheet.find.geometry().left()
     assert sheet.table.rowCount() == 50
     assert sheet.table.height() >= 100
     sheet.find.click()
