@@ -47,7 +47,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     sheet.show_survey(chosen, str(survey.parent))
     for language in Language:
         languages.use(language)
-        sheet.find.click()
+        sheet.find_button.click()
         run_until(lambda: bool(ended), "the search ends", LIMIT_S)
         sheet.on_event(ended.pop())
         if search.state is not SearchState.DONE:

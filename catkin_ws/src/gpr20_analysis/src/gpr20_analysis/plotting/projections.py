@@ -51,7 +51,7 @@ def projection_figure(
     Raises:
         WrongDatasetError: There is no image.
     """
-    magnitude = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
+    magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
     scale = DecibelScale(magnitude.values, float(magnitude.max()))
     volume = magnitude.isel({POLARIZATION: turn})
     title = catalogue.tr(
@@ -110,7 +110,7 @@ def candidate_map_figure(
     Raises:
         WrongDatasetError: There is no image.
     """
-    magnitude = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
+    magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
     values = magnitude.max((POLARIZATION, DEPTH)).transpose(Y, X).values
     marked = marked_of(candidates)
     if len(marked) < len(candidates):

@@ -70,7 +70,7 @@ class CandidatesSheet(Overlay):
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
         self.number_pad = KeyPad(window, DIGITS)
-        self.find = new_button(self._on_find)
+        self.find_button = new_button(self._on_find)
         self.cancel = new_button(self._on_cancel)
         self.close_button = new_button(self.hide)
         self.permittivity.tapped.connect(self._on_tap)
@@ -117,7 +117,7 @@ class CandidatesSheet(Overlay):
         self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
         self.permittivity_label.setText(self.tr("permittivity"))
-        self.find.setText(self.tr("FIND"))
+        self.find_button.setText(self.tr("FIND"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))
         self.table.setHorizontalHeaderLabels(
@@ -138,7 +138,7 @@ class CandidatesSheet(Overlay):
         running = search.state is SearchState.RUNNING
         wrong = check_permittivity(self.permittivity.text())
         self.permittivity.show_problem("" if wrong is None else shown_text(wrong))
-        self.find.setEnabled(search.can_start and wrong is None)
+        self.find_button.setEnabled(search.can_start and wrong is None)
         self.cancel.setEnabled(running)
         self.progress.setVisible(running)
         self.table.setVisible(not running)
@@ -227,7 +227,7 @@ class CandidatesSheet(Overlay):
         buttons = QHBoxLayout()
         buttons.addWidget(self.permittivity_label)
         buttons.addWidget(self.permittivity, 1)
-        for button in (self.find, self.cancel, self.close_button):
+        for button in (self.find_button, self.cancel, self.close_button):
             buttons.addWidget(button, 1)
         grid.addLayout(buttons, 5, 0, 1, 2)
         grid.setRowStretch(2, 1)
