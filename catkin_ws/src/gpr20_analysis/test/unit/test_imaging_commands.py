@@ -49,9 +49,9 @@ def refused(capsys, *arguments):
     return capsys.readouterr().err
 
 
-def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
+def test_image_names_the_candidate_and_how_it_was_made(survey_file, capsys):
     answer = json.loads(printed(capsys, "image", survey_file, "--permittivity", 4, "--json"))
-    echo = answer["echoes"][0]
+    echo = answer["candidates"][0]
     assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
     assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3
     assert answer["processing"][0]["step"] == "background"
@@ -110,7 +110,7 @@ def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, 
             "--json",
         )
     )
-    assert answer["echoes"][0]["polarization_deg"] is None
+    assert answer["candidates"][0]["rotations_deg"] == [None]
     assert (tmp_path / "pictures" / "projections_combined.png").exists()
 
 

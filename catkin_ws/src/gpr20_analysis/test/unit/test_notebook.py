@@ -34,7 +34,7 @@ def test_notebook_runs_and_finds_the_point_targets():
                     (echo.depth_m - target.depth_m) * 1e3,
                 ]
             )
-            for echo in names["echoes"]
+            for echo in names["found"].candidates
         ]
         assert min(away_mm) < 5.0
     pictures = [

@@ -18,7 +18,7 @@ from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
 from gpr20_analysis.formats.lost_imaginary import recover
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
-from gpr20_analysis.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_sentence
 from gpr20_common.message import Message

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.to_frequency import SPECTRUM
 from gpr20_analysis.read import analyzer_attributes, annotation_attributes
 from gpr20_analysis.read.survey_grid import SurveyGrid

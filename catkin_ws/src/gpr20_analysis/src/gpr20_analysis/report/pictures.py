@@ -9,16 +9,17 @@ import xarray as xr
 from scipy.constants import speed_of_light
 
 from gpr20_analysis import dataset
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.candidates.table import (
+    candidate_heading,
+    candidate_row,
+    head_sentences,
+    tail_sentences,
+)
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.imaging.echoes import find_echoes
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.image_output import (
-    doubtful_echoes,
-    echo_heading,
-    echo_row,
-    permittivity_line,
-)
+from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.plotting import scans
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
@@ -69,7 +70,7 @@ def imaged(
     options: ImageOptions,
     catalogue: Catalogue = ENGLISH,
 ) -> List[Section]:
-    """Return the data after the steps, the image, and the echoes in it."""
+    """Return the data after the steps, the image, and the candidates in it."""
     try:
         processed = apply_steps(survey, steps, _no_other_survey)
     except AnalysisError as error:
@@ -93,22 +94,23 @@ def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
 
 
 def _image(image: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> List[Section]:
-    echoes = find_echoes(image)
+    found = find_candidates(image)
     figures: Pictures = []
     for number, turn in enumerate(image[dataset.POLARIZATION].values):
         caption = catalogue.tr("Maximum projections at {rotation_deg:g} deg", rotation_deg=turn)
         figures.append((caption, scans.projection_figure(image, number, catalogue)))
-    slices_m = image[dataset.DEPTH].sel(depth=[one.depth_m for one in echoes], method="nearest")
-    # Echoes of both polarizations are mostly at one depth.
+    slices_m = image[dataset.DEPTH].sel(
+        depth=[one.depth_m for one in found.candidates], method="nearest"
+    )
     for depth_m in list(dict.fromkeys(slices_m.values.tolist()))[:SLICES]:
         caption = catalogue.tr("Slice at {depth_mm:.1f} mm", depth_mm=depth_m * dataset.MM_PER_M)
         figures.append((caption, scans.c_scan_figure(image, depth_m, catalogue)))
-    lines = [catalogue.text(one) for one in doubtful_echoes(echoes)]
     listed = Section(
-        catalogue.tr("Echoes"),
-        lines=lines if echoes else [catalogue.tr("No echo was found.")],
-        rows=[echo_row(echo, catalogue) for echo in echoes],
-        heading=echo_heading(catalogue),
+        catalogue.tr("Candidates"),
+        warnings=[catalogue.text(one) for one in head_sentences(found)],
+        lines=[catalogue.text(one) for one in tail_sentences(found)],
+        rows=[candidate_row(one, catalogue) for one in found.candidates],
+        heading=candidate_heading(catalogue),
     )
     rows = _parameters(image, options, catalogue)
     return [Section(catalogue.text(IMAGE_TITLE), rows=rows, figures=figures), listed]
