@@ -43,6 +43,8 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import printable
 
 DEFAULT_STEPS = ("background:method=surface",)
+# The GPR-20 group's program subtracts the mean.
+STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
 SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
@@ -94,7 +96,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     """Declare how an image is made."""
     add = parser.add_argument
     add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
-    add("--permittivity", type=float, help="relative permittivity; estimated by focus if not given")
+    add("--permittivity", type=float,
+        help="relative permittivity; estimated from echoes if not given")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
         metavar=("FIRST", "LAST", "STEP"),
         help="depths of the image [m]; default 0 0.3 0.003")  # fmt: skip
@@ -113,7 +116,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
-        help="distance between the antennas; only back-projection uses it")  # fmt: skip
+        help="distance between the antennas; used by back-projection and by the estimate of the "
+        "permittivity")  # fmt: skip
     add("--grid-step", type=float, metavar="MM",
         help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],
@@ -131,7 +135,6 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = inputs.steps_of(chosen)
     outputs.check(_outputs(chosen), inputs.inputs_of(chosen, steps), chosen.overwrite)
     image, status = image_of(chosen, options, catalogue)
-    outputs.check(_migrated(image, chosen), [chosen.survey], chosen.overwrite)
     found = find_candidates(image, listed)
     _write(image, found, chosen, catalogue)
     _print(image, found, chosen, catalogue)
@@ -147,10 +150,12 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
-    default = () if recipe_of(survey) else DEFAULT_STEPS
+    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
+    default = () if recipe_of(survey) else usual
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
+        outputs.check(_migrated(processed, chosen), [chosen.survey], chosen.overwrite)
         progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
@@ -231,11 +236,12 @@ def _write(
 
 
 def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.scans import c_scan_figure, projection_figure
+    from gpr20_analysis.plotting.projections import projection_figure
+    from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, catalogue)
+        figure = projection_figure(image, turn, found.candidates, catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in found.candidates], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist()))[:SLICES]:

@@ -7,12 +7,14 @@ stored as `s21_real` and `s21_imag`.
 from __future__ import annotations
 
 import json
+import threading
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
 import dask.array
 import numpy as np
 import xarray as xr
+from xarray.backends import H5NetCDFStore
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import Y
@@ -68,8 +70,20 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
         if path.suffix == ZARR:
             stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
-            stored.to_netcdf(str(place), engine="h5netcdf", encoding=encoding(stored))
+            _write_netcdf(stored, place)
         add_checksum(place)
+
+
+def _write_netcdf(stored: xr.Dataset, path: Path) -> None:
+    if stored.chunks:
+        stored.to_netcdf(str(path), engine="h5netcdf", encoding=encoding(stored))
+        return
+    # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
+    store = H5NetCDFStore.open(str(path), mode="w", lock=threading.Lock())
+    try:
+        stored.dump_to_store(store, encoding=encoding(stored))
+    finally:
+        store.close()
 
 
 def _size(stored: xr.Dataset) -> int:

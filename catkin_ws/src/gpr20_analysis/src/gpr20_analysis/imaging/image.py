@@ -23,12 +23,12 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
-from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
 from gpr20_analysis.imaging.noise import law_of, measured_noise
+from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
@@ -80,6 +80,7 @@ def image_survey(
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+        notes = [*notes, *estimate.notes]
     if options.method.of_the_group:
         # The group's program has its own window.
         focus = replace(focus, window=Window.HAMMING)
@@ -172,7 +173,7 @@ def _noise(
 
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     return {
-        "permittivity_source": "estimated by focus",
+        "permittivity_source": "estimated from echoes",
         "permittivity_lowest": estimate.lowest,
         "permittivity_highest": estimate.highest,
         "depth_uncertainty": estimate.depth_uncertainty,

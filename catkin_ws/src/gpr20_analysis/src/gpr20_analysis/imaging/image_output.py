@@ -44,16 +44,22 @@ def rotation_word(rotation_deg: float) -> str:
 
 
 def permittivity_line(image: xr.Dataset) -> Message:
-    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths."""
+    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths.
+
+    Args:
+        image: Dataset with `image`.
+
+    Returns:
+        The sentence.
+    """
     value = float(image.attrs["permittivity"])
     if "permittivity_lowest" not in image.attrs:
         return Message("relative permittivity {permittivity:.3g}, as given", permittivity=value)
     lowest, highest = (float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest"))
     deeper, shallower = (100.0 * (np.sqrt(value / one) - 1.0) for one in (lowest, highest))
     return Message(
-        "relative permittivity {permittivity:.3g}, ESTIMATED by focus; {lowest:.3g} to "
-        "{highest:.3g} are nearly as good, so the error of depths is {shallower:+.0f} % to "
-        "{deeper:+.0f} %",
+        "relative permittivity {permittivity:.3g}, ESTIMATED from echoes; 95 % range {lowest:.3g} "
+        "to {highest:.3g}, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
         permittivity=value,
         lowest=lowest,
         highest=highest,

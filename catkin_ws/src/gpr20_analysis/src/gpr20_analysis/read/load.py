@@ -47,6 +47,9 @@ def load_survey(
             in a temporary file, and `s21` is a dask array in chunks of whole rows. A .nc or
             .zarr is read in place.
 
+    Returns:
+        The Dataset.
+
     Raises:
         DamagedSurveyError: Something is damaged and that was not accepted.
         AnalysisError: It is not a survey.
