@@ -26,7 +26,11 @@ from gpr20_analysis.errors import (
     not_there,
     wrong_ending,
 )
-from gpr20_analysis.formats.cf_conventions import encoding, with_conventions
+from gpr20_analysis.formats.cf_conventions import (
+    encoding,
+    with_conventions,
+    without_conventions,
+)
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
@@ -217,4 +221,4 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
     for key in LIST_ATTRIBUTES:
         if isinstance(data.attrs.get(key), str):
             data.attrs[key] = json.loads(data.attrs[key])
-    return data
+    return without_conventions(data)
