@@ -24,7 +24,7 @@ from gpr20_analysis.plotting import scans
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.report.page import Section
-from gpr20_analysis.sentences import ENGLISH, shown
+from gpr20_analysis.sentences import ENGLISH, NOTES, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 
@@ -85,7 +85,9 @@ def imaged(
         image = image_survey(processed, options)
     except AnalysisError as error:
         return [*views, _no_image(error, catalogue)]
-    return [*views, *_image(image, options, catalogue)]
+    known = sentences_of(survey, NOTES)
+    notes = [one for one in sentences_of(image, NOTES) if one not in known]
+    return [*views, *_image(image, notes, options, catalogue)]
 
 
 def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
@@ -93,7 +95,9 @@ def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
     return Section(catalogue.text(IMAGE_TITLE), warnings=[shown(warning, catalogue)])
 
 
-def _image(image: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> List[Section]:
+def _image(
+    image: xr.Dataset, notes: Sequence[Message], options: ImageOptions, catalogue: Catalogue
+) -> List[Section]:
     found = find_candidates(image)
     figures: Pictures = []
     for number, turn in enumerate(image[dataset.POLARIZATION].values):
@@ -113,7 +117,8 @@ def _image(image: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> Li
         heading=candidate_heading(catalogue),
     )
     rows = _parameters(image, options, catalogue)
-    return [Section(catalogue.text(IMAGE_TITLE), rows=rows, figures=figures), listed]
+    title, warnings = catalogue.text(IMAGE_TITLE), [shown(one, catalogue) for one in notes]
+    return [Section(title, warnings=warnings, rows=rows, figures=figures), listed]
 
 
 def _parameters(
