@@ -202,6 +202,10 @@ def test_other_surveys_that_cannot_give_it_are_refused():
         fit_delay(survey().isel(frequency=slice(0, 10)))
     with pytest.raises(WrongDatasetError, match="no trace"):
         fit_delay(survey().assign(height=survey().height * np.nan))
+    with pytest.raises(WrongDatasetError, match="no trace"):
+        fit_delay(survey().assign(s21=survey().s21 * 0.0))
+    with pytest.raises(WrongDatasetError, match="not clear"):
+        fit_delay(survey().isel(frequency=[0, 100]))
     with pytest.raises(WrongDatasetError, match="a_scan"):
         fit_delay(to_time(survey()))
     with pytest.raises(WrongDatasetError, match="not clear"):
