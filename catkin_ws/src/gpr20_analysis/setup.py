@@ -14,6 +14,8 @@ setup(
             "gpr20_analysis.processing",
             "gpr20_analysis.read",
             "gpr20_analysis.report",
+            "gpr20_analysis.viewer",
+            "gpr20_analysis.viewer.views",
         ],
         package_dir={"": "src"},
         entry_points={

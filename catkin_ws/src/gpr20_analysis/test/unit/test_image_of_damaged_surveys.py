@@ -13,7 +13,7 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time
-from gpr20_analysis.processing.polarization import apply_gain
+from gpr20_analysis.processing.display import apply_gain
 from gpr20_analysis.processing.samples import fill_missing
 
 PLACES_MM = np.linspace(120.0, 360.0, 21)

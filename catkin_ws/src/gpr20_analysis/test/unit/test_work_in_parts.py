@@ -26,9 +26,9 @@ def cut(monkeypatch):
     calls = []
     distribute = cluster.distribute
 
-    def counting(function, shared, things):
+    def counting(function, shared, things, *others):
         calls.append(len(things))
-        return distribute(function, shared, things)
+        return distribute(function, shared, things, *others)
 
     def into(parts):
         monkeypatch.setattr(cluster, "parts", lambda: parts)

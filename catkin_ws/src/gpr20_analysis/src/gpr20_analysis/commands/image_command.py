@@ -33,12 +33,13 @@ from gpr20_analysis.imaging.image_output import (
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.processing.sweep import Window
+from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.errors import printable
 
-DEFAULT_STEPS = ("background:method=mean",)
+DEFAULT_STEPS = ("background:method=surface",)
 MOST_DEPTHS = 5000
 SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
@@ -104,13 +105,19 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="make the image without the missing samples",
     )
-    add("--window", choices=[one.value for one in Window], default=Window.HANN.value)
+    add("--window", choices=[one.value for one in Window], default=Window.HANN.value,
+        help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; only back-projection uses it")  # fmt: skip
-    add("--ground", choices=[one.value for one in Ground], default=Ground.LEVEL.value,
-        help="uneven: the recorded heights differ because of the ground, not because of the "
-        "antennas; only back-projection supports it")  # fmt: skip
+    add("--grid-step", type=float, metavar="MM",
+        help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
+    add("--ground", choices=[one.value for one in Ground],
+        help="why the recorded heights differ: level: the antennas moved up and down; uneven: the "
+        "ground rises and falls, which only back-projection supports")  # fmt: skip
+    add("--delay", type=float, metavar="NS",
+        help="delay of cables and antennas to remove [ns]; default: the one of the survey, see "
+        "gpr20 delay")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -139,7 +146,7 @@ def image_of(
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        progress = inputs.progress_bar(catalogue.tr("imaging polarizations"))
+        progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
 
@@ -173,7 +180,9 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         window=Window(chosen.window),
         widest_angle_deg=chosen.widest_angle,
         separation_m=chosen.separation,
-        ground=Ground(chosen.ground),
+        grid_step_m=None if chosen.grid_step is None else chosen.grid_step / MM_PER_M,
+        ground=Ground(chosen.ground) if chosen.ground else None,
+        delay_s=None if chosen.delay is None else chosen.delay * S_PER_NS,
     )
 
 
@@ -240,8 +249,8 @@ def print_candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalog
 
 
 COMMAND = Command(
-    "Image the ground below a survey and list the candidates in it. Without steps the mean of all "
-    "traces is subtracted first.",
+    "Image the ground below a survey and list the candidates in it. Without steps coupling "
+    "and surface echo are subtracted first (background:method=surface).",
     add_arguments,
     run,
 )

@@ -1,6 +1,7 @@
 """Datasets of surveys, A-scans and images as NetCDF and Zarr.
 
-NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real` and `s21_imag`.
+NetCDF files follow the CF conventions. NetCDF knows no complex numbers: a complex variable `s21` is
+stored as `s21_real` and `s21_imag`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from gpr20_analysis.errors import (
     not_there,
     wrong_ending,
 )
+from gpr20_analysis.formats.cf_conventions import encoding, with_conventions
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
@@ -56,13 +58,13 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     path = Path(path).expanduser()
     if not is_dataset(path):
         raise AnalysisError(wrong_ending(path, (NETCDF, ZARR)))
-    stored = _as_real(data)
+    stored = with_conventions(_as_real(data))
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, _size(stored)) as place:
         if path.suffix == ZARR:
             stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
-            stored.to_netcdf(str(place), engine="h5netcdf")
+            stored.to_netcdf(str(place), engine="h5netcdf", encoding=encoding(stored))
         add_checksum(place)
 
 

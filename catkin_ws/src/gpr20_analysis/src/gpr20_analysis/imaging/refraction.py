@@ -30,7 +30,7 @@ def one_way_delay_s(
         permittivity: Relative permittivity of the soil, 1 or more.
     """
     height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
-    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    tangent = tangent_in_air(height_m, depth_m, distance_m, permittivity)
     secant = np.sqrt(1.0 + tangent**2)
     sine_in_soil = tangent / secant / np.sqrt(permittivity)
     air_m = height_m * secant
@@ -55,7 +55,7 @@ def surface_delay_s_per_m(
         permittivity: Relative permittivity of the soil, 1 or more.
     """
     height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
-    tangent = _tangent_in_air(height_m, depth_m, distance_m, permittivity)
+    tangent = tangent_in_air(height_m, depth_m, distance_m, permittivity)
     root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
     # Share of the horizontal distance beyond the crossing.
     beyond = (depth_m / root) / (height_m + depth_m / root)
@@ -65,12 +65,13 @@ def surface_delay_s_per_m(
     return beyond * (1.0 / secant - in_soil) / speed_of_light
 
 
-def _tangent_in_air(
-    height_m: np.ndarray, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: float
+def tangent_in_air(
+    height_m: np.ndarray, depth_m: np.ndarray, distance_m: np.ndarray, permittivity: Floats
 ) -> np.ndarray:
+    """Return the tangent of the angle to the vertical in air; the arguments broadcast."""
     # The distance that a ray reaches grows with the tangent t in air and is concave in it, so
     # Newton's iteration from t = 0 approaches the root from below and cannot overshoot.
-    tangent = np.zeros(np.shape(distance_m))
+    tangent = np.zeros(np.broadcast(height_m, depth_m, distance_m, permittivity).shape)
     for _ in range(MOST_ITERATIONS):
         root = np.sqrt(permittivity + (permittivity - 1.0) * tangent**2)
         missing_m = distance_m - tangent * (height_m + depth_m / root)
@@ -94,7 +95,7 @@ class DelayTable:
     """One-way delays by height, distance and depth.
 
     Attributes:
-        delay_s: Delays (height, distance, depth) [s].
+        delay_s: Delays (height, distance, depth), float32 [s].
         lowest_m: First height [m].
         height_step_m: Step of the heights [m].
         distance_step_m: Step of the distances, which start at 0 [m].
@@ -126,12 +127,12 @@ def tabulate_delays(
     # Two beyond the furthest, so that its right neighbour exists.
     distances = 3 + math.ceil(furthest_m / DISTANCE_STEP_M)
     distance_m = (DISTANCE_STEP_M * np.arange(distances))[:, None]
-    delay_s = one_way_delay_s(
-        (lowest_m + step_m * np.arange(heights))[:, None, None],
-        depth_m[None, None, :],
-        distance_m[None, :, :],
-        permittivity,
-    )
+    # Height by height, because the iterations need several times the memory of their result.
+    delay_s = np.empty((heights, distances, len(depth_m)), dtype=np.float32)
+    for one, own in enumerate(delay_s):
+        own[:] = one_way_delay_s(
+            lowest_m + step_m * one, depth_m[None, :], distance_m, permittivity
+        )
     surface_s_per_m = surface_delay_s_per_m(
         float(np.mean(height_m)), depth_m[None, :], distance_m, permittivity
     )

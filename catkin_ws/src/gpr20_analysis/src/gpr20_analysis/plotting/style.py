@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_analysis.processing.polarization import COMBINED, DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
+from gpr20_analysis.processing.polarization import COMBINED
 from gpr20_analysis.sentences import ENGLISH, sentence_of, sentences_of
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, in_a_row

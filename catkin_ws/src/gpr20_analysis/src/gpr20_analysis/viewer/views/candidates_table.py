@@ -1,0 +1,107 @@
+"""The list of candidates in the image that is shown."""
+
+from __future__ import annotations
+
+from typing import List, Optional
+
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import (
+    QAbstractItemView,
+    QCheckBox,
+    QLabel,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
+from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.sentences import shown
+from gpr20_analysis.viewer.views.colours import QUIET, SMALL
+from gpr20_common.catalogue import Catalogue
+
+
+class CandidatesTable(QWidget):
+    """Shows candidates.
+
+    Attributes:
+        chosen: A candidate was selected: its name.
+        searched: Whether candidates are searched in each image.
+    """
+
+    chosen = pyqtSignal(str)
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        super().__init__()
+        self._catalogue = catalogue
+        self.searched = QCheckBox(catalogue.tr("search candidates in each image"))
+        self.notice = QLabel(catalogue.text(NO_CLEARANCE))
+        self.notice.setWordWrap(True)
+        self.notes = QLabel()
+        self.notes.setStyleSheet(QUIET)
+        self.notes.setWordWrap(True)
+        self.table = QTableWidget(0, 7)
+        self.table.setHorizontalHeaderLabels(
+            [
+                "",
+                catalogue.tr("x mm"),
+                catalogue.tr("y mm"),
+                catalogue.tr("depth mm"),
+                catalogue.tr("above noise dB"),
+                catalogue.tr("false alarm"),
+                catalogue.tr("remarks"),
+            ]
+        )
+        self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.table.verticalHeader().hide()
+        self.table.horizontalHeader().setStretchLastSection(True)
+        self.table.setStyleSheet(SMALL)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(4, 4, 4, 4)
+        for widget in (self.searched, self.notice, self.notes):
+            layout.addWidget(widget)
+        layout.addWidget(self.table, 1)
+        self.table.itemSelectionChanged.connect(self._selected)
+
+    def show_candidates(self, found: Optional[CandidateList]) -> None:
+        """Show candidates; None: none were searched."""
+        listed = () if found is None else found.candidates
+        self.table.blockSignals(True)
+        self.table.setRowCount(len(listed))
+        for row, one in enumerate(listed):
+            places = (
+                (one.x_m, one.x_uncertainty_m),
+                (one.y_m, one.y_uncertainty_m),
+                (one.depth_m, one.depth_uncertainty_m),
+            )
+            texts = [
+                one.id,
+                *(f"{at * MM_PER_M:.0f} ± {by * MM_PER_M:.0f}" for at, by in places),
+                f"{one.above_noise_db:.1f}",
+                f"{one.false_alarm_probability:.2g}",
+                ", ".join(flag.value for flag in one.flags),
+            ]
+            for column, text in enumerate(texts):
+                self.table.setItem(row, column, QTableWidgetItem(text))
+        self.table.clearSelection()
+        self.table.resizeColumnsToContents()
+        self.table.blockSignals(False)
+        self.notes.setText("\n".join(self._notes(found)))
+
+    def _notes(self, found: Optional[CandidateList]) -> List[str]:
+        if found is None:
+            return [self._catalogue.tr("No search was made for the image that is shown.")]
+        notes = [shown(one, self._catalogue) for one in found.notes]
+        if not found.candidates:
+            notes.append(self._catalogue.tr("No candidate was found."))
+        if found.omitted:
+            count = self._catalogue.tr("{count} fainter ones are not listed", count=found.omitted)
+            notes.append(count)
+        return notes
+
+    def _selected(self) -> None:
+        rows = self.table.selectionModel().selectedRows()
+        if rows:
+            self.chosen.emit(self.table.item(rows[0].row(), 0).text())
