@@ -32,7 +32,7 @@ Imager = Callable[[Traces, Focus], Tuple[np.ndarray, np.ndarray]]
 TRACES_LOOKED_AT = 400
 # Fewest planes and voxels that are imaged for the measurement, and least depth that they cover [m].
 PLANES, VOXELS, DEEPEST_M = 6, 40_000, 0.3
-# Two late parts are used where fewer voxels than that are in so many planes.
+# Small grids, of which so many planes have fewer voxels than that, use two late parts.
 MANY = 12
 # Longest delay of the voxels, relative to that of the vertical path, since waves arrive aslant too,
 # and delays around those of echoes that their sidelobes reach, in periods of the band. The second
