@@ -217,7 +217,7 @@ def test_picks_of_a_sealed_survey_are_beside_its_folder(tmp_path, monkeypatch):
             PicksFile(inside, identity)
     with pytest.raises(PicksFileError):
         PicksFile(beside, identity).export(editor, folder / "picks.csv")
-    assert verify_survey(folder).damage == []
+    assert verify_survey(folder).faults == []
 
 
 def test_a_copied_recording_has_its_picks_beside_it(tmp_path):

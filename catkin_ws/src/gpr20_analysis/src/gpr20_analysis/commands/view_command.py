@@ -7,6 +7,7 @@ import os
 import sys
 from pathlib import Path
 
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import image_command, inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
@@ -41,7 +42,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = inputs.steps_of(chosen)
     survey = inputs.load(chosen, catalogue)
     processed, status = inputs.process(survey, steps, catalogue)
-    session = ViewSession(processed, options)
+    session = ViewSession(processed, options, find_candidates, image_command.DEFAULT_STEPS[0])
     from gpr20_analysis.viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

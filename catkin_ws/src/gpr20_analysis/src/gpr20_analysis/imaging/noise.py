@@ -21,7 +21,6 @@ from typing import Callable, List, Optional, Sequence, Tuple
 import numpy as np
 import scipy.fft
 from scipy.constants import speed_of_light
-from scipy.optimize import brentq
 from scipy.special import erfc, k0, log_ndtr
 
 from gpr20_analysis.imaging.records import Focus, Traces
@@ -86,6 +85,8 @@ class Law(enum.Enum):
         """Return the magnitude in the unit of the law that noise exceeds with a probability."""
         if self is Law.RAYLEIGH:
             return math.sqrt(-log_tail)
+        from scipy.optimize import brentq  # its import takes 0.2 s
+
         return float(brentq(lambda ratio: float(self.log_tail(ratio)) - log_tail, 0.0, 1e4))
 
     def level_db(self, ratio: np.ndarray) -> np.ndarray:

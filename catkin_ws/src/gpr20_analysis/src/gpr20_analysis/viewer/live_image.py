@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
 import numpy as np
@@ -44,7 +44,7 @@ class ImageRequest:
     Attributes:
         permittivity: Relative permittivity; None: estimate it.
         source: Where it came from.
-        background: Whether the mean of all traces is subtracted.
+        background: Whether the background is subtracted.
         deepest_m: Depth of the deepest layer [m].
         candidates: Whether candidates are searched.
     """
@@ -54,6 +54,10 @@ class ImageRequest:
     background: bool
     deepest_m: float
     candidates: bool = False
+
+    def same_image(self, other: ImageRequest) -> bool:
+        """Return whether another request leads to the same image."""
+        return replace(self, candidates=False) == replace(other, candidates=False)
 
 
 class LiveImage:
@@ -104,8 +108,8 @@ class LiveImage:
         """Method and permittivity of the image, and where the permittivity came from."""
         if self.range is not None:
             return Message(
-                "{method}, permittivity {permittivity:.3g}, {source}, possible are {lowest:.3g} to "
-                "{highest:.3g}",
+                "{method}, permittivity {permittivity:.3g} ({lowest:.3g} to {highest:.3g}), "
+                "{source}",
                 method=self.method,
                 permittivity=self.permittivity,
                 source=self.source.message,

@@ -55,7 +55,7 @@ def traces_picture(
         session: The survey.
         line: The line.
         turn: Index of the polarization.
-        background: Whether the mean of all traces is subtracted.
+        background: Whether the background is subtracted.
         until_s: Last delay [s].
         db_per_ns: Display gain.
     """

@@ -12,9 +12,6 @@ from gpr20_analysis.dataset import HEIGHT, SAMPLE_DIMS, X, Y
 from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.delay import ADVANCE
 
-ANTENNA_DELAY = "antenna_delay_s"
-"""Attribute of a survey: delay of cables and antennas [s]."""
-
 
 @dataclass(frozen=True)
 class Place:

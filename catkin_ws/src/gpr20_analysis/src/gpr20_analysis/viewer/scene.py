@@ -8,7 +8,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_analysis.candidates.candidate import Candidate
+from gpr20_analysis.candidates.candidate import SECONDARY, Candidate
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.viewer.live_image import NS_PER_S, LiveImage
 from gpr20_analysis.viewer.picks import Pick
@@ -177,10 +177,12 @@ class Scene:
         return in_traces, in_section, in_slice
 
     def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
-        """Return the marks of candidates in section and slice."""
-        found = self.candidates
+        """Return the marks of candidates in section and slice; secondary ones have no name."""
         near_m = self._step_m(Y if self.display.along == X else X)
-        places = [(Place(one.x_m, one.y_m, one.depth_m), one.id) for one in found]
+        places = [
+            (Place(one.x_m, one.y_m, one.depth_m), "" if SECONDARY & set(one.flags) else one.id)
+            for one in self.candidates
+        ]
         in_section = [
             Mark(self.along_of(place) * MM_PER_M, place.depth_m * MM_PER_M, name)
             for place, name in places

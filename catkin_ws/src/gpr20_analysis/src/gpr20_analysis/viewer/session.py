@@ -26,18 +26,21 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
 from gpr20_analysis.imaging.phase_shift import grid_step_m
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.processing.chain import process_survey, recipe_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_analysis.viewer.live_image import ImageRequest, LiveImage, PermittivitySource
-from gpr20_analysis.viewer.positions import ANTENNA_DELAY, Line, Place, line_of
+from gpr20_analysis.viewer.positions import Line, Place, line_of
 from gpr20_common.message import Message
 
-BACKGROUND = "background:method=mean"
+BACKGROUND = "background:method=surface"
 ASSUMED_PERMITTIVITY = 4.0
 MOST_DEPTHS = 200
 
 FindCandidates = Callable[[xr.Dataset], CandidateList]
 Loop = Callable[..., Iterable]
+Remarks = List[Message]
+Computed = Tuple[xr.Dataset, PermittivitySource, Remarks]
 
 
 class ViewSession:
@@ -47,6 +50,7 @@ class ViewSession:
         survey: The survey after the steps that were chosen.
         options: How images are made; the permittivity and the last depth are the first shown.
         find_candidates: Finds candidates in an image; None: there is no search.
+        background: The step that removes the background where that is switched on.
 
     Attributes:
         survey: The survey in memory.
@@ -62,16 +66,20 @@ class ViewSession:
         survey: xr.Dataset,
         options: ImageOptions,
         find_candidates: Optional[FindCandidates] = None,
+        background: str = BACKGROUND,
     ) -> None:
         spectra = require(survey, S21, S21_DIMS)
         _require_room(spectra, options)
         self.survey = survey.compute()
         self.find_candidates = find_candidates
+        self._background = background
         self.remarks: List[Message] = []
         self.options = self._suitable(options)
         traces_of(self.survey, self.options)
         self._data: Dict[bool, xr.Dataset] = {False: self.survey}
-        # Value, lowest, highest of the estimate; only `compute` uses it, in one thread.
+        # Only `compute` uses these, in one thread: the last image, and value, lowest and highest of
+        # the estimate.
+        self._last: Optional[Tuple[ImageRequest, xr.Dataset, PermittivitySource, Remarks]] = None
         self._estimate: Optional[Tuple[float, ...]] = None
         self._usable = usable(self.survey).transpose(*SAMPLE_DIMS).values
 
@@ -121,9 +129,9 @@ class ViewSession:
         return np.column_stack((self.axis_m(X)[columns], self.axis_m(Y)[rows]))
 
     def data(self, background: bool) -> xr.Dataset:
-        """Return the survey, with or without the mean of all traces subtracted."""
+        """Return the survey, with its background or without it."""
         if background not in self._data:
-            self._data[background] = process_survey(self.survey, BACKGROUND)
+            self._data[background] = process_survey(self.survey, self._background)
         return self._data[background]
 
     def compute(self, request: ImageRequest, loop: Loop) -> LiveImage:
@@ -135,31 +143,34 @@ class ViewSession:
         Raises:
             AnalysisError: The image cannot be made.
         """
+        plain = dataclasses.replace(request, candidates=False)
+        if self._last is None or self._last[0] != plain:
+            self._last = (plain, *self._computed(plain, loop))
+        _request, image, source, remarks = self._last
+        found = None
+        if request.candidates and self.find_candidates is not None:
+            found = self.find_candidates(image)
+        added = sentences_of(image, NOTES)[
+            len(sentences_of(self.data(request.background), NOTES)) :
+        ]
+        return LiveImage(request, image.assign_attrs(notes=[]), source, (*added, *remarks), found)
+
+    def _computed(self, request: ImageRequest, loop: Loop) -> Computed:
         survey = self.data(request.background)
-        source, remarks = request.source, []
         try:
             image = image_survey(survey, self._options(request, request.permittivity), loop)
         except AnalysisError as error:
             if request.permittivity is not None:
                 raise
-            options = self._options(request, ASSUMED_PERMITTIVITY)
-            image = image_survey(survey, options, loop)
-            source = PermittivitySource.ASSUMED
-            remarks.append(
-                Message(
-                    "the permittivity cannot be estimated ({reason}); {permittivity:g} is "
-                    "ASSUMED, so depths are uncertain: set it with the slider",
-                    reason=error.message,
-                    permittivity=ASSUMED_PERMITTIVITY,
-                )
+            image = image_survey(survey, self._options(request, ASSUMED_PERMITTIVITY), loop)
+            remark = Message(
+                "the permittivity cannot be estimated ({reason}); {permittivity:g} is ASSUMED, so "
+                "depths are uncertain: set it with the slider",
+                reason=error.message,
+                permittivity=ASSUMED_PERMITTIVITY,
             )
-        image = self._with_range(image, source)
-        found = None
-        if request.candidates and self.find_candidates is not None:
-            found = self.find_candidates(image)
-        added = sentences_of(image, NOTES)[len(sentences_of(survey, NOTES)) :]
-        image = image.assign_attrs(notes=[])
-        return LiveImage(request, image, source, (*added, *remarks), found)
+            return image, PermittivitySource.ASSUMED, [remark]
+        return self._with_range(image, request.source), request.source, []
 
     def _with_range(self, image: xr.Dataset, source: PermittivitySource) -> xr.Dataset:
         # The estimate is kept with other settings, and so is what is said about it.
@@ -176,7 +187,7 @@ class ViewSession:
         if height_m is None:
             known_m = self.survey[HEIGHT].values
             height_m = float(np.mean(known_m[known_m > 0.0]))
-        delay_s = float(self.survey.attrs.get(ANTENNA_DELAY, 0.0))
+        delay_s = delay_to_remove_s(self.survey, self.options.delay_s)
         line = line_of(self.survey, turn, along, at_m, height_m, delay_s)
         if self.options.height_m is not None:
             heights_m = np.full_like(line.height_m, self.options.height_m)

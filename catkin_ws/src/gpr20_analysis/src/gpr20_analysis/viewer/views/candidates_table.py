@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import List, Optional
 
 from PyQt5.QtCore import pyqtSignal
@@ -18,6 +19,7 @@ from PyQt5.QtWidgets import (
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.sentences import shown
+from gpr20_analysis.viewer.live_image import PermittivitySource
 from gpr20_analysis.viewer.views.colours import QUIET, SMALL
 from gpr20_common.catalogue import Catalogue
 
@@ -65,8 +67,13 @@ class CandidatesTable(QWidget):
         layout.addWidget(self.table, 1)
         self.table.itemSelectionChanged.connect(self._selected)
 
-    def show_candidates(self, found: Optional[CandidateList]) -> None:
-        """Show candidates; None: none were searched."""
+    def show_candidates(self, found: Optional[CandidateList], source: PermittivitySource) -> None:
+        """Show candidates; None: none were searched.
+
+        Args:
+            found: The candidates.
+            source: Where the permittivity came from that gave their depths.
+        """
         listed = () if found is None else found.candidates
         self.table.blockSignals(True)
         self.table.setRowCount(len(listed))
@@ -79,7 +86,7 @@ class CandidatesTable(QWidget):
             texts = [
                 one.id,
                 *(f"{at * MM_PER_M:.0f} ± {by * MM_PER_M:.0f}" for at, by in places),
-                f"{one.above_noise_db:.1f}",
+                "-" if math.isnan(one.above_noise_db) else f"{one.above_noise_db:.1f}",
                 f"{one.false_alarm_probability:.2g}",
                 ", ".join(flag.value for flag in one.flags),
             ]
@@ -88,16 +95,26 @@ class CandidatesTable(QWidget):
         self.table.clearSelection()
         self.table.resizeColumnsToContents()
         self.table.blockSignals(False)
-        self.notes.setText("\n".join(self._notes(found)))
+        self.notes.setText("\n".join(self._notes(found, source)))
 
-    def _notes(self, found: Optional[CandidateList]) -> List[str]:
+    def _notes(self, found: Optional[CandidateList], source: PermittivitySource) -> List[str]:
         if found is None:
             return [self._catalogue.tr("No search was made for the image that is shown.")]
         notes = [shown(one, self._catalogue) for one in found.notes]
         if not found.candidates:
             notes.append(self._catalogue.tr("No candidate was found."))
+        if source is not PermittivitySource.ESTIMATED:
+            notes.append(
+                self._catalogue.tr(
+                    "the permittivity is {source}; the uncertainty of depths does not include its "
+                    "error",
+                    source=source.message,
+                )
+            )
         if found.omitted:
-            count = self._catalogue.tr("{count} fainter ones are not listed", count=found.omitted)
+            count = self._catalogue.tr(
+                "{count} fainter candidates are not listed", count=found.omitted
+            )
             notes.append(count)
         return notes
 

@@ -60,7 +60,7 @@ class Controls(QWidget):
         self.direction = QComboBox()
         for axis in (X, Y):
             self.direction.addItem(catalogue.tr("along {axis}", axis=axis), axis)
-        self.background = QCheckBox(catalogue.tr("subtract the mean of all traces"))
+        self.background = QCheckBox(catalogue.tr("subtract coupling and surface"))
         self.background.setChecked(background)
         self.deepest = _box(*DEEPEST_MM, 0, 10.0, " mm")
         self.deepest.setValue(deepest_m * MM_PER_M)

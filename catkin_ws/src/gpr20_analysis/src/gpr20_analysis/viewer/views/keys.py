@@ -37,7 +37,7 @@ KEYS = (
     Key("pick", ("P",), "P", Message("pick the place of the cursor")),
     Key("mode", ("C",), "C", Message("switch on or off that a click picks")),
     Key("undo", ("Ctrl+Z",), "Ctrl+Z", Message("undo the last change of the picks")),
-    Key("redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "Ctrl+Y", Message("make the undone change again")),
+    Key("redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "Ctrl+Y", Message("redo the undone change")),
     Key("delete", ("Del",), "Del", Message("delete the selected pick")),
     Key("polarization", ("R",), "R", Message("next polarization")),
     Key("direction", ("L",), "L", Message("section along the other axis")),

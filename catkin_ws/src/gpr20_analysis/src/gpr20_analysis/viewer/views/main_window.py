@@ -126,7 +126,7 @@ class MainWindow(QMainWindow):
 
     def pick(self) -> None:
         """Pick the place of the cursor, with the permittivity of the image that is shown."""
-        if self.image is None or self.image.request != self._last_request:
+        if self.image is None or not self.image.request.same_image(self._last_request):
             # Its depth would belong to another permittivity than that of the image.
             self.desk.refuse(Message("no pick: there is no image with these settings yet"))
             return
@@ -153,7 +153,8 @@ class MainWindow(QMainWindow):
                 self._wanted, permittivity=image.permittivity, source=image.source
             )
             self.controls.show_permittivity(image.permittivity)
-        self.candidates.show_candidates(image.candidates)
+        self.candidates.show_candidates(image.candidates, image.source)
+        self._search()
         self._refresh_image()
 
     def _show_failed(self, request: ImageRequest, error: Exception) -> None:
@@ -169,9 +170,14 @@ class MainWindow(QMainWindow):
         self._refresh_image()
 
     def _set_permittivity(self, permittivity: float) -> None:
-        self._request(replace(
-            self._wanted, permittivity=permittivity, source=PermittivitySource.SLIDER
-        ))  # fmt: skip
+        self._request(
+            replace(
+                self._wanted,
+                permittivity=permittivity,
+                source=PermittivitySource.SLIDER,
+                candidates=False,
+            )
+        )
 
     def _request_again(self) -> None:
         self._request(
@@ -179,9 +185,15 @@ class MainWindow(QMainWindow):
                 self._wanted,
                 background=self.controls.background.isChecked(),
                 deepest_m=self.controls.deepest_m,
-                candidates=self.candidates.searched.isChecked(),
+                candidates=False,
             )
         )
+
+    def _search(self) -> None:
+        # After the image, which is not to wait for the candidates in it.
+        wants = self.candidates.searched.isChecked()
+        if wants and not self.is_computing and not self._last_request.candidates:
+            self._request(replace(self._wanted, candidates=True))
 
     def _request(self, wanted: ImageRequest) -> None:
         if wanted != self._wanted:
@@ -213,6 +225,8 @@ class MainWindow(QMainWindow):
             caption = tr("Image: {caption}", caption=image.caption)
         if self.is_computing and self._wanted.permittivity is None:
             caption += " · " + tr("computing, the permittivity is being estimated ...")
+        elif self.is_computing and self._last_request.candidates:
+            caption += " · " + tr("searching candidates ...")
         elif self.is_computing:
             caption += " · " + tr(
                 "computing for permittivity {permittivity:.3g} ...",
@@ -255,7 +269,9 @@ class MainWindow(QMainWindow):
         self.controls.permittivity_changed.connect(self._set_permittivity)
         self.controls.image_changed.connect(self._request_again)
         self.controls.display_changed.connect(self._refresh_image)
-        self.candidates.searched.toggled.connect(lambda _on: self._request_again())
+        self.candidates.searched.toggled.connect(
+            lambda on: self._search() if on else self._request_again()
+        )
         self.candidates.chosen.connect(lambda name: self._go_to(name, self.scene.candidates))
         self.desk.table.chosen.connect(lambda name: self._go_to(name, self.desk.editor.picks))
         self.desk.table.pick_button.clicked.connect(lambda: self.pick())

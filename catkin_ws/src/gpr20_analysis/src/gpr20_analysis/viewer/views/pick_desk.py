@@ -141,7 +141,7 @@ class PickDesk(QObject):
         except Gpr20Error as error:
             self._fail(error.message)
         except OSError as error:
-            self._fail(Message("{path}: {reason}", path=self._file.path, reason=os_reason(error)))
+            self._fail(Message("{file}: {reason}", file=self._file.path, reason=os_reason(error)))
         else:
             self.is_unsaved = False
             path = self._file.path

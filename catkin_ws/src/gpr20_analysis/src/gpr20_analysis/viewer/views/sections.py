@@ -59,7 +59,7 @@ class Sections(QObject):
 
         Args:
             scene: The scene.
-            background: Whether the mean of all traces is subtracted from the B-scan.
+            background: Whether the background is subtracted from the B-scan.
             picks: The picks.
         """
         self._scene = scene

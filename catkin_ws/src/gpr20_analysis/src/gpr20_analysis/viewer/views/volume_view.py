@@ -73,11 +73,8 @@ class ProjectionsView(QWidget):
         names = {DEPTH: (X, Y), Y: (X, DEPTH), X: (Y, DEPTH)}
         titles = {DEPTH: catalogue.tr("depth"), X: X, Y: Y}
         for over, (across, down) in names.items():
-            self.plots[over].set_texts(
-                catalogue.tr("over {axis}", axis=titles[over]),
-                f"{titles[across]} [mm]",
-                f"{titles[down]} [mm]",
-            )
+            # No title: there is room for a short word only, and the axes say what is meant.
+            self.plots[over].set_texts("", f"{titles[across]} [mm]", f"{titles[down]} [mm]")
 
     def show_image(
         self, image: Optional[LiveImage], turn: int, range_db: float, db_per_ns: float
