@@ -30,7 +30,7 @@ from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.refraction import one_way_delay_s
-from gpr20_analysis.processing.background import remove_background
+from gpr20_analysis.processing.background import Background, remove_background
 
 PLACE_M = 0.015 * np.arange(25)
 HEIGHT_M = 0.20
@@ -132,7 +132,8 @@ def detections(scenes: int, method: Method) -> Dict[Tuple[bool, float, float], n
         for level_db in LEVELS_DB:
             noisy = clean + 10.0 ** (-level_db / 20.0) * noise(random, clean.shape)
             image = image_survey(
-                remove_background(survey(noisy)), ImageOptions(method, permittivity, DEPTH_M)
+                remove_background(survey(noisy), Background.MEAN),
+                ImageOptions(method, permittivity, DEPTH_M),
             )
             for rate in RATES:
                 found = find_candidates(image, CandidateOptions(rate, 100_000))
@@ -148,7 +149,9 @@ def false_alarms(surveys: int, method: Method) -> Dict[float, float]:
     for number in range(surveys):
         random = np.random.default_rng(10_000 + number)
         data = survey(noise(random, (2, PLACE_M.size, PLACE_M.size, FREQUENCY_HZ.size)))
-        image = image_survey(remove_background(data), ImageOptions(method, 4.0, DEPTH_M))
+        image = image_survey(
+            remove_background(data, Background.MEAN), ImageOptions(method, 4.0, DEPTH_M)
+        )
         for rate in RATES:
             any_found[rate] += bool(find_candidates(image, CandidateOptions(rate)).candidates)
     return {rate: count / surveys for rate, count in any_found.items()}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
+from gpr20_analysis.candidates.candidate import CandidateList
 from gpr20_analysis.candidates.files import (
     check_candidates_path,
     json_text,
@@ -15,7 +17,9 @@ from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,6 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="list as .csv, .json, .geojson or .gpkg; may be given more than once")  # fmt: skip
     outputs.add_overwrite(parser)
     add("--json", action="store_true", help="print the candidates as JSON, for programs")
+    add("--publish", action="store_true",
+        help="publish the list and markers on ROS topics until interrupted; needs ROS and a "
+        "master")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -41,6 +48,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         check_candidates_path(path)
     written = [Output(one) for path in chosen.output for one in output_paths(path)]
     outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
+    if chosen.publish:
+        _require_master()
     image, status = image_command.image_of(chosen, options, catalogue)
     found = find_candidates(image, listed)
     for path in chosen.output:
@@ -49,7 +58,38 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         print(json_text(found))
     else:
         image_command.print_candidates(image, found, catalogue)
+    if chosen.publish:
+        sys.stdout.flush()
+        _publish(found)
     return status
+
+
+def _require_master() -> None:
+    try:
+        import rosgraph
+
+        import gpr20_analysis.high.candidate_topics  # noqa: F401
+    except ImportError as error:
+        raise MissingLibraryError(
+            Message("--publish needs ROS; source catkin_ws/devel/setup.bash first", details=error)
+        ) from error
+    if not rosgraph.is_master_online():
+        raise AnalysisError(
+            Message(
+                "no ROS master answers at {address}; start roscore",
+                address=rosgraph.get_master_uri(),
+            )
+        )
+
+
+def _publish(found: CandidateList) -> None:
+    import rospy
+
+    from gpr20_analysis.high.candidate_topics import CandidateTopics
+
+    rospy.init_node("candidates", anonymous=True)
+    CandidateTopics().publish(found)
+    rospy.spin()
 
 
 COMMAND = Command(

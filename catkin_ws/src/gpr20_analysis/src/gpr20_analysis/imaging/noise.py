@@ -30,7 +30,9 @@ Imager = Callable[[Traces, Focus], Tuple[np.ndarray, np.ndarray]]
 
 TRACES_LOOKED_AT = 400
 # Fewest planes and voxels that are imaged for the measurement, and least depth that they cover [m].
-PLANES, VOXELS, DEEPEST_M = 12, 40_000, 0.3
+PLANES, VOXELS, DEEPEST_M = 6, 40_000, 0.3
+# Small grids, of which so many planes have fewer voxels than that, use two late parts.
+MANY = 12
 # Longest delay of the voxels, relative to that of the vertical path, since waves arrive aslant too,
 # and delays around those of echoes that their sidelobes reach, in periods of the band. The second
 # pair is for sweeps with few frequencies.
@@ -151,7 +153,7 @@ def measured_noise(
         starts_s = late_delays_s(traces, some)
     if not starts_s:
         return None
-    if traces[0].height_m.size * PLANES >= VOXELS:
+    if traces[0].height_m.size * MANY >= VOXELS:
         starts_s = starts_s[:1]
     per_trace = [
         [_measured(advanced(one, late_s), some, law, imager) for late_s in starts_s]
@@ -205,10 +207,9 @@ def _quiet_s(
 
 def advanced(traces: Traces, late_s: float) -> Traces:
     """Return traces whose delay 0 was at a later delay."""
-    shift = np.exp(2j * np.pi * traces.sweep.frequency_hz * late_s)
-    spectra = np.empty(traces.s21.shape, dtype=np.complex64)
-    for row, own in zip(spectra, traces.s21):
-        row[:] = own * shift
+    shift = np.exp(2j * np.pi * traces.sweep.frequency_hz * late_s).astype(np.complex64)
+    spectra = traces.s21.astype(np.complex64)
+    spectra *= shift
     return replace(traces, s21=spectra)
 
 

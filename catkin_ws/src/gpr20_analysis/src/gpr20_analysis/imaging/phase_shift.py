@@ -207,7 +207,7 @@ def _gated_spectra(
     weights = focus.window.weights(traces.sweep.count)
     scale = sweep.step_hz / (weights.sum() * traces.sweep.step_hz * traces.height_m.size)
     matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
-    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64)
+    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64, copy=False)
     spectra = (matrix.T @ flat.T).reshape(sweep.count, *traces.height_m.shape)
     return spectra, sweep
 
