@@ -367,7 +367,7 @@ def test_candidates_are_listed_with_the_sentence_and_marked(windows, survey):
     window.candidates.searched.setChecked(True)
     computed(window)
     assert "no clearance" in window.candidates.notice.text()
-    assert window.candidates.table.item(0, 1).text() == "240 ± 1"
+    assert window.candidates.table.item(0, 1).text() == "240 ±1"
     window.controls.permittivity_box.setValue(5.0)
     assert window.candidates.table.rowCount() == 1  # of the image that is still shown
     computed(window)
