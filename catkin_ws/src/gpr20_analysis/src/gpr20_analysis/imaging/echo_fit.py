@@ -10,11 +10,10 @@ The amplitude over the angle is measured, since the pattern of the antennas is n
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import List, Optional, Tuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from gpr20_analysis.imaging.echo_cells import Cells
 from gpr20_analysis.imaging.echo_search import Apex
@@ -22,8 +21,9 @@ from gpr20_analysis.imaging.wavefront import Wavefront, wavefront
 
 PERMITTIVITIES = np.geomspace(1.5, 36.0, 25)
 SPHERE_RADII_M = np.linspace(0.0, 0.06, 7)
-RADII_BETWEEN = 61
-DISC_RADII_M = (0.015, 0.025, 0.035, 0.045, 0.055)
+# Between 0, which is a point, and these the best is found in finer steps.
+DISC_RADII_M = (0.012, 0.024, 0.036, 0.048, 0.060)
+FINER_M = 0.004 * np.arange(-2, 3)
 # A body beside a single line cannot be told from a deeper one below it.
 BESIDE_LINE_M = (0.0, 0.03, 0.06)
 FEWEST_CELLS = 8
@@ -44,7 +44,7 @@ DISC_SPACING_M = 0.014
 # off by a phase.
 LEFT_OVER_FACTOR = 4.0
 PARTS_OF_APERTURE = 8
-PHASE_ERROR_RAD = np.radians(3.0)
+PHASE_ERROR_RAD = np.radians(4.0)
 
 
 @dataclass(frozen=True)
@@ -108,19 +108,12 @@ def fit_echo(cells: Cells, apex: Apex, noise: float) -> Optional[EchoFit]:
             for beside_m in _beside(cells, sphere.place_m)
         ]
         spheres += [body for body in beside if body is not None]
-    radii_m, discs = [0.0], []
-    for radius_m in DISC_RADII_M:
-        shape = _disc(cells, sphere, radius_m)
-        disc = _best_body(cells, shape, np.zeros(1), sphere.place_m, noise, 2)
-        if disc is not None:
-            radii_m.append(radius_m)
-            discs.append(disc)
+    discs = _best_discs(cells, sphere, noise)
     best = max([*spheres, *discs], key=lambda body: float(body.by_radius.max()))
-    of_discs = np.hstack([sphere.by_radius[:, :1], *(disc.by_radius for disc in discs)])
     explained = np.max(
         [
-            *(_best_of_all(SPHERE_RADII_M, body.by_radius) for body in spheres),
-            _best_of_all(np.array(radii_m), of_discs),
+            *(_best_of_all(body.by_radius) for body in spheres),
+            *(_best_of_all(body.by_radius) for body in discs),
         ],
         axis=0,
     )
@@ -195,13 +188,40 @@ def _best_body(
     )
 
 
-def _best_of_all(radii_m: np.ndarray, by_radius: np.ndarray) -> np.ndarray:
-    """Return the largest value of each row, also between the radii that were tried."""
-    if len(radii_m) < 3:
-        return by_radius.max(axis=1)
-    between_m = np.linspace(radii_m[0], radii_m[-1], RADII_BETWEEN)
-    smooth: np.ndarray = CubicSpline(radii_m, by_radius, axis=1)(between_m).max(axis=1)
-    return np.maximum(smooth, by_radius.max(axis=1))
+def _best_discs(cells: Cells, sphere: _Body, noise: float) -> List[_Body]:
+    """Return discs of a few radii, and one item with all radii near the best of them."""
+
+    def disc(radius_m: float) -> Optional[_Body]:
+        shape = _disc(cells, sphere, radius_m)
+        return _best_body(cells, shape, np.zeros(1), sphere.place_m, noise, 2)
+
+    tried = {radius_m: disc(radius_m) for radius_m in DISC_RADII_M}
+    found = {radius_m: body for radius_m, body in tried.items() if body is not None}
+    point_level = float(sphere.by_radius[:, 0].max())
+    best_m = max(found, key=lambda one: float(found[one].by_radius.max()), default=0.0)
+    if not found or float(found[best_m].by_radius.max()) < point_level:
+        best_m = 0.0
+    near = [disc(best_m + step_m) for step_m in FINER_M if best_m + step_m > 0.0]
+    columns = [sphere.by_radius[:, :1]] if best_m == 0.0 else []
+    columns += [body.by_radius for body in near if body is not None]
+    best = max(
+        [body for body in near if body is not None] or [sphere],
+        key=lambda body: float(body.by_radius.max()),
+    )
+    return [*found.values(), replace(best, by_radius=np.hstack(columns))] if columns else []
+
+
+def _best_of_all(by_radius: np.ndarray) -> np.ndarray:
+    """Return the largest value of each row, also between the radii, which have equal steps."""
+    best = np.argmax(by_radius, axis=1)
+    rows, last = np.arange(len(by_radius)), by_radius.shape[1] - 1
+    before, top, after = (by_radius[rows, np.clip(best + step, 0, last)] for step in (-1, 0, 1))
+    bend = 2.0 * top - before - after
+    inside = (best > 0) & (best < last) & (bend > 0.0)
+    # The highest point of a parabola through three points.
+    rise = (after - before) ** 2 / (8.0 * np.where(inside, bend, 1.0))
+    result: np.ndarray = top + np.where(inside, rise, 0.0)
+    return result
 
 
 class _Sums:
