@@ -118,7 +118,7 @@ class Imaging(unittest.TestCase):
 
     def test_estimated_permittivity_says_how_far_off_it_may_be(self):
         report = self.echoes()
-        self.assertEqual(report["permittivity_source"], "estimated by focus")
+        self.assertEqual(report["permittivity_source"], "estimated from echoes")
         self.assertLess(report["permittivity_lowest"], self.permittivity)
         self.assertGreater(report["permittivity_highest"], self.permittivity)
         for target in (self.sphere, self.disc):
@@ -139,7 +139,7 @@ class Imaging(unittest.TestCase):
             "-o", self.folder.parent / "image.nc", "-o", self.folder.parent / "image.vtr",
             "--figures", folder,
         )  # fmt: skip
-        self.assertIn("ESTIMATED by focus", text)
+        self.assertIn("ESTIMATED from echoes", text)
         self.assertGreater((self.folder.parent / "image.nc").stat().st_size, 100_000)
         self.assertGreater((self.folder.parent / "image.vtr").stat().st_size, 100_000)
         self.assertTrue((folder / "projections_0deg.png").exists())

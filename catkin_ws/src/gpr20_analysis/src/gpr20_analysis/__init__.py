@@ -24,12 +24,14 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "imaging.image_options": ("ImageOptions", "Method"),
     "imaging.image_output": ("permittivity_line",),
     "plotting.maps": ("coverage_figure", "height_figure"),
-    "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure", "projection_figure"),
+    "plotting.projections": ("candidate_map_figure", "projection_figure"),
+    "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure"),
     "processing.chain": ("process_survey",),
     "processing.delay": ("to_time",),
     "read.load": ("load_survey",),
     "read.verification": ("Verification", "verify_survey"),
     "report.summary": ("summarize",),
+    "sample.sample_survey": ("sample_survey",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)
 

@@ -68,9 +68,10 @@ def test_heights_that_vary_by_40_mm_give_no_false_echoes(seed, method):
 @pytest.mark.parametrize("seed", SEEDS)
 def test_noise_of_the_height_sensor_changes_little(seed):
     options = ImageOptions(Method.PHASE_SHIFT, 4.0)
-    peak, shallow, deep = peaks_and_clutter_db(
-        image_survey(remove_background(lifted(seed, 0.0, noise_m=0.002)), options)
-    )
+    survey = lifted(seed, 0.0, noise_m=0.002)
+    cleaned = remove_background(survey)
+    np.testing.assert_array_equal(cleaned.s21, remove_background(survey, Background.MEAN).s21)
+    peak, shallow, deep = peaks_and_clutter_db(image_survey(cleaned, options))
     without = image_survey(remove_background(lifted(seed, 0.0, noise_m=0.0)), options)
     assert peak > peaks_and_clutter_db(without)[0] - 1.0
     assert max(shallow, deep) < peak - 15.0
@@ -143,6 +144,16 @@ def test_the_surface_is_the_mean_where_heights_say_nothing():
     for one in (few, without_height, partly, equal):
         by_mean = remove_background(one, Background.MEAN)
         np.testing.assert_array_equal(remove_background(one)[S21], by_mean[S21])
+
+
+def test_a_polarization_whose_surface_does_not_follow_the_heights_loses_the_mean():
+    survey = empty_ground(6, most_m=0.0)
+    moved = empty_ground(6)
+    survey.s21.values[1], survey.height.values[:] = moved.s21.values[1], moved.height.values[1]
+    cleaned = remove_background(survey)
+    by_mean = remove_background(survey, Background.MEAN)
+    np.testing.assert_allclose(cleaned.s21[0], by_mean.s21[0], atol=1e-15)
+    assert float(abs(cleaned.s21[1]).max()) < 1e-9 < float(abs(by_mean.s21[1]).max())
 
 
 @pytest.mark.parametrize("rows", [1, 4])

@@ -17,7 +17,9 @@ from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import remove_background
 
-OPTIONS = ImageOptions(permittivity=4.0, depth_m=tuple(np.arange(0.03, 0.12, 0.01)))
+OPTIONS = ImageOptions(
+    permittivity=4.0, depth_m=tuple(np.arange(0.03, 0.12, 0.01)), ground=Ground.LEVEL
+)
 
 
 @pytest.fixture

@@ -8,10 +8,8 @@ from typing import Optional, Tuple
 
 from gpr20_common.message import Message
 
-NO_CLEARANCE = Message(
-    "This is a list of candidates, no clearance: ground without a candidate is not free of mines."
-)
-"""Sentence that goes with every list of candidates."""
+# As a name of this module too: it belongs to every list.
+from gpr20_survey.no_clearance import NO_CLEARANCE as NO_CLEARANCE
 
 
 class Flag(enum.Enum):

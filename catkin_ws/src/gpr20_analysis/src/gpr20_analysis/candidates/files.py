@@ -30,6 +30,10 @@ SUM = ".sha256"
 def write_candidates(found: CandidateList, path: Path) -> None:
     """Write a list of candidates in the format of the path's ending, and its checksum.
 
+    Args:
+        found: The list.
+        path: The file; its ending is .csv, .json, .geojson or .gpkg.
+
     Raises:
         ExportError: The ending is unknown, the format needs a place on the earth that the survey
             does not have, or the output cannot be written.

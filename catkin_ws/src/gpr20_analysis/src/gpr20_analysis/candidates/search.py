@@ -81,6 +81,9 @@ def find_candidates(
         image: Dataset of `image_survey`.
         options: What is listed.
 
+    Returns:
+        The list, the brightest first.
+
     Raises:
         WrongDatasetError: The data are no image.
     """

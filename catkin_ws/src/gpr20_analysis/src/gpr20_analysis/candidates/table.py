@@ -113,7 +113,15 @@ def tail_sentences(found: CandidateList) -> List[Message]:
 
 
 def candidate_lines(found: CandidateList, catalogue: Catalogue = ENGLISH) -> List[str]:
-    """Return a list of candidates as lines of text, without the notes on the survey."""
+    """Return a list of candidates as lines of text, without the notes on the survey.
+
+    Args:
+        found: The list.
+        catalogue: Language of the lines.
+
+    Returns:
+        The lines.
+    """
     rows = [candidate_row(one, catalogue) for one in found.candidates]
     if rows:
         rows.insert(0, candidate_heading(catalogue))

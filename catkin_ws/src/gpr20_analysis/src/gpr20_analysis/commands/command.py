@@ -44,6 +44,7 @@ SUMMARIES: Dict[str, str] = {
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",
+    "sample": "write a copy of a small simulated survey, to try the other commands on",
     "replay": "publish a recorded survey on its ROS topics",
 }
 """Name and summary of each subcommand; its module is `<name>_command`."""

@@ -21,7 +21,10 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
 from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
+from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.formats.migrated_hdf5 import ENDING as MIGRATED
+from gpr20_analysis.formats.migrated_hdf5 import write_migrated
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
@@ -40,6 +43,8 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import printable
 
 DEFAULT_STEPS = ("background:method=surface",)
+# The GPR-20 group's program subtracts the mean.
+STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
 SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
@@ -54,7 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
+        help="image as .nc, .zarr, .vtr (VTK) or .h5 (migrated image of the group, one file per "
+        "polarization); may be given more than once")  # fmt: skip
     add(
         "--figures",
         type=Path,
@@ -90,7 +96,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     """Declare how an image is made."""
     add = parser.add_argument
     add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
-    add("--permittivity", type=float, help="relative permittivity; estimated by focus if not given")
+    add("--permittivity", type=float,
+        help="relative permittivity; estimated from echoes if not given")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
         metavar=("FIRST", "LAST", "STEP"),
         help="depths of the image [m]; default 0 0.3 0.003")  # fmt: skip
@@ -109,7 +116,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
-        help="distance between the antennas; only back-projection uses it")  # fmt: skip
+        help="distance between the antennas; used by back-projection and by the estimate of the "
+        "permittivity")  # fmt: skip
     add("--grid-step", type=float, metavar="MM",
         help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],
@@ -142,10 +150,12 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
-    default = () if recipe_of(survey) else DEFAULT_STEPS
+    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
+    default = () if recipe_of(survey) else usual
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
+        outputs.check(_migrated(processed, chosen), [chosen.survey], chosen.overwrite)
         progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
@@ -189,10 +199,22 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
     for path in chosen.output:
-        if path.suffix not in (NETCDF, ZARR, VTK):
-            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK)))
-        found.append(Output(path) if path.suffix == VTK else outputs.dataset_output(path))
+        if path.suffix not in (NETCDF, ZARR, VTK, MIGRATED):
+            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK, MIGRATED)))
+        is_dataset = path.suffix in (NETCDF, ZARR)
+        found.append(outputs.dataset_output(path) if is_dataset else Output(path))
     return found
+
+
+def _migrated(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
+    """Return the files of migrated images: one for each polarization."""
+    paths = [path for path in chosen.output if path.suffix == MIGRATED]
+    return [Output(one) for path in paths for one in _files_of(data, path)]
+
+
+def _files_of(data: xr.Dataset, path: Path) -> List[Path]:
+    turns = data[POLARIZATION].values
+    return [path] if len(turns) == 1 else [segy.file_of(path, turn) for turn in turns]
 
 
 def _write(
@@ -201,6 +223,10 @@ def _write(
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
+        elif path.suffix == MIGRATED:
+            for turn, own in enumerate(_files_of(image, path)):
+                with atomic_output(own) as place:
+                    write_migrated(image.isel({POLARIZATION: [turn]}), place, own.stem)
         else:
             with atomic_output(path) as place:
                 write_volume(image, place)
@@ -210,11 +236,12 @@ def _write(
 
 
 def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.scans import c_scan_figure, projection_figure
+    from gpr20_analysis.plotting.projections import projection_figure
+    from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, catalogue)
+        figure = projection_figure(image, turn, found.candidates, catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in found.candidates], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist()))[:SLICES]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gpr20_analysis import cluster, dataset
 from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
@@ -34,7 +35,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         raise ExportError(wrong_ending(chosen.output, (HTML, PDF)))
     from gpr20_analysis.report.page import page
     from gpr20_analysis.report.pdf_pages import write_pdf
+    from gpr20_analysis.report.records import Report
     from gpr20_analysis.report.sections import sections_of
+    from gpr20_analysis.report.summary import SIMULATED
 
     options = image_command.options_of(chosen)
     steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
@@ -46,18 +49,26 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         data = cluster.persist(survey)
         sections = sections_of(data, chosen.survey, steps, options, progress, catalogue)
     name = survey.attrs.get("survey_id", survey.attrs.get("source", ""))
-    title = catalogue.tr("GPR-20 survey {name}", name=name)
+    simulated = bool(survey.attrs.get("simulated"))
+    report = Report(
+        title=catalogue.tr("GPR-20 survey {name}", name=name),
+        sections=sections,
+        language=Language(chosen.language),
+        mark=catalogue.tr("SIMULATED") if simulated else "",
+        banner=catalogue.text(SIMULATED) if simulated else "",
+        footer=catalogue.text(NO_CLEARANCE),
+    )
     with atomic_output(chosen.output) as place:
         if chosen.output.suffix == PDF:
-            write_pdf(place, title, sections)
+            write_pdf(place, report, catalogue)
         else:
-            place.write_text(page(title, sections, Language(chosen.language)), encoding="utf-8")
+            place.write_text(page(report), encoding="utf-8")
     print(chosen.output)
     return inputs.status_of(survey)
 
 
 COMMAND = Command(
-    "Write one HTML page, or a PDF, with verdict, parameters, quality, views and the image of a "
+    "Write one HTML page, or a PDF, with verdict, candidates, image, quality and parameters of a "
     "survey. The page is self-contained.",
     add_arguments,
     run,

@@ -19,8 +19,6 @@ AXES = {dataset.X: "X", dataset.Y: "Y", dataset.DEPTH: "Z"}
 PLANE = {dataset.X: "projection_x_coordinate", dataset.Y: "projection_y_coordinate"}
 STANDARD_NAMES = {dataset.DEPTH: "depth", dataset.HEIGHT: "height", dataset.TIMESTAMP: "time"}
 LONG_NAMES = {
-    dataset.X: "position along X of the scanner",
-    dataset.Y: "position along Y of the scanner",
     dataset.TIMESTAMP: "time of the sample, UTC",
     "sweep_started": "trigger of the sweep, UTC",
     "sweep_ended": "end of the sweep, UTC",
@@ -35,29 +33,54 @@ def with_conventions(stored: xr.Dataset) -> xr.Dataset:
         stored: Dataset without complex numbers.
     """
     data = stored.copy()
-    is_image = dataset.DEPTH in data.dims
     for name in data.variables:
-        word, own = str(name), data[name].attrs
-        own.setdefault("long_name", LONG_NAMES.get(word, word.replace("_", " ")))
-        if word in AXES and is_image:
-            own["axis"] = AXES[word]
-        if word in PLANE and is_image:
-            own["standard_name"] = PLANE[word]
-        if word == dataset.HEIGHT:
-            own["positive"] = "up"
-        if word in STANDARD_NAMES:
-            own["standard_name"] = STANDARD_NAMES[word]
+        added = _added(data, str(name))
+        own = {**added, **data[name].attrs}
         if "flag_masks" in own:
             own["flag_masks"] = np.asarray(own["flag_masks"], data[name].dtype)
-        if set(dataset.SAMPLE_DIMS) < set(data[name].dims):
-            beside = [one for one in ANCILLARY if one in data]
-            if beside:
-                own["ancillary_variables"] = " ".join(beside)
-    data.attrs.setdefault("Conventions", CONVENTIONS)
+        data[name].attrs = own
+    return data.assign_attrs({**_described(data), **data.attrs})
+
+
+def without_conventions(data: xr.Dataset) -> xr.Dataset:
+    """Return a Dataset, complex again, without what `with_conventions` has added."""
+    for name in data.variables:
+        own = data[name].attrs
+        for key, value in _added(data, str(name)).items():
+            if str(own.get(key)) == value:
+                del own[key]
+        if "flag_masks" in own:
+            own["flag_masks"] = np.asarray(own["flag_masks"]).tolist()
+    for key, value in _described(data).items():
+        if data.attrs.get(key) == value:
+            del data.attrs[key]
+    return dataset.described(data) if dataset.QUALITY in data else data
+
+
+def _added(data: xr.Dataset, name: str) -> Dict[str, str]:
+    is_image = dataset.DEPTH in data.dims
+    added = {"long_name": LONG_NAMES.get(name, name.replace("_", " "))}
+    if name in AXES and is_image:
+        added["axis"] = AXES[name]
+    if name in PLANE and is_image:
+        added["standard_name"] = PLANE[name]
+    if name == dataset.HEIGHT:
+        added["positive"] = "up"
+    if name in STANDARD_NAMES:
+        added["standard_name"] = STANDARD_NAMES[name]
+    beside = [one for one in ANCILLARY if one in data]
+    if beside and set(dataset.SAMPLE_DIMS) < set(data[name].dims):
+        added["ancillary_variables"] = " ".join(beside)
+    return added
+
+
+def _described(data: xr.Dataset) -> Dict[str, str]:
     title = f"GPR-20 survey {data.attrs.get('survey_id', '')}".rstrip()
-    data.attrs["title"] = marked(title, data)
-    data.attrs.setdefault("history", "written by gpr20_analysis")
-    return data
+    return {
+        "Conventions": CONVENTIONS,
+        "title": marked(title, data),
+        "history": "written by gpr20_analysis",
+    }
 
 
 def encoding(data: xr.Dataset) -> Dict[str, Dict[str, Any]]:

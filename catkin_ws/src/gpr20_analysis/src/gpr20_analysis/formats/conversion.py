@@ -195,6 +195,9 @@ def import_survey(
         source: Source signal of the simulation, see `gprmax_source.source_of`.
         progress: Shows the progress.
 
+    Returns:
+        The Dataset.
+
     Raises:
         AnalysisError: It does not have this format, is damaged, or differs from its checksums.
     """

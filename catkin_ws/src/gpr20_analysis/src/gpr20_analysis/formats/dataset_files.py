@@ -7,12 +7,14 @@ stored as `s21_real` and `s21_imag`.
 from __future__ import annotations
 
 import json
+import threading
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
 import dask.array
 import numpy as np
 import xarray as xr
+from xarray.backends import H5NetCDFStore
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import Y
@@ -24,7 +26,11 @@ from gpr20_analysis.errors import (
     not_there,
     wrong_ending,
 )
-from gpr20_analysis.formats.cf_conventions import encoding, with_conventions
+from gpr20_analysis.formats.cf_conventions import (
+    encoding,
+    with_conventions,
+    without_conventions,
+)
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
@@ -64,8 +70,20 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
         if path.suffix == ZARR:
             stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
-            stored.to_netcdf(str(place), engine="h5netcdf", encoding=encoding(stored))
+            _write_netcdf(stored, place)
         add_checksum(place)
+
+
+def _write_netcdf(stored: xr.Dataset, path: Path) -> None:
+    if stored.chunks:
+        stored.to_netcdf(str(path), engine="h5netcdf", encoding=encoding(stored))
+        return
+    # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
+    store = H5NetCDFStore.open(str(path), mode="w", lock=threading.Lock())
+    try:
+        stored.dump_to_store(store, encoding=encoding(stored))
+    finally:
+        store.close()
 
 
 def _size(stored: xr.Dataset) -> int:
@@ -203,4 +221,4 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
     for key in LIST_ATTRIBUTES:
         if isinstance(data.attrs.get(key), str):
             data.attrs[key] = json.loads(data.attrs[key])
-    return data
+    return without_conventions(data)

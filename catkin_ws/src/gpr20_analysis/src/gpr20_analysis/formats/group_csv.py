@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import List, Optional
+from typing import Iterable, List, Optional
 
 import numpy as np
+import orjson
 import pandas as pd
 import xarray as xr
 
@@ -35,6 +36,7 @@ HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}
 KINDS = {dataset.S21: VNA, dataset.A_SCAN: TIME}
 TIMES_FILE, TIMES_HEADER = "time", "Time"
 MM_PER_M = 1000.0
+NUMBER = b"0123456789+-.eE"
 ROUNDED_US = 5e-5
 """Rounding of times in names by the group's program [us]."""
 
@@ -105,7 +107,7 @@ def read_group_csv(
         AnalysisError: There is none.
         UnreadableFileError: A file is damaged, two have the same position, or frequencies differ.
     """
-    found = {kind: sorted(folder.glob(f"{kind}_*.csv")) for kind in HEADERS}
+    found = {kind: _in_order(folder.glob(f"{kind}_*.csv")) for kind in HEADERS}
     if not any(found.values()):
         raise AnalysisError(
             Message(
@@ -154,6 +156,10 @@ def read_group_csv(
         facts=facts,
         delay_s=delay_s,
     )
+
+
+def _in_order(paths: Iterable[Path]) -> List[Path]:
+    return sorted(paths, key=lambda path: path.name)  # faster than the order of paths
 
 
 def _times(
@@ -218,14 +224,7 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
                     file=path.name,
                 )
             )
-        try:
-            found = pd.read_csv(
-                io.BytesIO(content), header=None, dtype=np.float64, float_precision="round_trip"
-            ).to_numpy()
-        except ValueError as error:
-            raise UnreadableFileError(
-                Message("{file} is damaged", file=path.name, details=error)
-            ) from error
+    found = _numbers(path, content, points)
     if found.shape != (points, 2):
         raise UnreadableFileError(
             Message(
@@ -240,3 +239,28 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
     if not np.isfinite(found).all():
         raise UnreadableFileError(Message("{file} contains NaN or infinite values", file=path.name))
     return found[:, 0] + 1j * found[:, 1]
+
+
+def _numbers(path: Path, content: bytes, points: int) -> np.ndarray:
+    """Return the lines of numbers of a file (line, column)."""
+    # Plain lines of two numbers are read as JSON: exact too, and several times as fast.
+    if content.translate(None, NUMBER) == b",\n" * points:
+        try:
+            values = orjson.loads(b"[%b]" % content[:-1].replace(b"\n", b","))
+            return np.array(values, dtype=np.float64).reshape(-1, 2)
+        except orjson.JSONDecodeError:
+            return _csv_numbers(path, content)
+    return _csv_numbers(path, content)
+
+
+def _csv_numbers(path: Path, content: bytes) -> np.ndarray:
+    """Return the same of any CSV file: blank lines, NaN, other columns, numbers such as `1.`."""
+    try:
+        found: np.ndarray = pd.read_csv(
+            io.BytesIO(content), header=None, dtype=np.float64, float_precision="round_trip"
+        ).to_numpy()
+    except ValueError as error:
+        raise UnreadableFileError(
+            Message("{file} is damaged", file=path.name, details=error)
+        ) from error
+    return found

@@ -14,13 +14,15 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from gpr20_analysis.imaging.echo_cells import Cells
 from gpr20_analysis.imaging.echo_search import Apex
 from gpr20_analysis.imaging.wavefront import Wavefront, wavefront
 
-PERMITTIVITIES = np.geomspace(1.5, 36.0, 49)
+PERMITTIVITIES = np.geomspace(1.5, 36.0, 25)
 SPHERE_RADII_M = np.linspace(0.0, 0.06, 7)
+RADII_BETWEEN = 61
 DISC_RADII_M = (0.015, 0.025, 0.035, 0.045, 0.055)
 # A body beside a single line cannot be told from a deeper one below it.
 BESIDE_LINE_M = (0.0, 0.03, 0.06)
@@ -28,8 +30,8 @@ FEWEST_CELLS = 8
 # Unknown of each fit: place, depth, amplitude and phase.
 UNKNOWNS = 5
 # Place and depth are found by Newton's method, repeated with delays of the place found.
-MOST_ROUNDS = 4
-STEPS = 6
+MOST_ROUNDS = 3
+STEPS = 5
 LONGEST_STEP_M = 0.008
 SETTLED_M = 0.0005
 LAG_S = 0.45e-9
@@ -40,9 +42,9 @@ DISC_SPACING_M = 0.014
 # Energy that is missing for other reasons than noise: the squared phase left after the fit counts
 # this many times, since it is alike in neighbouring cells, and each part of the aperture may be
 # off by a phase.
-LEFT_OVER_FACTOR = 2.0
+LEFT_OVER_FACTOR = 4.0
 PARTS_OF_APERTURE = 8
-PHASE_ERROR_RAD = np.radians(4.0)
+PHASE_ERROR_RAD = np.radians(3.0)
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class EchoFit:
 class _Body:
     """The best bodies of one kind."""
 
-    explained: np.ndarray
+    by_radius: np.ndarray
     place_m: np.ndarray
     permittivity: float
     left_over: float
@@ -99,18 +101,29 @@ def fit_echo(cells: Cells, apex: Apex, noise: float) -> Optional[EchoFit]:
     sphere = _best_body(cells, point, SPHERE_RADII_M, place_m, noise, MOST_ROUNDS)
     if sphere is None:
         return None
-    found: List[Optional[_Body]] = [sphere]
+    spheres = [sphere]
     if cells.one_line:
-        found += [
-            _best_body(cells, point, SPHERE_RADII_M[::3], beside_m, noise, 1)
+        beside = [
+            _best_body(cells, point, SPHERE_RADII_M, beside_m, noise, 1)
             for beside_m in _beside(cells, sphere.place_m)
         ]
+        spheres += [body for body in beside if body is not None]
+    radii_m, discs = [0.0], []
     for radius_m in DISC_RADII_M:
-        disc = _disc(cells, sphere, radius_m)
-        found.append(_best_body(cells, disc, np.zeros(1), sphere.place_m, noise, 2))
-    bodies = [body for body in found if body is not None]
-    best = max(bodies, key=lambda body: float(body.explained.max()))
-    explained = np.max([body.explained for body in bodies], axis=0)
+        shape = _disc(cells, sphere, radius_m)
+        disc = _best_body(cells, shape, np.zeros(1), sphere.place_m, noise, 2)
+        if disc is not None:
+            radii_m.append(radius_m)
+            discs.append(disc)
+    best = max([*spheres, *discs], key=lambda body: float(body.by_radius.max()))
+    of_discs = np.hstack([sphere.by_radius[:, :1], *(disc.by_radius for disc in discs)])
+    explained = np.max(
+        [
+            *(_best_of_all(SPHERE_RADII_M, body.by_radius) for body in spheres),
+            _best_of_all(np.array(radii_m), of_discs),
+        ],
+        axis=0,
+    )
     free = max(len(cells.count) - UNKNOWNS, 1)
     # The fewer cells, the less is known of what is left over.
     scatter = LEFT_OVER_FACTOR * (best.left_over / free) * (free + 4.0) / free
@@ -175,11 +188,20 @@ def _best_body(
     across = (values[best] - ideal) * np.conj(amplitude) / abs(amplitude)
     left_over = 2.0 * float(np.sum(cells.count * across.imag**2 / np.maximum(energy, 1e-6)))
     return _Body(
-        explained.reshape(len(PERMITTIVITIES), -1).max(axis=1),
+        explained.reshape(len(PERMITTIVITIES), -1),
         place_m,
         float(permittivity[best]),
         left_over,
     )
+
+
+def _best_of_all(radii_m: np.ndarray, by_radius: np.ndarray) -> np.ndarray:
+    """Return the largest value of each row, also between the radii that were tried."""
+    if len(radii_m) < 3:
+        return by_radius.max(axis=1)
+    between_m = np.linspace(radii_m[0], radii_m[-1], RADII_BETWEEN)
+    smooth: np.ndarray = CubicSpline(radii_m, by_radius, axis=1)(between_m).max(axis=1)
+    return np.maximum(smooth, by_radius.max(axis=1))
 
 
 class _Sums:

@@ -7,7 +7,6 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter
-from scipy.signal import peak_widths
 
 
 def maxima(
@@ -76,11 +75,13 @@ def _peak(line: np.ndarray, axis: np.ndarray, index: int) -> float:
 
 def _half_power_width(line: np.ndarray, axis: np.ndarray, index: int) -> float:
     """Return the -3 dB width of a maximum; NaN if the line ends above that level."""
-    top, last = float(line[index]), len(line) - 1
-    # With its height as prominence, the height of a peak is relative to zero.
-    peak = (np.array([top]), np.array([0]), np.array([last]))
-    share = 1.0 - 1.0 / math.sqrt(2.0)
-    _, level, left, right = peak_widths(line, [index], share, prominence_data=peak)
-    if (left[0] == 0.0 and line[0] > level) or (right[0] == last and line[-1] > level):
+    level = float(line[index]) / math.sqrt(2.0)
+    below = np.flatnonzero(line <= level)
+    left, right = below[below < index], below[below > index]
+    if not left.size or not right.size:
         return math.nan
-    return float(np.diff(np.interp([left[0], right[0]], np.arange(len(axis)), axis))[0])
+    ends = [
+        np.interp(level, line[[low, high]], axis[[low, high]])
+        for low, high in ((left[-1], left[-1] + 1), (right[0], right[0] - 1))
+    ]
+    return float(ends[1] - ends[0])

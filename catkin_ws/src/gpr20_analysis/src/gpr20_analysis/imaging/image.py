@@ -23,12 +23,12 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
-from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
 from gpr20_analysis.imaging.noise import law_of, measured_noise
+from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
@@ -75,10 +75,12 @@ def image_survey(
         ground=options.ground or Ground.LEVEL,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
+    heights_m = float(np.mean([np.mean(one.height_m) for one in traces]))
     if options.permittivity is None:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
+        notes = [*notes, *estimate.notes]
     if options.method.of_the_group:
         # The group's program has its own window.
         focus = replace(focus, window=Window.HAMMING)
@@ -99,6 +101,7 @@ def image_survey(
     image[IMAGE].attrs.update(units="1", long_name="image")
     image = image.assign(_noise(traces, focus, options.method, volumes[0], at))
     described = with_notes(survey, notes)
+    attributes["mean_height_m"] = heights_m
     delay_s = delay_to_remove_s(survey, options.delay_s)
     return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
@@ -170,7 +173,7 @@ def _noise(
 
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     return {
-        "permittivity_source": "estimated by focus",
+        "permittivity_source": "estimated from echoes",
         "permittivity_lowest": estimate.lowest,
         "permittivity_highest": estimate.highest,
         "depth_uncertainty": estimate.depth_uncertainty,

@@ -35,13 +35,14 @@ class ImageOptions:
 
     Attributes:
         method: How the image is computed.
-        permittivity: Relative permittivity of the soil; None: estimate it by focus.
+        permittivity: Relative permittivity of the soil; None: estimate it from echoes.
         depth_m: Depths [m], ascending.
         height_m: One antenna height for all traces instead of the recorded ones [m].
         leave_out_missing: Make the image without the missing samples, instead of refusing.
         window: Weights over the band.
         widest_angle_deg: Widest angle to the vertical in air.
-        separation_m: Distance between the antennas [m]; back-projection alone uses it.
+        separation_m: Distance between the antennas [m]; used by back-projection and by the estimate
+            of the permittivity.
         ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
             level, but the other methods refuse heights that differ much.
         delay_s: Delay of cables and antennas to remove [s]; None: the one that the survey

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Dict
+from types import MappingProxyType
+from typing import Dict, Mapping
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,7 @@ from gpr20_analysis.errors import (
     library_missing,
     wrong_ending,
 )
+from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
 from gpr20_common.message import Message
 
 
@@ -31,7 +33,9 @@ def write_volume(image: xr.Dataset, path: Path) -> None:
         f"magnitude_{rotation_word(turn)}": np.ascontiguousarray(volume[:, :, ::-1])
         for turn, volume in zip(image[POLARIZATION].values, magnitude)
     }
-    write_vtk(path, image[X].values, image[Y].values, -image[DEPTH].values[::-1], volumes)
+    marks = {SIMULATED_KEY: np.array([1])} if is_simulated(image) else {}
+    z_m = -image[DEPTH].values[::-1]
+    write_vtk(path, image[X].values, image[Y].values, z_m, volumes, marks)
 
 
 def rotation_word(rotation_deg: float) -> str:
@@ -40,16 +44,22 @@ def rotation_word(rotation_deg: float) -> str:
 
 
 def permittivity_line(image: xr.Dataset) -> Message:
-    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths."""
+    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths.
+
+    Args:
+        image: Dataset with `image`.
+
+    Returns:
+        The sentence.
+    """
     value = float(image.attrs["permittivity"])
     if "permittivity_lowest" not in image.attrs:
         return Message("relative permittivity {permittivity:.3g}, as given", permittivity=value)
     lowest, highest = (float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest"))
     deeper, shallower = (100.0 * (np.sqrt(value / one) - 1.0) for one in (lowest, highest))
     return Message(
-        "relative permittivity {permittivity:.3g}, ESTIMATED by focus; {lowest:.3g} to "
-        "{highest:.3g} are nearly as good, so the error of depths is {shallower:+.0f} % to "
-        "{deeper:+.0f} %",
+        "relative permittivity {permittivity:.3g}, ESTIMATED from echoes; 95 % range {lowest:.3g} "
+        "to {highest:.3g}, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
         permittivity=value,
         lowest=lowest,
         highest=highest,
@@ -62,7 +72,12 @@ SUFFIX = ".vtr"
 
 
 def write_vtk(
-    path: Path, x_m: np.ndarray, y_m: np.ndarray, z_m: np.ndarray, volumes: Dict[str, np.ndarray]
+    path: Path,
+    x_m: np.ndarray,
+    y_m: np.ndarray,
+    z_m: np.ndarray,
+    volumes: Dict[str, np.ndarray],
+    marks: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> None:
     """Write volumes on one rectilinear grid.
 
@@ -72,6 +87,7 @@ def write_vtk(
         y_m: Positions along Y [m].
         z_m: Positions upwards [m], ascending: a depth is negative.
         volumes: Real values by name, each (x, y, z).
+        marks: Values that hold for the whole file, by name.
 
     Raises:
         ExportError: The path has another ending.
@@ -86,4 +102,4 @@ def write_vtk(
         raise MissingLibraryError(library_missing("pyevtk", "vtk")) from error
     contiguous = {name: np.asfortranarray(values) for name, values in volumes.items()}
     axes = [np.ascontiguousarray(axis, dtype=np.float64) for axis in (x_m, y_m, z_m)]
-    gridToVTK(str(path.with_suffix("")), *axes, pointData=contiguous)
+    gridToVTK(str(path.with_suffix("")), *axes, pointData=contiguous, fieldData=dict(marks))

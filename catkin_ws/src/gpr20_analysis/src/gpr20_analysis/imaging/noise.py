@@ -21,7 +21,6 @@ from typing import Callable, List, Optional, Sequence, Tuple
 import numpy as np
 import scipy.fft
 from scipy.constants import speed_of_light
-from scipy.optimize import brentq
 from scipy.special import erfc, k0, log_ndtr
 
 from gpr20_analysis.imaging.records import Focus, Traces
@@ -30,12 +29,14 @@ Imager = Callable[[Traces, Focus], Tuple[np.ndarray, np.ndarray]]
 """Returns the image (depth, y, x) of traces and its depths [m]."""
 
 TRACES_LOOKED_AT = 400
-# Fewest planes and voxels that are imaged for the measurement.
-PLANES, VOXELS = 12, 40_000
+# Fewest planes and voxels that are imaged for the measurement, and least depth that they cover [m].
+PLANES, VOXELS, DEEPEST_M = 12, 40_000, 0.3
 # Longest delay of the voxels, relative to that of the vertical path, since waves arrive aslant too,
 # and delays around those of echoes that their sidelobes reach, in periods of the band. The second
 # pair is for sweeps with few frequencies.
 MARGINS = ((1.3, 10.0), (1.1, 4.0))
+# Power of a part of the delays relative to the quietest, and number of parts that are used.
+ABOUT, WINDOWS = 1.1, 2
 EULER = 0.5772156649015329
 
 
@@ -82,6 +83,8 @@ class Law(enum.Enum):
         """Return the magnitude in the unit of the law that noise exceeds with a probability."""
         if self is Law.RAYLEIGH:
             return math.sqrt(-log_tail)
+        from scipy.optimize import brentq  # its import takes 0.2 s
+
         return float(brentq(lambda ratio: float(self.log_tail(ratio)) - log_tail, 0.0, 1e4))
 
     def level_db(self, ratio: np.ndarray) -> np.ndarray:
@@ -125,7 +128,7 @@ class NoiseReference:
     depth: np.ndarray
     over_y: np.ndarray
     over_x: np.ndarray
-    correlation: Tuple[float, float, float]
+    correlation: Tuple[float, ...]
     late_s: float
 
 
@@ -141,35 +144,38 @@ def measured_noise(
         law: Distribution of its noise.
         imager: The method.
     """
-    late_s = late_delay_s(traces, focus)
-    if late_s is None:
+    some = _reference_focus(focus, depth_m, traces[0].height_m.size)
+    starts_s = late_delays_s(traces, some)
+    if not starts_s:
+        some = replace(some, depth_m=focus.depth_m)
+        starts_s = late_delays_s(traces, some)
+    if not starts_s:
         return None
-    some = replace(
-        focus, depth_m=focus.depth_m[_planes(len(focus.depth_m), traces[0].height_m.size)]
-    )
-    volumes: List[np.ndarray] = []
-    found_m = some.depth_m
-    for one in traces:
-        volume, found_m = imager(advanced(one, late_s), some)
-        volumes.append(volume)
-    fits = [_fit(np.abs(one), found_m, law) for one in volumes]
-    if not all(np.all(np.isfinite(fit[0])) for fit in fits):
-        return None
-    over_y, over_x = (np.exp(np.mean([fit[axis] for fit in fits], axis=0)) for axis in (1, 2))
-    depth = np.stack([np.exp(_curve(found_m, fit[0], depth_m)) for fit in fits])
-    likeness = [
-        _likeness(one / (np.exp(fit[0])[:, None, None] * over_y[:, None] * over_x), found_m, law)
-        for one, fit in zip(volumes, fits)
+    if traces[0].height_m.size * PLANES >= VOXELS:
+        starts_s = starts_s[:1]
+    per_trace = [
+        [_measured(advanced(one, late_s), some, law, imager) for late_s in starts_s]
+        for one in traces
     ]
-    correlation = tuple(float(one) for one in np.mean(likeness, axis=0))
-    return NoiseReference(depth, over_y, over_x, correlation, late_s)  # type: ignore[arg-type]
+    every = [one for ones in per_trace for one in ones]
+    if not all(np.all(np.isfinite(one.over_depth)) for one in every):
+        return None
+    logarithm = np.stack([np.mean([one.over_depth for one in ones], axis=0) for ones in per_trace])
+    found_m = every[0].depth_m
+    return NoiseReference(
+        np.exp(np.stack([_curve(found_m, one, depth_m) for one in logarithm])),
+        np.exp(np.mean([one.over_y for one in every], axis=0)),
+        np.exp(np.mean([one.over_x for one in every], axis=0)),
+        tuple(float(one) for one in np.mean([one.correlation for one in every], axis=0)),
+        starts_s[0],
+    )
 
 
-def late_delay_s(traces: Sequence[Traces], focus: Focus) -> Optional[float]:
-    """Return the delay after which as many quiet delays follow as the image uses.
+def late_delays_s(traces: Sequence[Traces], focus: Focus) -> List[float]:
+    """Return delays after which as many quiet delays follow as the image uses, the latest first.
 
-    Of several such parts the quietest is taken, since late echoes arrive in some of them. None if
-    there is no such part.
+    Late echoes arrive in some parts of the delays, so only those are returned that are about as
+    quiet as the quietest; at most two. Empty if there is no such part.
     """
     sweep = traces[0].sweep
     height_m = max(float(np.max(one.height_m)) for one in traces)
@@ -179,21 +185,22 @@ def late_delay_s(traces: Sequence[Traces], focus: Focus) -> Optional[float]:
         guard_s = guard / (sweep.step_hz * sweep.count)
         first_s, last_s = longest_s + guard_s, sweep.unambiguous_s - longest_s - guard_s
         if first_s <= last_s:
-            return _quietest_s(traces, focus, max(first_s, last_s / 2.0), last_s, longest_s)
-    return None
+            return _quiet_s(traces, focus, max(first_s, last_s / 2.0), last_s, longest_s)
+    return []
 
 
-def _quietest_s(
+def _quiet_s(
     traces: Sequence[Traces], focus: Focus, first_s: float, last_s: float, length_s: float
-) -> float:
+) -> List[float]:
     power = np.mean([_power_over_delay(one, focus) for one in traces], axis=0)
     delay_s = traces[0].sweep.unambiguous_s * np.arange(len(power)) / len(power)
     starts_s = last_s - length_s * np.arange(1 + int((last_s - first_s) / length_s))
-    loudness = [
-        float(np.mean(power[(delay_s >= start) & (delay_s <= start + length_s)]))
-        for start in starts_s
-    ]
-    return float(starts_s[int(np.argmin(loudness))])
+    loudness = np.array(
+        [np.mean(power[(delay_s >= start) & (delay_s <= start + length_s)]) for start in starts_s]
+    )
+    # Not the quietest alone: of equal ones that is always below the mean.
+    quiet = starts_s[loudness <= ABOUT * loudness.min()]
+    return [float(one) for one in quiet[:WINDOWS]]
 
 
 def advanced(traces: Traces, late_s: float) -> Traces:
@@ -212,18 +219,42 @@ def _power_over_delay(traces: Traces, focus: Focus) -> np.ndarray:
     return np.mean(np.abs(samples) ** 2, axis=0)
 
 
-def _planes(count: int, voxels: int) -> np.ndarray:
-    """Return indices of pairs of adjacent planes, evenly spread, or of all if that is enough.
+def _reference_focus(focus: Focus, depth_m: np.ndarray, voxels: int) -> Focus:
+    """Return a focus at depths for the measurement, the same for every range of an image.
+
+    Planes come in pairs with the step of the image, which tell the correlation of adjacent voxels.
 
     Args:
-        count: Number of planes.
-        voxels: Number of voxels of each.
+        focus: How the image was focused.
+        depth_m: Depths of the image [m].
+        voxels: Number of voxels of each plane.
     """
-    needed = max(PLANES, VOXELS // voxels)
-    if count <= needed:
-        return np.arange(count)
-    first = np.rint(np.linspace(0, count - 2, needed // 2)).astype(np.int64)
-    return np.unique(np.concatenate((first, first + 1)))
+    last_m = max(DEEPEST_M, float(focus.depth_m[-1]))
+    step_m = float(np.min(np.diff(depth_m)))
+    pairs = max(PLANES, VOXELS // voxels) // 2
+    if last_m / step_m < 2 * pairs:
+        return replace(focus, depth_m=np.arange(0.0, last_m + step_m / 2.0, step_m))
+    first_m = np.linspace(0.0, last_m - step_m, pairs)
+    return replace(focus, depth_m=np.sort(np.concatenate((first_m, first_m + step_m))))
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """Logarithms of the noise of one volume and of its factors, and correlations."""
+
+    depth_m: np.ndarray
+    over_depth: np.ndarray
+    over_y: np.ndarray
+    over_x: np.ndarray
+    correlation: Tuple[float, ...]
+
+
+def _measured(traces: Traces, focus: Focus, law: Law, imager: Imager) -> _Measured:
+    volume, depth_m = imager(traces, focus)
+    over_depth, over_y, over_x = _fit(np.abs(volume), depth_m, law)
+    scale = np.exp(over_depth[:, None, None] + over_y[:, None] + over_x)
+    correlation = _likeness(volume / scale, depth_m, law)
+    return _Measured(depth_m, over_depth, over_y, over_x, correlation)
 
 
 def _fit(
@@ -252,21 +283,21 @@ def _profile(mean: np.ndarray) -> np.ndarray:
 
 
 def _curve(depth_m: np.ndarray, values: np.ndarray, wanted_m: np.ndarray) -> np.ndarray:
-    """Return a parabola through values over depth, or a constant through few, at some depths."""
-    degree = 2 if len(depth_m) >= 6 else 0
+    """Return a straight line through values over depth, or a constant through few, at depths."""
+    degree = 1 if len(depth_m) >= 6 else 0
     middle, half = np.mean(depth_m), np.ptp(depth_m) / 2.0
     found = np.polynomial.polynomial.polyfit((depth_m - middle) / half, values, degree)
     return np.polynomial.polynomial.polyval((wanted_m - middle) / half, found)
 
 
-def _likeness(volume: np.ndarray, depth_m: np.ndarray, law: Law) -> Tuple[float, float, float]:
+def _likeness(volume: np.ndarray, depth_m: np.ndarray, law: Law) -> Tuple[float, ...]:
     """Return the correlation of adjacent voxels along depth, y and x of noise in its unit."""
     smallest = np.min(np.diff(depth_m)) * 1.01
     pairs = np.flatnonzero(np.diff(depth_m) <= smallest)
     down = (volume[pairs], volume[pairs + 1])
     along_y = (volume[:, :-1], volume[:, 1:])
     along_x = (volume[:, :, :-1], volume[:, :, 1:])
-    return tuple(_correlation(*one, law) for one in (down, along_y, along_x))  # type: ignore
+    return tuple(_correlation(one, other, law) for one, other in (down, along_y, along_x))
 
 
 def _correlation(one: np.ndarray, other: np.ndarray, law: Law) -> float:

@@ -35,6 +35,8 @@ LEAST_SHOWN = 0.5
 # A single strong echo is the coupling if a later one of at least this level follows, further away
 # than the sidelobes of the first [resolution].
 WEAK_SURFACE, FROM_SIDELOBES = 10.0 ** (-35.0 / 20.0), 3.2
+# Heights that differ by more than this (standard deviation) must move the surface echo [m].
+SENSOR_NOISE_M = 0.006
 # Strong echoes that all traces have in common: the coupling and the surface.
 MOST_STRONG = 2
 # How far an echo of the same level moves another one, relative to the resolution.
@@ -117,7 +119,7 @@ class SurfaceEcho:
         places = [self._surface(one, plate) for one in echoes]
         best = int(np.argmax([one.level[place] for one, place in zip(echoes, places)]))
         chosen, found, place = tried[best], echoes[best], places[best]
-        self._check(found, place, plate)
+        self._check(found, place, plate, chosen.unmoved_s)
         delay_s = float(found.delay_s[place])
         self.delays_s = self._near(chosen.spectra, delay_s) - chosen.unmoved_s
         self.interference_s = (
@@ -218,7 +220,7 @@ class SurfaceEcho:
             return int(np.argmax(echoes.level))
         return int(echoes.strong[-1])
 
-    def _check(self, echoes: _Echoes, place: int, plate: bool) -> None:
+    def _check(self, echoes: _Echoes, place: int, plate: bool, unmoved_s: np.ndarray) -> None:
         if not echoes.level[place] > CLEAR * echoes.floor:
             raise WrongDatasetError(
                 Message("no echo rises above the noise in the mean of all traces")
@@ -250,7 +252,19 @@ class SurfaceEcho:
                 )
             )
         if not self.by_movement and not plate:
+            self._check_rigid(unmoved_s)
             self._check_alone(echoes)
+
+    def _check_rigid(self, unmoved_s: np.ndarray) -> None:
+        spread_m = 0.5 * speed_of_light * float(np.std(unmoved_s))
+        if spread_m > SENSOR_NOISE_M:
+            raise WrongDatasetError(
+                Message(
+                    "the heights differ by {spread_mm:.0f} mm (standard deviation), but the echo "
+                    "that all traces have in common does not move with them",
+                    spread_mm=1e3 * spread_m,
+                )
+            )
 
     def _check_alone(self, echoes: _Echoes) -> None:
         strong = echoes.strong

@@ -188,6 +188,13 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
 def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
     """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
 
+    Args:
+        survey: Dataset of a survey, or of an earlier step.
+        steps: The steps, as for `--step` of the command line.
+
+    Returns:
+        The Dataset after the steps; attribute `processing` is the recipe that made it.
+
     Raises:
         RecipeError: One is malformed, or a step or parameter is unknown.
         AnalysisError: A step cannot be applied to the survey.

@@ -7,6 +7,7 @@ from typing import Tuple
 import numpy as np
 import scipy.fft
 import xarray as xr
+from scipy.linalg import eigh
 
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import S21, S21_DIMS, require, require_complete
@@ -17,9 +18,8 @@ MOST_ITERATIONS = 200
 # Relative to the data: where the decomposition has converged.
 TOLERANCE = 1e-7
 # As in Lin, Chen and Ma, "The augmented Lagrange multiplier method for exact recovery of corrupted
-# low-rank matrices", 2010: first penalty, its growth (theirs is 1.5; slower growth comes nearer to
-# the exact minimum), and its largest value.
-FIRST_PENALTY, GROWTH, LARGEST_PENALTY = 1.25, 1.2, 1e7
+# low-rank matrices", 2010: first penalty, its growth, and its largest value.
+FIRST_PENALTY, GROWTH, LARGEST_PENALTY = 1.25, 1.5, 1e7
 # Copies of one polarization that the iteration holds.
 COPIES = 8.0
 
@@ -109,9 +109,9 @@ def _shrunk_rank(matrix: np.ndarray, by: float) -> np.ndarray:
     if matrix.shape[0] < matrix.shape[1]:
         return _shrunk_rank(matrix.conj().T, by).conj().T
     # Of a tall matrix only the few components that are left are needed.
-    squares, vectors = np.linalg.eigh(matrix.conj().T @ matrix)
-    values = np.sqrt(np.maximum(squares, 0.0))
-    kept = values > by
-    components = vectors[:, kept]
-    shrunk: np.ndarray = ((matrix @ components) * (1.0 - by / values[kept])) @ components.conj().T
+    products = matrix.conj().T @ matrix
+    squares, components = eigh(products, subset_by_value=(by**2, np.inf))
+    shrunk: np.ndarray = ((matrix @ components) * (1.0 - by / np.sqrt(squares))) @ (
+        components.conj().T
+    )
     return shrunk

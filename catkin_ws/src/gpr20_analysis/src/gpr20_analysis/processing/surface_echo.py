@@ -27,7 +27,7 @@ recorded height [s], in the data as measured."""
 FEWEST_TRACES, FEWEST_OVER_PLATE = 16, 5
 """Over fewer traces a target may look like the surface."""
 # Enough for a median, and few enough for a check of every survey.
-MOST_ROWS, MOST_COLUMNS = 8, 64
+MOST_ROWS, MOST_COLUMNS = 8, 32
 # Of the traces, those whose surface echo must be near the common one.
 LEAST_SHARE = 0.6
 NEIGHBOURS_ALIKE = 2.0

@@ -32,6 +32,8 @@ def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) 
     if annotation.position is not None:
         found[LATITUDE] = annotation.position.latitude_deg
         found[LONGITUDE] = annotation.position.longitude_deg
+    if annotation.heading_deg is not None:
+        found[HEADING] = annotation.heading_deg
     return found
 
 

@@ -14,7 +14,7 @@ from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.annotation import Annotation, keeping_heading
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
@@ -267,7 +267,7 @@ class CurrentSurvey:
 
         Args:
             survey: The survey's id, or the name of its folder; empty: the open one.
-            annotation: The new annotation, whole.
+            annotation: The new annotation; its heading is that of the former one at this position.
 
         Raises:
             SurveyRefusedError: There is no such survey, or its survey.json is damaged.
@@ -275,10 +275,10 @@ class CurrentSurvey:
         """
         opened = self.opened() if not survey else self._survey
         if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
-            opened.annotate(annotation)
+            opened.annotate(keeping_heading(annotation, opened.description))
             return AnnotatedSurvey(opened.survey_id, opened.folder)
         folder, description = find_survey(self._storage.data, survey)
-        annotate_folder(folder, annotation)
+        annotate_folder(folder, keeping_heading(annotation, description))
         return AnnotatedSurvey(description["survey_id"], folder)
 
     def interrupt(self) -> None:

@@ -1,8 +1,8 @@
-"""Surveys over random scenes, by a ray model of its own.
+"""Echoes of buried bodies by a ray model that shares no formula with the imaging.
 
 The delay of a path is the least over all places where it can cross the surface (Fermat's
-principle), found numerically. It shares no formula with the imaging or with the simulator, so
-that agreement means something.
+principle), found numerically. A sphere or cylinder reflects where both rays meet its surface at
+equal angles; a disc is many small reflectors.
 """
 
 from __future__ import annotations
@@ -167,18 +167,16 @@ def _paths_m(antennas_m: Sequence[np.ndarray], buried: Buried, permittivity: flo
         angle_rad = 2.0 * np.pi * np.arange(6 * ring) / (6 * ring)
         ring_m = buried.radius_m * ring / rings
         places_m += list(zip(ring_m * np.cos(angle_rad), ring_m * np.sin(angle_rad)))
-    return np.stack(
-        [
-            _via_m(
-                antennas_m,
-                np.broadcast_to(
-                    [buried.x_m + x_m, buried.y_m + y_m, -buried.top_m], antennas_m[0].shape
-                ),  # fmt: skip
-                permittivity,
-            )
-            for x_m, y_m in places_m
-        ]
-    )
+    shape = antennas_m[0].shape
+    paths_m = [
+        _via_m(
+            antennas_m,
+            np.broadcast_to([buried.x_m + x_m, buried.y_m + y_m, -buried.top_m], shape),
+            permittivity,
+        )
+        for x_m, y_m in places_m
+    ]
+    return np.stack(paths_m)
 
 
 def s21_of(bodies: Sequence[Buried], permittivity: float, setup: Setup) -> np.ndarray:

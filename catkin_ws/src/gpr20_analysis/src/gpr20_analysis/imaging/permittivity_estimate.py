@@ -11,11 +11,12 @@ chance exceeds in 5 % of cases. Where the data leave too much open, the estimate
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.constants import speed_of_light
+from scipy.interpolate import CubicSpline
 
 from gpr20_analysis import cluster
 from gpr20_analysis.errors import WrongDatasetError
@@ -37,8 +38,14 @@ WIDEST_RATIO = 2.25
 # Bodies at the depths of the image are searched in soil of up to this permittivity.
 SEARCHED_PERMITTIVITY = 9.0
 SAME_BODY_M = 0.06
+# Steps from one trial value of the permittivity to the next.
+BETWEEN = 6
 # Of the unambiguous range of delays; the rest shows the noise.
 SEARCHED_SHARE = 0.55
+_ONE_LINE = Message(
+    "the survey is a single line: the permittivity range is valid only if no long object crosses "
+    "the line at a slant"
+)
 
 
 @dataclass(frozen=True)
@@ -49,13 +56,15 @@ class PermittivityEstimate:
         permittivity: Mean of the compatible values, by their likelihood.
         lowest: Lowest compatible value (95 % range).
         highest: Highest compatible value.
-        echoes: Number of bodies whose echoes were used.
+        bodies: Number of bodies whose echoes were used.
+        notes: What the range assumes.
     """
 
     permittivity: float
     lowest: float
     highest: float
-    echoes: int
+    bodies: int
+    notes: Tuple[Message, ...] = ()
 
     @property
     def depth_uncertainty(self) -> float:
@@ -96,14 +105,15 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
                 advice=_advice(),
             )
         )
-    bodies = _of_same_body(fits)
-    return _range_of(bodies)
+    estimate = _range_of(_of_same_body(fits))
+    one_line = all(min(len(one.x_m), len(one.y_m)) == 1 for one in traces)
+    return replace(estimate, notes=(_ONE_LINE,)) if one_line else estimate
 
 
 def _advice() -> Message:
     return Message(
-        "give it with --permittivity: from a probe in the soil, or so that a body buried at a known "
-        "depth appears there"
+        "give it with --permittivity: measure it with a soil probe, or bury a metal object at a "
+        "known depth and choose the value that shows it there"
     )
 
 
@@ -142,17 +152,19 @@ def _of_same_body(fits: Sequence[EchoFit]) -> List[np.ndarray]:
 
 
 def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
-    worse = np.sum(bodies, axis=0)
+    # The functions are smooth, so a few values suffice for many between them.
+    logarithm = np.log(PERMITTIVITIES)
+    fine = np.linspace(logarithm[0], logarithm[-1], BETWEEN * (len(logarithm) - 1) + 1)
+    worse = CubicSpline(logarithm, np.sum(bodies, axis=0))(fine)
     least = float(worse.min())
     # Bodies that contradict each other by more than the model allows widen the range.
     contradiction = max(1.0, least / max(len(bodies) - 1, 1))
     worse = (worse - least) / contradiction
     compatible = np.flatnonzero(worse <= COMPATIBLE)
     first, last = int(compatible[0]), int(compatible[-1])
-    # The ends lie between the values that were tried.
-    lowest, highest = (
-        float(PERMITTIVITIES[min(max(one, 0), len(worse) - 1)]) for one in (first - 1, last + 1)
-    )
+    # The ends lie between two values.
+    lowest = float(np.exp(fine[max(first - 1, 0)]))
+    highest = float(np.exp(fine[min(last + 1, len(fine) - 1)]))
     if first == 0 or last == len(worse) - 1 or highest > WIDEST_RATIO * lowest:
         raise WrongDatasetError(
             Message(
@@ -165,5 +177,5 @@ def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
             )
         )
     likelihood = np.exp(-worse)
-    mean = float(np.exp(np.sum(likelihood * np.log(PERMITTIVITIES)) / np.sum(likelihood)))
+    mean = float(np.exp(np.sum(likelihood * fine) / np.sum(likelihood)))
     return PermittivityEstimate(mean, lowest, highest, len(bodies))
