@@ -156,6 +156,18 @@ def test_paths_hold_every_trace_in_reach_once_at_its_distance(rows, columns, fin
 
 
 @pytest.mark.parametrize("ground", Ground)
+def test_the_height_of_a_trace_that_is_left_out_is_in_the_table_of_delays(ground):
+    traces, focus = traces_of_noise(0), replace(focus_of(0), ground=ground)
+    traces.s21[-1, -1] = 0.0
+    traces.height_m[-1, -1] = traces.height_m.max() + 0.05
+    scene = scene_of(traces, focus, traces.x_m, traces.y_m)
+    level, _ = scene.levels(traces.height_m)
+    assert level.min() >= 0
+    assert level.max() < len(scene.table.delay_s)
+    assert np.isfinite(back_projection_image(traces, focus)).all()
+
+
+@pytest.mark.parametrize("ground", Ground)
 def test_progress_moves_within_a_polarization(ground):
     traces = traces_of_noise(1)
     seen = []

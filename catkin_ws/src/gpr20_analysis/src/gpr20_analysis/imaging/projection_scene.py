@@ -28,7 +28,7 @@ class Scene:
         x_m: Positions of the image along X [m].
         y_m: The same along Y.
         held: Which traces are not zero (trace).
-        height_m: Height of the antennas, of the lowest where a trace is zero (trace) [m].
+        height_m: Height of the antennas (trace) [m].
         side_m: From the middle of the antennas to the transmitter (x, y) [m].
         in_air: Horizontal reach of the widest ray per height.
         in_soil: The same per depth.
@@ -84,9 +84,8 @@ def scene_of(traces: Traces, focus: Focus, x_m: np.ndarray, y_m: np.ndarray) -> 
         raise WrongDatasetError(
             Message("every trace is zero or was left out, so there is nothing to image")
         )
-    height_m = traces.height_m.ravel()
-    # A trace of zeros adds nothing, so its height does not matter.
-    height_m = np.where(held, height_m, height_m[held].min())
+    # Also where a trace is zero: uneven ground is interpolated between all heights.
+    height_m = np.asarray(traces.height_m, dtype=np.float64).ravel()
     apart_m, turn = focus.separation_m / 2.0, np.radians(traces.rotation_deg)
     sine = np.sin(np.radians(focus.widest_angle_deg))
     in_air = float(sine / np.sqrt(max(1.0 - sine**2, 1e-6)))
