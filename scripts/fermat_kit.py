@@ -147,7 +147,7 @@ def reflection_m(
 def _via_m(
     antennas_m: Sequence[np.ndarray], place_m: np.ndarray, permittivity: float
 ) -> np.ndarray:
-    total_m = 0.0
+    total_m = np.zeros(place_m.shape[:-1])
     for antenna_m in antennas_m:
         away_m = antenna_m - place_m
         distance_m = np.hypot(away_m[..., 0], away_m[..., 1])

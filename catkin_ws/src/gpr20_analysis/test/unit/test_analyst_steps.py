@@ -13,7 +13,7 @@ from gpr20_analysis.errors import DamagedSurveyError, TooLargeError, WrongDatase
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.processing.background import remove_background
+from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.display import Gain, apply_gain, envelope
 from gpr20_analysis.processing.filters import Along, dewow, filter_dips
@@ -198,7 +198,7 @@ def test_pursuit_recovers_both_parts_and_is_the_one_of_another_method(shape, see
 def test_robust_pca_removes_a_surface_that_the_mean_does_not():
     made = survey(TARGET, height_m=wavy_m)
     alone = survey(TARGET, height_m=wavy_m, coupling_level_db=-200.0, surface_gain_db=-200.0)
-    cleaned = [remove_low_rank(made), remove_background(made)]
+    cleaned = [remove_low_rank(made), remove_background(made, Background.MEAN)]
     left = [float((abs(one.s21 - alone.s21) ** 2).mean()) for one in cleaned]
     assert left[0] < 0.5 * left[1]
 

@@ -202,6 +202,10 @@ def test_other_surveys_that_cannot_give_it_are_refused():
         fit_delay(survey().isel(frequency=slice(0, 10)))
     with pytest.raises(WrongDatasetError, match="no trace"):
         fit_delay(survey().assign(height=survey().height * np.nan))
+    with pytest.raises(WrongDatasetError, match="no trace"):
+        fit_delay(survey().assign(s21=survey().s21 * 0.0))
+    with pytest.raises(WrongDatasetError, match="not clear"):
+        fit_delay(survey().isel(frequency=[0, 100]))
     with pytest.raises(WrongDatasetError, match="a_scan"):
         fit_delay(to_time(survey()))
     with pytest.raises(WrongDatasetError, match="not clear"):
@@ -238,6 +242,15 @@ def test_the_command_prints_the_line_of_the_configuration(tmp_path, capsys):
     assert "gpr20 delay" in capsys.readouterr().out
     assert main(["image", str(path), "--permittivity", "4", "--delay", value]) == DONE
     assert "gpr20 delay" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("delay_ns", "noted"), [("0", True), ("0.3", False)])
+def test_the_report_shows_the_note(tmp_path, delay_ns, noted):
+    path, page = tmp_path / "survey.nc", tmp_path / "report.html"
+    write_dataset(survey(), path)
+    chosen = ["--permittivity", "4", "--delay", delay_ns]
+    assert main(["report", str(path), "-o", str(page), *chosen]) == DONE
+    assert ("surface echo is +45 mm" in page.read_text()) == noted
 
 
 def test_the_command_refuses_processed_data(tmp_path, capsys):

@@ -103,7 +103,10 @@ def test_migrated_images_are_written_and_read_again(survey_folder, tmp_path, cap
     assert main(["info", str(tmp_path / "i_090.h5")]) == 0
     assert "SIMULATED" in capsys.readouterr().out
     figure = tmp_path / "p.png"
-    assert main(["plot", "c-scan", str(tmp_path / "i_090.h5"), "-o", str(figure)]) == 0
+    assert (
+        main(["plot", "c-scan", str(tmp_path / "i_090.h5"), "--depth", "10", "-o", str(figure)])
+        == 0
+    )
     assert main([*command, "-o", str(tmp_path / "i.h5")]) == 3
     assert "i.nc exists" in capsys.readouterr().err
     (tmp_path / "i.nc").unlink()

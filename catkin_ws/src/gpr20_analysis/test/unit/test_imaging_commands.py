@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -171,3 +173,14 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
 def test_wrong_arguments_are_refused_with_a_reason(survey_file, capsys, arguments, reason):
     given = [str(survey_file) if one == "SURVEY" else one for one in arguments]
     assert reason in refused(capsys, *given)
+
+
+def test_the_commands_start_without_libraries_that_take_long_to_import():
+    slow = ["scipy.signal", "scipy.stats", "scipy.optimize", "distributed", "numba", "matplotlib"]
+    code = (
+        "import sys, gpr20_analysis.commands.image_command\n"
+        "import gpr20_analysis.commands.import_command\n"
+        f"print([name for name in {slow} if name in sys.modules])"
+    )
+    printed = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
+    assert printed.stdout.decode().strip() == "[]"

@@ -10,9 +10,10 @@ import pytest
 from random_surveys import random_survey
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.formats.conversion import export_survey, import_survey
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.processing.to_frequency import to_frequency
@@ -127,6 +128,13 @@ def test_sha256sum_checks_an_export(tmp_path, form, name):
     victim.write_bytes(victim.read_bytes() + b"0")
     done = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True)
     assert done.returncode == 1 and victim.name in done.stdout.decode()
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_shifted_data_are_not_exported_to_formats_that_cannot_say_so(tmp_path, form):
+    shifted = process_survey(random_survey(2), "time_zero")
+    with pytest.raises(ExportError, match="time_zero has shifted"):
+        export_survey(shifted, tmp_path / FORMATS[form], form)
 
 
 def test_an_export_that_was_renamed_is_still_checked(tmp_path):

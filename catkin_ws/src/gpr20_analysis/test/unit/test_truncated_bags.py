@@ -1,4 +1,4 @@
-"""Bags that were cut off are read without `rosbag reindex`, whoever wrote them."""
+"""Bags that were cut off are read without `rosbag reindex`, also those of other programs."""
 
 from __future__ import annotations
 

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from ground_kit import point, scene, survey_of
 
+import gpr20_analysis.imaging.image as image_module
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError, TooLargeError
+from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.viewer.latest_worker import LatestWorker
@@ -111,8 +113,10 @@ def test_a_display_gain_changes_the_picture_and_not_the_level_that_is_read(image
     assert abs(image.level_at_db(0, 0.24, 0.24, 0.083)) < 1.0
 
 
-def test_an_estimate_is_said_to_be_one_with_its_range_and_keeps_it():
-    session = ViewSession(survey_of(scene([TARGET]), rotations_deg=(0.0,)), ImageOptions())
+def test_an_estimate_is_said_to_be_one_with_its_range_and_keeps_it(monkeypatch):
+    found = PermittivityEstimate(4.1, 3.5, 4.9, 3)
+    monkeypatch.setattr(image_module, "estimate_permittivity", lambda *_: found)
+    session = ViewSession(small(), ImageOptions())
     first = session.compute(session.first_request, at_once)
     assert first.source is PermittivitySource.ESTIMATED
     assert "ESTIMATED" in str(first.caption) and " to " in str(first.caption)

@@ -354,7 +354,8 @@ def test_closing_during_a_computation_ends_the_thread(windows, survey):
 
 
 def found_in(image):
-    one = Candidate("C01", 0.24, 0.24, 0.083, 0.001, 0.001, 0.004, 20.0, 1e-6, None, ())
+    certain = (0.001, 0.001, 0.004, 20.0, 1e-6)
+    one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
     permittivity = float(image.attrs["permittivity"])
     return CandidateList(
         "id", True, "phase-shift", permittivity, (permittivity, permittivity), 0.04, 1e-3, 0, (one,)
@@ -366,8 +367,9 @@ def test_candidates_are_listed_with_the_sentence_and_marked(windows, survey):
     assert window.sections.slice.candidates.count == 0
     window.candidates.searched.setChecked(True)
     computed(window)
+    assert window.status.problem.text() == ""
     assert "no clearance" in window.candidates.notice.text()
-    assert window.candidates.table.item(0, 1).text() == "240 ± 1"
+    assert window.candidates.table.item(0, 1).text() == "240 ±1"
     window.controls.permittivity_box.setValue(5.0)
     assert window.candidates.table.rowCount() == 1  # of the image that is still shown
     computed(window)

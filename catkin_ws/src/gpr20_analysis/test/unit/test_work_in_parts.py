@@ -50,7 +50,7 @@ def cleaned():
 @pytest.mark.parametrize("parts", [2, 5, 64])
 @pytest.mark.parametrize("method", Method)
 def test_an_image_in_parts_is_the_same_to_the_last_digit(cleaned, cut, method, parts):
-    options = replace(OPTIONS, method=method)
+    options = replace(OPTIONS, method=method, ground=Ground.LEVEL)
     expected = image_survey(cleaned, options)
     assert np.abs(expected.image.values).max() > 0.0
     calls = cut(parts)

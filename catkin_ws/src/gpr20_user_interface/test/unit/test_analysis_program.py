@@ -14,6 +14,8 @@ pytestmark = pytest.mark.takes(20)
 SAMPLE = "catkin_ws/src/gpr20_analysis/src/gpr20_analysis/sample/survey.mcap"
 ROOT = Path(__file__).resolve().parents[5]
 LIMIT_S = 60.0
+# At the lowest priority, beside other work.
+SLOW_LIMIT_S = 400.0
 PRIORITY = """
 import os, sys
 print(os.nice(0), sys.argv[1:], 'ñ')
@@ -65,7 +67,7 @@ def test_the_window_reads_what_the_real_command_prints():
     if not analysis.is_installed():
         pytest.skip("the analysis is not installed for this Python")
     analysis.start(["candidates", str(ROOT / SAMPLE), "--json", "--permittivity=5"])
-    event = ended.get(timeout=LIMIT_S)
+    event = ended.get(timeout=SLOW_LIMIT_S)
     assert event.status == 0, event.errors
     survey_id = event.output.split('"survey_id": "')[1].split('"')[0]
     found = candidates_from(event.output, survey_id)

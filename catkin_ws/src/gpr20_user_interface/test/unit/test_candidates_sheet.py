@@ -75,7 +75,7 @@ def ended(window, text=None, status=0, errors="", number=None):
 
 def search(window):
     window.past.candidates.click()
-    window.candidates.find.click()
+    window.candidates.find_button.click()
     return window.candidates
 
 
@@ -112,13 +112,14 @@ def test_nothing_is_cut_off_in_any_state(window):
     sheet.permittivity.tapped.emit()
     assert_fits(window)
     sheet.number_pad.hide()
-    sheet.find.click()
+    sheet.find_button.click()
     assert_fits(window)
     ended(window, json.dumps(MANY), errors="note: something about the survey. " * 30)
     assert_fits(window)
+    assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
     assert sheet.table.rowCount() == 50
     assert sheet.table.height() >= 100
-    sheet.find.click()
+    sheet.find_button.click()
     ended(window, status=3, errors="gpr20 candidates: the reason of the refusal. " * 30)
     assert_fits(window)
 
@@ -128,9 +129,9 @@ def test_the_sentence_is_visible_in_every_state(window):
     sheet = window.candidates
     for act in (
         lambda: None,
-        sheet.find.click,
+        sheet.find_button.click,
         sheet.cancel.click,
-        sheet.find.click,
+        sheet.find_button.click,
         lambda: ended(window, status=3, errors="refused"),
     ):
         act()
@@ -142,9 +143,9 @@ def test_a_permittivity_is_passed_on_and_a_wrong_one_locks_the_search(window, pr
     sheet = window.candidates
     for text in ("0.5", "x", "nan", "101"):
         sheet.permittivity.setText(text)
-        assert not sheet.find.isEnabled()
+        assert not sheet.find_button.isEnabled()
     sheet.permittivity.setText("4,5")
-    sheet.find.click()
+    sheet.find_button.click()
     assert "--permittivity=4.5" in program.started[0]
 
 
@@ -154,7 +155,7 @@ def test_cancelling_ends_the_program_and_its_late_end_changes_nothing(window, pr
     assert program.cancelled == 1
     ended(window)
     assert sheet.search.state is SearchState.READY and sheet.table.rowCount() == 0
-    sheet.find.click()
+    sheet.find_button.click()
     ended(window, number=1)
     assert sheet.search.state is SearchState.RUNNING
 
@@ -162,14 +163,14 @@ def test_cancelling_ends_the_program_and_its_late_end_changes_nothing(window, pr
 def test_never_during_a_survey(window, program):
     sheet = search(window)
     idle(window, state=RUNS)
-    assert program.cancelled == 1 and not sheet.find.isEnabled()
+    assert program.cancelled == 1 and not sheet.find_button.isEnabled()
     assert not window.past.candidates.isEnabled()
     ended(window)
     assert sheet.table.rowCount() == 0
-    sheet.find.click()
+    sheet.find_button.click()
     assert len(program.started) == 1
     idle(window)
-    assert sheet.find.isEnabled() and window.past.candidates.isEnabled()
+    assert sheet.find_button.isEnabled() and window.past.candidates.isEnabled()
 
 
 @pytest.mark.parametrize("status, text", [(3, ""), (2, ""), (0, "{}"), (0, "no JSON"), (-15, "")])
@@ -187,7 +188,7 @@ def test_data_or_analysis_that_are_elsewhere_are_said(window, program):
     window.past.candidates.click()
     sheet = window.candidates
     program.installed = False
-    sheet.find.click()
+    sheet.find_button.click()
     not_installed = sheet.details.text()
     window.on_event(
         SurveysListed("", (dataclasses.replace(LISTED, folder="20260101T000000_00000000"),), False)
@@ -196,7 +197,7 @@ def test_data_or_analysis_that_are_elsewhere_are_said(window, program):
     program.installed = True
     sheet.hide()
     window.past.candidates.click()
-    sheet.find.click()
+    sheet.find_button.click()
     assert sheet.details.text() not in ("", not_installed)
     assert not program.started
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from gpr20_analysis import cluster, dataset
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
@@ -33,11 +32,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the report; return the exit status."""
     if chosen.output.suffix not in (HTML, PDF):
         raise ExportError(wrong_ending(chosen.output, (HTML, PDF)))
+    from gpr20_analysis.report.build import report_of
     from gpr20_analysis.report.page import page
     from gpr20_analysis.report.pdf_pages import write_pdf
-    from gpr20_analysis.report.records import Report
-    from gpr20_analysis.report.sections import sections_of
-    from gpr20_analysis.report.summary import SIMULATED
 
     options = image_command.options_of(chosen)
     steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
@@ -47,17 +44,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
     with cluster.connected(chosen.scheduler):
         data = cluster.persist(survey)
-        sections = sections_of(data, chosen.survey, steps, options, progress, catalogue)
-    name = survey.attrs.get("survey_id", survey.attrs.get("source", ""))
-    simulated = bool(survey.attrs.get("simulated"))
-    report = Report(
-        title=catalogue.tr("GPR-20 survey {name}", name=name),
-        sections=sections,
-        language=Language(chosen.language),
-        mark=catalogue.tr("SIMULATED") if simulated else "",
-        banner=catalogue.text(SIMULATED) if simulated else "",
-        footer=catalogue.text(NO_CLEARANCE),
-    )
+        report = report_of(
+            data,
+            chosen.survey,
+            steps,
+            options,
+            Language(chosen.language),
+            catalogue,
+            progress,
+        )
     with atomic_output(chosen.output) as place:
         if chosen.output.suffix == PDF:
             write_pdf(place, report, catalogue)

@@ -7,6 +7,9 @@ import os
 import sys
 from pathlib import Path
 
+import xarray as xr
+
+from gpr20_analysis.candidates.candidate import CandidateList
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import image_command, inputs
 from gpr20_analysis.commands.command import Command
@@ -27,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_survey(parser)
     inputs.add_steps(parser)
     image_command.add_image_options(parser)
+    image_command.add_candidate_options(parser)
     add = parser.add_argument
     add("--picks", type=Path, metavar="FILE",
         help="file of the picks; default SURVEY.picks.json beside the survey")  # fmt: skip
@@ -39,10 +43,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     _check_libraries()
     _check_screen()
     options = image_command.options_of(chosen)
+    listed = image_command.candidate_options_of(chosen)
     steps = inputs.steps_of(chosen)
     survey = inputs.load(chosen, catalogue)
     processed, status = inputs.process(survey, steps, catalogue)
-    session = ViewSession(processed, options, find_candidates, image_command.DEFAULT_STEPS[0])
+
+    def find(image: xr.Dataset) -> CandidateList:
+        return find_candidates(image, listed)
+
+    session = ViewSession(processed, options, find, image_command.DEFAULT_STEPS[0])
     from gpr20_analysis.viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

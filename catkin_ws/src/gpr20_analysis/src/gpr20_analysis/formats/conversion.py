@@ -27,6 +27,7 @@ from gpr20_analysis.formats.sums_beside import (
     sums_path,
     write_sums,
 )
+from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -125,6 +126,14 @@ def export_survey(
     """
     path = Path(path).expanduser()
     check_ending(path, form)
+    if ADVANCE in survey and form in IMPORTS:
+        raise ExportError(
+            Message(
+                "the step time_zero has shifted the data, which the format {format} cannot record, "
+                "so depths would be wrong after an import; export the data without this step",
+                format=form,
+            )
+        )
     written = {}
     for turn, own in enumerate(output_paths(survey, path, form)):
         part = survey.isel({dataset.POLARIZATION: [turn]}) if form == "segy" else survey

@@ -134,10 +134,10 @@ def _read(file: Any, name: str) -> xr.Dataset:
             notes=[*notes, Message("this format stores single precision, about seven digits")],
         )
     )
-    values = dict(file.attrs)
-    if SIMULATED in str(values.get("Title", "")):
-        values[SIMULATED_KEY] = True
-    return restored(data, values)
+    found = dict(file.attrs)
+    if SIMULATED in str(found.get("Title", "")):
+        found[SIMULATED_KEY] = True
+    return restored(data, found)
 
 
 def _check_amount(file: Any, name: str, found: int) -> None:

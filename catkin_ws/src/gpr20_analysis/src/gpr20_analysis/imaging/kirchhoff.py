@@ -181,7 +181,7 @@ def _lines(shared: Tuple[Any, ...], a_scans: np.ndarray) -> np.ndarray:
         weight = np.cos(angle_air) / np.sqrt(air_m + soil_m + 1e-9)
         kernel = weight * a_scans[:, places[None, :], sample]
         between = (kernel[:, :, 1:] + kernel[:, :, :-1]) / 2.0
-        image[row] = np.abs(between @ np.diff(place_m))
+        image[row] = np.abs(np.sum(between * np.diff(place_m), axis=2))
     return image
 
 

@@ -19,14 +19,15 @@ def lattice_image(scene: Scene, progress: Progress) -> Optional[np.ndarray]:
     steps_m = [even_step_m(one) for one in places_m]
     if steps_m[0] is None or steps_m[1] is None:
         return None
-    combs = [combs_of(*axis) for axis in zip(image_m, places_m, steps_m)]
-    if combs[0] is None or combs[1] is None:
+    down_combs = combs_of(image_m[0], places_m[0], steps_m[0])
+    right_combs = combs_of(image_m[1], places_m[1], steps_m[1])
+    if down_combs is None or right_combs is None:
         return None
     counts = (len(places_m[0]), len(places_m[1]))
     furthest_m = (scene.table.delay_s.shape[1] - 3) * scene.table.distance_step_m
     furthest_m -= float(np.hypot(*scene.side_m))
     parts = []
-    for pair in ((down, right) for down in combs[0] for right in combs[1]):
+    for pair in ((down, right) for down in down_combs for right in right_combs):
         paths = paths_of(pair, counts, (steps_m[0], steps_m[1]), scene.side_m, furthest_m)
         steps = paths.distance_m / [1.0, *2 * [scene.table.distance_step_m]]
         parts.append((pair, (steps, paths.offsets, paths.ends)))

@@ -16,7 +16,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.constants import speed_of_light
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import PchipInterpolator
 
 from gpr20_analysis import cluster
 from gpr20_analysis.errors import WrongDatasetError
@@ -152,19 +152,19 @@ def _of_same_body(fits: Sequence[EchoFit]) -> List[np.ndarray]:
 
 
 def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
-    # The functions are smooth, so a few values suffice for many between them.
+    # Monotonic between the trial values: a spline would be below them beside a steep rise.
     logarithm = np.log(PERMITTIVITIES)
     fine = np.linspace(logarithm[0], logarithm[-1], BETWEEN * (len(logarithm) - 1) + 1)
-    worse = CubicSpline(logarithm, np.sum(bodies, axis=0))(fine)
+    worse = PchipInterpolator(logarithm, np.sum(bodies, axis=0))(fine)
     least = float(worse.min())
     # Bodies that contradict each other by more than the model allows widen the range.
     contradiction = max(1.0, least / max(len(bodies) - 1, 1))
     worse = (worse - least) / contradiction
     compatible = np.flatnonzero(worse <= COMPATIBLE)
     first, last = int(compatible[0]), int(compatible[-1])
-    # The ends lie between two values.
-    lowest = float(np.exp(fine[max(first - 1, 0)]))
-    highest = float(np.exp(fine[min(last + 1, len(fine) - 1)]))
+    # The best value may lie between two trial values, by half a step at most.
+    lowest = float(np.exp(fine[max(first - BETWEEN // 2, 0)]))
+    highest = float(np.exp(fine[min(last + BETWEEN // 2, len(fine) - 1)]))
     if first == 0 or last == len(worse) - 1 or highest > WIDEST_RATIO * lowest:
         raise WrongDatasetError(
             Message(

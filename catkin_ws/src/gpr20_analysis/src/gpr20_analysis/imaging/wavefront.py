@@ -14,7 +14,7 @@ import numpy as np
 from scipy.constants import speed_of_light
 
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.imaging.refraction import tangent_in_air
+from gpr20_analysis.imaging.refraction import Floats, tangent_in_air
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ class Wavefront:
 def wavefront(
     stops: Stops,
     place_m: Tuple[float, float],
-    optical_m: np.ndarray,
-    permittivity: np.ndarray,
-    radius_m: np.ndarray,
+    optical_m: Floats,
+    permittivity: Floats,
+    radius_m: Floats,
 ) -> Wavefront:
     """Return the echo of a sphere.
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from gpr20_analysis.candidates.candidate import Candidate
+from gpr20_analysis.candidates.candidate import SECONDARY, Candidate
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.plotting.style import (
     PANEL_TITLE_PT,
@@ -51,7 +51,7 @@ def projection_figure(
     Raises:
         WrongDatasetError: There is no image.
     """
-    magnitude = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
+    magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
     scale = DecibelScale(magnitude.values, float(magnitude.max()))
     volume = magnitude.isel({POLARIZATION: turn})
     title = catalogue.tr(
@@ -85,7 +85,7 @@ def projection_figure(
         axes.set_title(catalogue.tr("over {axis}", axis=names[over]), fontsize=PANEL_TITLE_PT)
         if down == DEPTH:
             axes.invert_yaxis()
-        mark(axes, candidates, (across, down))
+        mark(axes, marked_of(candidates), (across, down))
     scale.add_bar(
         figure,
         [axes for axes, _, _ in places],
@@ -110,10 +110,11 @@ def candidate_map_figure(
     Raises:
         WrongDatasetError: There is no image.
     """
-    magnitude = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
+    magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
     values = magnitude.max((POLARIZATION, DEPTH)).transpose(Y, X).values
-    if len(candidates) > MOST_MARKED:
-        title = catalogue.tr("Map of the first {count} candidates", count=MOST_MARKED)
+    marked = marked_of(candidates)
+    if len(marked) < len(candidates):
+        title = catalogue.tr("Map of the first {count} candidates", count=len(marked))
     else:
         title = catalogue.tr("Map of the candidates")
     figure = new_figure(image, 1, title, catalogue, 1.2)
@@ -121,21 +122,34 @@ def candidate_map_figure(
     scale = DecibelScale(magnitude.values, float(magnitude.max()))
     scale.draw(axes, values, in_mm(image[X]), in_mm(image[Y]))
     plan_axes(axes)
-    mark(axes, candidates, (X, Y))
+    mark(axes, marked, (X, Y))
     scale.add_bar(figure, [axes], catalogue.tr("maximum over depth [dB]"))
     return figure
 
 
+def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
+    """Return the first candidates, without those that are probably part of others.
+
+    Args:
+        candidates: The candidates in the order of their list.
+
+    Returns:
+        Those that figures mark: at most `MOST_MARKED`.
+    """
+    first = [one for one in candidates if not SECONDARY & set(one.flags)]
+    return (first or candidates)[:MOST_MARKED]
+
+
 def mark(axes: Axes, candidates: Sequence[Candidate], plane: Tuple[str, str]) -> None:
-    """Mark the first candidates with their ids in a panel.
+    """Mark candidates with their ids in a panel.
 
     Args:
         axes: The panel, in millimetres.
-        candidates: The candidates, of which the first `MOST_MARKED` are marked.
+        candidates: The candidates.
         plane: Its axis across and its axis down.
     """
     outline = [withStroke(linewidth=OUTLINE_PT, foreground="black")]
-    for one in candidates[:MOST_MARKED]:
+    for one in candidates:
         place_m = {X: one.x_m, Y: one.y_m, DEPTH: one.depth_m}
         across_mm, down_mm = (float(in_mm(place_m[axis])) for axis in plane)
         axes.plot(

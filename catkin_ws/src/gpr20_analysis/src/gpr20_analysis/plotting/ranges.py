@@ -10,9 +10,8 @@ from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import DELAY, HEIGHT
 from gpr20_analysis.processing.delay import ADVANCE
+from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
 
-ANTENNA_DELAY = "antenna_delay_s"
-"""Attribute: delay of cables and antennas [s]."""
 # Without other values: depth of a default image, moist soil, antennas as high as usual.
 DEEPEST_M, PERMITTIVITY, HEIGHT_M = 0.3, 9.0, 0.3
 MARGIN_S = 0.5e-9

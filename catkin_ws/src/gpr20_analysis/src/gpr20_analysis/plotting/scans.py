@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 import xarray as xr
@@ -169,11 +169,11 @@ def _add_depth_axis(
     air_mm_per_ns = speed_of_light / 2.0 * MM_PER_M / NS_PER_S
     soil_mm_per_ns = air_mm_per_ns / np.sqrt(permittivity)
 
-    def depth_mm(delay_ns: np.ndarray) -> np.ndarray:
+    def depth_mm(delay_ns: Any) -> Any:
         below_ns = np.asarray(delay_ns, dtype=np.float64) - surface_ns
         return below_ns * np.where(below_ns > 0.0, soil_mm_per_ns, air_mm_per_ns)
 
-    def delay_ns(depth_mm: np.ndarray) -> np.ndarray:
+    def delay_ns(depth_mm: Any) -> Any:
         below_mm = np.asarray(depth_mm, dtype=np.float64)
         return surface_ns + below_mm / np.where(below_mm > 0.0, soil_mm_per_ns, air_mm_per_ns)
 

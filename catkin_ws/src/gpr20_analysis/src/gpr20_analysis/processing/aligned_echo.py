@@ -111,7 +111,7 @@ class SurfaceEcho:
         """
         self._sweep = sweep
         self._path_s = path_m / speed_of_light
-        self._check_input(len(spectra))
+        self._check_input(spectra)
         moving = self._moving(spectra)
         self.by_movement = moving is not None
         tried = [moving] if moving is not None else self._not_moving(spectra)
@@ -132,8 +132,8 @@ class SurfaceEcho:
     def _resolution_s(self) -> float:
         return 1.0 / (self._sweep.step_hz * (self._sweep.count - 1))
 
-    def _check_input(self, count: int) -> None:
-        if not count:
+    def _check_input(self, spectra: np.ndarray) -> None:
+        if not np.any(spectra):
             raise WrongDatasetError(Message("no trace has data and a height"))
         if self._resolution_s > 0.5 * float(np.median(self._path_s)):
             raise WrongDatasetError(
@@ -203,6 +203,8 @@ class SurfaceEcho:
             coherence = magnitude / np.maximum(singles, 1e-300)
         is_top = (magnitude >= np.roll(magnitude, 1)) & (magnitude > np.roll(magnitude, -1))
         places = np.flatnonzero(is_top)
+        if not places.size:
+            places = np.array([np.argmax(magnitude)])
         # Delays repeat: what seems late by almost the whole period is early.
         period_s = self._sweep.unambiguous_s
         earliest_s = -float(np.median(self._path_s)) - self._resolution_s
@@ -294,8 +296,9 @@ class SurfaceEcho:
 
     def _window_spread_s(self, common: np.ndarray, delay_s: float) -> float:
         """Return by how much the delay depends on the window, as merged echoes make it [s]."""
-        delays_s = [self._near(common[None], delay_s, one)[0] for one in Window]
-        return float(np.nanmax(delays_s) - np.nanmin(delays_s)) if np.any(delays_s) else 0.0
+        delays_s = np.array([self._near(common[None], delay_s, one)[0] for one in Window])
+        found_s = delays_s[np.isfinite(delays_s)]
+        return float(np.ptp(found_s)) if found_s.size else 0.0
 
     def _near(
         self, spectra: np.ndarray, delay_s: float, window: Window = Window.HANN

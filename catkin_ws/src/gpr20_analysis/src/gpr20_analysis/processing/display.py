@@ -7,7 +7,6 @@ import enum
 import numpy as np
 import xarray as xr
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import hilbert
 
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import A_SCAN, DELAY, SAMPLE_DIMS
@@ -80,6 +79,8 @@ def envelope(in_time: xr.Dataset) -> xr.Dataset:
     Raises:
         WrongDatasetError: The data are not A-scans.
     """
+    from scipy.signal import hilbert  # its import takes half a second
+
     values = lazy.in_rows(_a_scans(in_time, "envelope").transpose(*SAMPLE_DIMS, DELAY))
     magnitude = xr.apply_ufunc(
         lambda traces: np.abs(traces if np.iscomplexobj(traces) else hilbert(traces, axis=-1)),

@@ -82,7 +82,7 @@ def _table(section: Section) -> List[Line]:
     rows = [*([section.heading] if section.heading and section.rows else []), *section.rows]
     if not rows:
         return []
-    widths_pt = _column_widths(rows)
+    widths_pt = _column_widths(section.heading, section.rows)
     lines = []
     for row in rows:
         titles = row is section.heading
@@ -100,9 +100,13 @@ def _table(section: Section) -> List[Line]:
     return lines
 
 
-def _column_widths(rows: Sequence[Sequence[str]]) -> List[float]:
+def _column_widths(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> List[float]:
     """Return widths of columns that fit beside each other; the widest are narrowed first."""
     widths_pt = [max(_width_pt(cell) for cell in column) for column in zip(*rows)]
+    # A title is divided between words, rather than make its column wide.
+    for number, title in enumerate(heading):
+        words_pt = [_width_pt(word) for word in title.split()]
+        widths_pt[number] = max(widths_pt[number], *words_pt, 0.0)
     free_pt = TEXT_WIDTH_PT - BETWEEN_COLUMNS_PT * (len(widths_pt) - 1)
     while sum(widths_pt) > free_pt and max(widths_pt) > NARROWEST_PT:
         widest = widths_pt.index(max(widths_pt))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
 
+import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
@@ -12,7 +14,7 @@ from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.plotting import projections, scans
 from gpr20_analysis.plotting.ranges import last_delay_s, surface_delay_s, until
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 
 SLICES = 3
 NS_PER_S, PS_PER_S = 1e9, 1e12
+# Of the figures, where the survey's steps are longer.
+FINE_STEP_M, MOST_VOXELS = 0.005, 4_000_000
 IMAGE_TITLE, CANDIDATES_TITLE = Message("Image of the ground"), Message("Candidates")
 
 Pictures = List[Tuple[str, "Figure"]]
@@ -86,11 +90,30 @@ def imaged(
         return [_no_image(error, catalogue), *views]
     permittivity = float(image.attrs["permittivity"])
     found = find_candidates(image)
+    drawn = _finer(processed, image, options)
     return [
-        _candidates(image, found, catalogue),
-        _image(image, found, options, catalogue),
+        _candidates(drawn, found, catalogue),
+        _image(drawn, found, options, catalogue),
         *_after_steps(processed, steps, options, permittivity, catalogue),
     ]
+
+
+def _finer(processed: xr.Dataset, image: xr.Dataset, options: ImageOptions) -> xr.Dataset:
+    """Return an image with a finer grid for the figures, if it takes little time and memory."""
+    steps_m = [np.diff(image[axis].values) for axis in (dataset.X, dataset.Y)]
+    coarsest_m = max((float(np.max(one)) for one in steps_m if one.size), default=0.0)
+    voxels = image[dataset.IMAGE].size * (coarsest_m / FINE_STEP_M) ** 2
+    if (
+        options.grid_step_m is not None
+        or options.method is not Method.PHASE_SHIFT
+        or coarsest_m <= FINE_STEP_M
+        or voxels > MOST_VOXELS
+    ):
+        return image
+    permittivity = float(image.attrs["permittivity"])
+    finer = replace(options, grid_step_m=FINE_STEP_M, permittivity=permittivity)
+    # What is said about the estimate and the data is that of the image with the candidates.
+    return image_survey(processed, finer).assign_attrs(image.attrs)
 
 
 def _after_steps(

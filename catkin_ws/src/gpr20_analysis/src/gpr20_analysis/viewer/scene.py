@@ -130,7 +130,7 @@ class Scene:
             y_mm=place.y_m * MM_PER_M,
             depth_mm=place.depth_m * MM_PER_M,
             delay_ns=self.delay_ns(place),
-            level="-" if level_db is None else f"{level_db:.1f}",
+            level="-" if level_db is None else f"{round(level_db, 1) + 0.0:.1f}",
         )
 
     def in_traces(self, across_mm: float, delay_ns: float) -> Place:

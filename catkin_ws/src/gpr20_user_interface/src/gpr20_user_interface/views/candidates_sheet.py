@@ -36,7 +36,6 @@ from gpr20_user_interface.views.translation import shown_text
 MM_PER_M = 1e3
 SMALLEST_ALARM = 1e-6
 NONE = "—"
-PERMITTIVITY_PX = 90
 LONGEST_REMARK = 400
 
 
@@ -70,9 +69,8 @@ class CandidatesSheet(Overlay):
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
-        self.permittivity.setFixedWidth(PERMITTIVITY_PX)
         self.number_pad = KeyPad(window, DIGITS)
-        self.find = new_button(self._on_find)
+        self.find_button = new_button(self._on_find)
         self.cancel = new_button(self._on_cancel)
         self.close_button = new_button(self.hide)
         self.permittivity.tapped.connect(self._on_tap)
@@ -119,7 +117,7 @@ class CandidatesSheet(Overlay):
         self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
         self.permittivity_label.setText(self.tr("permittivity"))
-        self.find.setText(self.tr("FIND"))
+        self.find_button.setText(self.tr("FIND"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))
         self.table.setHorizontalHeaderLabels(
@@ -140,7 +138,7 @@ class CandidatesSheet(Overlay):
         running = search.state is SearchState.RUNNING
         wrong = check_permittivity(self.permittivity.text())
         self.permittivity.show_problem("" if wrong is None else shown_text(wrong))
-        self.find.setEnabled(search.can_start and wrong is None)
+        self.find_button.setEnabled(search.can_start and wrong is None)
         self.cancel.setEnabled(running)
         self.progress.setVisible(running)
         self.table.setVisible(not running)
@@ -164,7 +162,7 @@ class CandidatesSheet(Overlay):
         return [
             one.id,
             *(f"{at * MM_PER_M:.0f} ±{math.ceil(about * MM_PER_M)}" for at, about in places),
-            NONE if alarm is None else f"{100.0 * max(alarm, SMALLEST_ALARM):.1g} %",
+            NONE if alarm is None else _percent(alarm),
             ", ".join(shown_text(flag) for flag in one.flags) or NONE,
         ]
 
@@ -228,9 +226,15 @@ class CandidatesSheet(Overlay):
         grid.addWidget(self.details, 4, 0, 1, 2)
         buttons = QHBoxLayout()
         buttons.addWidget(self.permittivity_label)
-        buttons.addWidget(self.permittivity)
-        for button in (self.find, self.cancel, self.close_button):
+        buttons.addWidget(self.permittivity, 1)
+        for button in (self.find_button, self.cancel, self.close_button):
             buttons.addWidget(button, 1)
         grid.addLayout(buttons, 5, 0, 1, 2)
         grid.setRowStretch(2, 1)
         grid.setColumnStretch(0, 1)
+
+
+def _percent(probability: float) -> str:
+    if probability < SMALLEST_ALARM:
+        return f"< {100.0 * SMALLEST_ALARM:g} %"
+    return f"{100.0 * probability:.1g} %"

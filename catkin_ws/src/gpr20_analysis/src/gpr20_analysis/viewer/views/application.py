@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pyqtgraph
+from PyQt5 import sip
 from PyQt5.QtCore import QTimer
 from PyQt5.QtWidgets import QApplication
 
@@ -62,6 +63,9 @@ def show(
         application.exec_()
     finally:
         window.bridge.close()
+        # Ctrl-C leaves it open.
+        window.hide()
+        sip.delete(window)
         for number, handler in former.items():
             signal.signal(number, handler)
     if interrupted:

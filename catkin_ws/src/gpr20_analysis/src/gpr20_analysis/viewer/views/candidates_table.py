@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import List, Optional
 
 from PyQt5.QtCore import pyqtSignal
@@ -17,11 +16,12 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
-from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.sentences import shown
 from gpr20_analysis.viewer.live_image import PermittivitySource
 from gpr20_analysis.viewer.views.colours import QUIET, SMALL
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 
 class CandidatesTable(QWidget):
@@ -43,18 +43,9 @@ class CandidatesTable(QWidget):
         self.notes = QLabel()
         self.notes.setStyleSheet(QUIET)
         self.notes.setWordWrap(True)
-        self.table = QTableWidget(0, 7)
-        self.table.setHorizontalHeaderLabels(
-            [
-                "",
-                catalogue.tr("x mm"),
-                catalogue.tr("y mm"),
-                catalogue.tr("depth mm"),
-                catalogue.tr("above noise dB"),
-                catalogue.tr("false alarm"),
-                catalogue.tr("remarks"),
-            ]
-        )
+        titles = candidate_heading(catalogue)
+        self.table = QTableWidget(0, len(titles))
+        self.table.setHorizontalHeaderLabels(titles)
         self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.table.verticalHeader().hide()
@@ -78,19 +69,7 @@ class CandidatesTable(QWidget):
         self.table.blockSignals(True)
         self.table.setRowCount(len(listed))
         for row, one in enumerate(listed):
-            places = (
-                (one.x_m, one.x_uncertainty_m),
-                (one.y_m, one.y_uncertainty_m),
-                (one.depth_m, one.depth_uncertainty_m),
-            )
-            texts = [
-                one.id,
-                *(f"{at * MM_PER_M:.0f} ± {by * MM_PER_M:.0f}" for at, by in places),
-                "-" if math.isnan(one.above_noise_db) else f"{one.above_noise_db:.1f}",
-                f"{one.false_alarm_probability:.2g}",
-                ", ".join(flag.value for flag in one.flags),
-            ]
-            for column, text in enumerate(texts):
+            for column, text in enumerate(candidate_row(one, self._catalogue)):
                 self.table.setItem(row, column, QTableWidgetItem(text))
         self.table.clearSelection()
         self.table.resizeColumnsToContents()
@@ -100,23 +79,16 @@ class CandidatesTable(QWidget):
     def _notes(self, found: Optional[CandidateList], source: PermittivitySource) -> List[str]:
         if found is None:
             return [self._catalogue.tr("No search was made for the image that is shown.")]
-        notes = [shown(one, self._catalogue) for one in found.notes]
-        if not found.candidates:
-            notes.append(self._catalogue.tr("No candidate was found."))
+        messages = [*tail_sentences(found), *found.notes]
         if source is not PermittivitySource.ESTIMATED:
-            notes.append(
-                self._catalogue.tr(
+            messages.append(
+                Message(
                     "the permittivity is {source}; the uncertainty of depths does not include its "
                     "error",
                     source=source.message,
                 )
             )
-        if found.omitted:
-            count = self._catalogue.tr(
-                "{count} fainter candidates are not listed", count=found.omitted
-            )
-            notes.append(count)
-        return notes
+        return [shown(one, self._catalogue) for one in messages]
 
     def _selected(self) -> None:
         rows = self.table.selectionModel().selectedRows()

@@ -22,30 +22,50 @@ from gpr20_analysis.viewer.views.colours import (
 )
 
 AXIS_WIDTH_PX = 46
+# To the left of the mark; names of picks are to the right.
+CANDIDATE_ANCHOR = (1.2, 0.5)
+MARK_PX, NAMELESS_PX = 12, 6
 TICK_FONT_PX = 11
 CELL_WITHOUT_NEIGHBOUR_MM = 10.0
 
 
 class Marks:
-    """Marks of one kind in a plot."""
+    """Marks of one kind in a plot; those without a name are smaller.
 
-    def __init__(self, plot: pyqtgraph.PlotWidget, symbol: str, colour: str) -> None:
+    Args:
+        plot: The plot.
+        symbol: What they look like, as pyqtgraph names it.
+        colour: Their colour.
+        anchor: Where in the text of a name its place is, from 0 to 1 across and down.
+    """
+
+    def __init__(
+        self,
+        plot: pyqtgraph.PlotWidget,
+        symbol: str,
+        colour: str,
+        anchor: Tuple[float, float] = (-0.2, 0.5),
+    ) -> None:
         self._plot = plot
-        self._colour = colour
+        self._colour, self._anchor = colour, anchor
         self._points = pyqtgraph.ScatterPlotItem(
-            symbol=symbol, size=12, pen=pyqtgraph.mkPen(colour, width=2), brush=None
+            symbol=symbol, pen=pyqtgraph.mkPen(colour, width=2), brush=None
         )
         self._texts: List[pyqtgraph.TextItem] = []
         plot.addItem(self._points, ignoreBounds=True)
 
     def show(self, marks: Sequence[Mark]) -> None:
         """Draw these marks instead of the former ones."""
-        self._points.setData([one.across for one in marks], [one.down for one in marks])
+        self._points.setData(
+            [one.across for one in marks],
+            [one.down for one in marks],
+            size=[MARK_PX if one.name else NAMELESS_PX for one in marks],
+        )
         named = [one for one in marks if one.name]
         while len(self._texts) > len(named):
             self._plot.removeItem(self._texts.pop())
         while len(self._texts) < len(named):
-            text = pyqtgraph.TextItem(color=self._colour, anchor=(-0.2, 0.5))
+            text = pyqtgraph.TextItem(color=self._colour, anchor=self._anchor)
             self._plot.addItem(text, ignoreBounds=True)
             self._texts.append(text)
         for text, one in zip(self._texts, named):

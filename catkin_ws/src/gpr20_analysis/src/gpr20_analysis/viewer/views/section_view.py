@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gpr20_analysis.viewer.views.colours import CANDIDATE
-from gpr20_analysis.viewer.views.picture_plot import Marks, PicturePlot
+from gpr20_analysis.viewer.views.picture_plot import CANDIDATE_ANCHOR, Marks, PicturePlot
 
 
 class SectionView(PicturePlot):
@@ -15,4 +15,4 @@ class SectionView(PicturePlot):
 
     def __init__(self) -> None:
         super().__init__(downwards=True, to_scale=False)
-        self.candidates = Marks(self, "d", CANDIDATE)
+        self.candidates = Marks(self, "d", CANDIDATE, CANDIDATE_ANCHOR)

@@ -7,7 +7,7 @@ import numpy as np
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.viewer.scene import Mark
 from gpr20_analysis.viewer.views.colours import CANDIDATE, NO_DATA
-from gpr20_analysis.viewer.views.picture_plot import Marks, PicturePlot
+from gpr20_analysis.viewer.views.picture_plot import CANDIDATE_ANCHOR, Marks, PicturePlot
 
 
 class SliceView(PicturePlot):
@@ -20,7 +20,7 @@ class SliceView(PicturePlot):
 
     def __init__(self) -> None:
         super().__init__(downwards=False, to_scale=True)
-        self.candidates = Marks(self, "d", CANDIDATE)
+        self.candidates = Marks(self, "d", CANDIDATE, CANDIDATE_ANCHOR)
         self.without_data = Marks(self, "x", NO_DATA)
 
     def show_without_data(self, places_m: np.ndarray) -> None:
