@@ -18,8 +18,10 @@ import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
+from gpr20_analysis.candidates.candidate import Candidate
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
-from gpr20_analysis.imaging.echoes import Echo, find_echoes
+from gpr20_analysis.imaging.echoes import half_power_widths
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.refraction import one_way_delay_s
@@ -32,6 +34,7 @@ DEPTH_M = tuple(np.arange(0.0, 0.2501, 0.0025))
 NOISE = 10.0 ** (-30.0 / 20.0)
 MM = 1e3
 Place = Tuple[float, float, float]
+Found = Tuple[Candidate, Tuple[float, ...], Place, float]
 
 
 def survey(target: Place, permittivity: float, random: np.random.Generator) -> xr.Dataset:
@@ -98,7 +101,7 @@ def main() -> None:
     parser.add_argument("--permittivity", type=float, default=4.0)
     chosen = parser.parse_args()
     random = np.random.default_rng(8)
-    found: Dict[Method, List[Tuple[Echo, Place, float]]] = {method: [] for method in Method}
+    found: Dict[Method, List[Found]] = {method: [] for method in Method}
     theory = []
     for _ in range(chosen.targets):
         x_m, y_m = random.uniform(0.15, 0.35, 2)
@@ -108,7 +111,10 @@ def main() -> None:
         for method in Method:
             options = ImageOptions(method, chosen.permittivity, DEPTH_M)
             image = image_survey(data, options)
-            found[method].append((find_echoes(image)[0], target, sidelobe_db(image, target)))
+            best = find_candidates(image).candidates[0]
+            axes = [image[name].values for name in ("depth", "y", "x")]
+            widths = half_power_widths(abs(image.image[0].values), axes)
+            found[method].append((best, widths, target, sidelobe_db(image, target)))
     across, in_depth = np.mean(theory, axis=0)
     bound = 1.44 * speed_of_light / (2.0 * np.ptp(FREQUENCY_HZ)) * MM
     print(f"theory: -3 dB width {across:.1f} mm across, {in_depth:.1f} mm in depth")
@@ -119,18 +125,18 @@ def main() -> None:
         _show(method, ones)
 
 
-def _show(method: Method, ones: List[Tuple[Echo, Place, float]]) -> None:
+def _show(method: Method, ones: List[Found]) -> None:
     errors = MM * np.array(
-        [[e.x_m - x, e.y_m - y, e.depth_m - depth] for e, (x, y, depth), _ in ones]
+        [[e.x_m - x, e.y_m - y, e.depth_m - depth] for e, _, (x, y, depth), _ in ones]
     )
     away = np.linalg.norm(errors, axis=1)
     mean = errors.mean(axis=0)
     print(
         f"{method.value:16} {mean[0]:+7.2f} {mean[1]:+7.2f} {mean[2]:+7.2f}"
         f"{np.median(away):14.2f} {away.max():9.2f}"
-        f"{MM * np.mean([e.width_x_m for e, _, _ in ones]):18.1f} "
-        f"{MM * np.mean([e.width_depth_m for e, _, _ in ones]):6.1f}"
-        f"{np.mean([level for _, _, level in ones]):15.1f}"
+        f"{MM * np.mean([widths[2] for _, widths, _, _ in ones]):18.1f} "
+        f"{MM * np.mean([widths[0] for _, widths, _, _ in ones]):6.1f}"
+        f"{np.mean([level for _, _, _, level in ones]):15.1f}"
     )
 
 

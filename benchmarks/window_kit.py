@@ -30,13 +30,17 @@ SCREEN = "800x480x24"
 
 
 @contextlib.contextmanager
-def virtual_screen() -> Iterator[None]:
-    """Let Qt draw on an X server of its own."""
+def virtual_screen(size: str = SCREEN) -> Iterator[None]:
+    """Let Qt draw on an X server of its own.
+
+    Args:
+        size: Width, height and depth of the screen [pixels, bits].
+    """
     program = shutil.which("Xvfb")
     if program is None:
         raise SystemExit("Xvfb is missing; run scripts/setup.sh --dev")
     reading, writing = os.pipe()
-    command = [program, "-displayfd", str(writing), "-screen", "0", SCREEN, "-nolisten", "tcp"]
+    command = [program, "-displayfd", str(writing), "-screen", "0", size, "-nolisten", "tcp"]
     with running(*command, end_by=signal.SIGTERM, pass_fds=[writing], stderr=DEVNULL):
         os.close(writing)
         with os.fdopen(reading) as answer:

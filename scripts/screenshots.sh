@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
-# Pictures of the window, 800x480, in both languages, from surveys of the simulated robot.
+# Pictures of the windows in both languages, that of the robot in 800x480, from surveys of the
+# simulated robot.
 #   scripts/screenshots.sh                   every tab, over two targets, into docs/images
 #   scripts/screenshots.sh FOLDER            the same into another folder
 #   scripts/screenshots.sh --faults FOLDER   STATUS, after each fault of the simulator
 #   scripts/screenshots.sh --replay SURVEY   a replay of a recorded survey, into docs/images
+#   scripts/screenshots.sh --candidates SURVEY   the candidates of a survey, into docs/images
+#   scripts/screenshots.sh --view SURVEY     gpr20 view of a survey, 1360x820, into docs/images
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -16,6 +19,14 @@ if [ "${1:-}" = --faults ]; then
 fi
 if [ "${1:-}" = --replay ]; then
     exec python "$GPR20_ROOT/scripts/replay_screenshots.py" "${2:?name a survey}" \
+        "${3:-$GPR20_ROOT/docs/images}"
+fi
+if [ "${1:-}" = --candidates ]; then
+    exec python "$GPR20_ROOT/scripts/candidate_screenshots.py" "${2:?name a survey}" \
+        "${3:-$GPR20_ROOT/docs/images}"
+fi
+if [ "${1:-}" = --view ]; then
+    exec python "$GPR20_ROOT/scripts/view_screenshots.py" "${2:?name a survey}" \
         "${3:-$GPR20_ROOT/docs/images}"
 fi
 exec python "$GPR20_ROOT/scripts/screenshots.py" "${1:-$GPR20_ROOT/docs/images}"

@@ -14,7 +14,8 @@ DEBIAN_PACKAGES=(
     catkin cmake g++ make python3-dev python3-venv
     ros-base ros-base-dev python3-actionlib python3-diagnostic-msgs python3-diagnostic-updater
     python3-numpy python3-pyqt5 python3-rosbag python3-rospy python3-rostest python3-sensor-msgs
-    python3-rosmsg python3-rosnode python3-rosservice python3-rostopic python3-std-srvs rosbash
+    python3-rosmsg python3-rosnode python3-rosservice python3-rostopic python3-std-srvs
+    python3-visualization-msgs rosbash
 )
 DEBIAN_DEV_PACKAGES=(gettext iproute2 nftables procps python3-psutil xvfb)
 

@@ -74,6 +74,16 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
             "from PyQt5.QtCore import QObject",
             "do it there and pass plain values or a function to the other code",
         ),
+        (
+            "gpr20_analysis/viewer/session.py",
+            "import pyqtgraph",
+            "do it there and pass plain values or a function to the other code",
+        ),
+        (
+            "gpr20_analysis/viewer/session.py",
+            "import gpr20_analysis.viewer.views.main_window",
+            "pass plain values or a function in",
+        ),
     ],
 )
 def test_an_import_that_is_not_allowed_is_refused_with_what_to_do(copy, file, line, remedy):

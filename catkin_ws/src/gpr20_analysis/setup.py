@@ -14,7 +14,11 @@ setup(
             "gpr20_analysis.processing",
             "gpr20_analysis.read",
             "gpr20_analysis.report",
+            "gpr20_analysis.sample",
+            "gpr20_analysis.viewer",
+            "gpr20_analysis.viewer.views",
         ],
+        package_data={"gpr20_analysis.sample": ["survey.mcap"]},
         package_dir={"": "src"},
         entry_points={
             "console_scripts": [

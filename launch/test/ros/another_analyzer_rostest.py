@@ -64,6 +64,7 @@ class AnotherAnalyzerTest(unittest.TestCase):
         self.assertEqual(survey["instrument"]["identity"], self.vna.identity)
         self.assertEqual(survey["instrument"]["address"], ADDRESS)
         self.assertEqual(survey["instrument"]["calibration_status"], 5)
+        self.assertEqual(survey["analyzer"]["antenna_delay_ns"], 0.3)
         self.assertEqual({trace["averages"] for trace in traces}, {2})
         self.assertEqual({trace["if_bandwidth_hz"] for trace in traces}, {1e5})
 

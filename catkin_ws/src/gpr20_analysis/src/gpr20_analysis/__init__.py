@@ -12,21 +12,26 @@ from typing import Any, Dict, List, Tuple
 __version__ = "0.1.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
+    "candidates.candidate": ("Candidate", "CandidateList"),
+    "candidates.files": ("write_candidates",),
+    "candidates.search": ("CandidateOptions", "find_candidates"),
+    "candidates.table": ("candidate_lines",),
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),
     "formats.conversion": ("export_survey", "import_survey"),
     "formats.dataset_files": ("write_dataset",),
-    "imaging.echoes": ("Echo", "find_echoes"),
     "imaging.image": ("image_survey",),
     "imaging.image_options": ("ImageOptions", "Method"),
-    "imaging.image_output": ("echo_lines", "permittivity_line"),
+    "imaging.image_output": ("permittivity_line",),
     "plotting.maps": ("coverage_figure", "height_figure"),
-    "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure", "projection_figure"),
+    "plotting.projections": ("candidate_map_figure", "projection_figure"),
+    "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure"),
     "processing.chain": ("process_survey",),
     "processing.delay": ("to_time",),
     "read.load": ("load_survey",),
     "read.verification": ("Verification", "verify_survey"),
     "report.summary": ("summarize",),
+    "sample.sample_survey": ("sample_survey",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)
 

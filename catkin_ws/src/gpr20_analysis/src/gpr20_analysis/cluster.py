@@ -8,7 +8,9 @@ on the workers or on their number.
 from __future__ import annotations
 
 import contextlib
+import os
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Sequence
 
 import dask
@@ -18,6 +20,7 @@ import xarray as xr
 
 from gpr20_analysis.dataset import A_SCAN, POLARIZATION, S21, Y
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
+from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 
 if TYPE_CHECKING:
@@ -72,23 +75,50 @@ def parts() -> int:
     return 1 if client is None else PARTS_PER_WORKER * len(client.nthreads())
 
 
-def distribute(function: Callable[[Any, Any], Any], shared: Any, items: Sequence[Any]) -> List[Any]:
+def pieces(count: int) -> int:
+    """Return the number of pieces of work: small ones in this process, to show the progress."""
+    return count if parts() == 1 else parts()
+
+
+def distribute(
+    function: Callable[[Any, Any], Any],
+    shared: Any,
+    items: Sequence[Any],
+    progress: Progress = no_progress,
+    threads: int = 1,
+) -> List[Any]:
     """Return function(shared, item) of each item, in order, computed by the cluster if any.
 
     Args:
         function: A function of a module, since it may be called in another process.
         shared: First argument of all calls, sent once.
         items: Second argument of each call.
+        progress: Shows the progress.
+        threads: Number of threads without a cluster; more than one only helps a function that
+            releases the interpreter's lock.
     """
     client = _client()
-    if client is None:
-        return [function(shared, item) for item in items]
-    # Large arguments are sent once, ahead of the tasks that need them.
-    common = client.scatter([shared], broadcast=True, hash=False)[0]
-    sent = client.scatter(list(items), hash=False)
-    tasks = [client.submit(function, common, one, pure=False) for one in sent]
-    results: List[Any] = client.gather(tasks)
-    return results
+    if client is not None:
+        # Large arguments are sent once, ahead of the tasks that need them.
+        common = client.scatter([shared], broadcast=True, hash=False)[0]
+        sent = client.scatter(list(items), hash=False)
+        tasks = [client.submit(function, common, one, pure=False) for one in sent]
+        return [task.result() for task in progress(tasks, len(tasks))]
+    if threads == 1:
+        return [function(shared, item) for item in progress(items, len(items))]
+    with ThreadPoolExecutor(threads) as pool:
+        calls = [pool.submit(function, shared, item) for item in items]
+        try:
+            return [call.result() for call in progress(calls, len(calls))]
+        finally:
+            # After Ctrl-C only what has begun is finished.
+            for call in calls:
+                call.cancel()
+
+
+def processors() -> int:
+    """Return the number of processors that this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def persist(data: xr.Dataset) -> xr.Dataset:

@@ -62,8 +62,21 @@ def require_room(values: xr.DataArray, times: float, purpose: Message) -> None:
     Raises:
         TooLargeError: They do not fit.
     """
-    needed = times * values.nbytes
-    if values.chunks is not None and needed > available_bytes():
+    if values.chunks is not None:
+        require_bytes(times * values.nbytes, purpose)
+
+
+def require_bytes(needed: float, purpose: Message) -> None:
+    """Check that memory is available.
+
+    Args:
+        needed: Memory needed [bytes].
+        purpose: What needs it, for the message.
+
+    Raises:
+        TooLargeError: There is less.
+    """
+    if needed > available_bytes():
         raise TooLargeError(
             Message(
                 "{purpose} needs {needed_mib:.0f} MiB of memory, but only {free_mib:.0f} MiB are "

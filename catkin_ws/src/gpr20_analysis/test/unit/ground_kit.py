@@ -65,11 +65,13 @@ def survey_of(
     shape = (len(rotations_deg), len(y_mm), len(x_mm))
     s21 = np.empty((*shape, len(frequency_hz)), dtype=np.complex128)
     heights_m = np.empty(shape)
-    for index in np.ndindex(*shape):
+    for number, index in enumerate(np.ndindex(*shape)):
         place = AntennaPosition(x_mm[index[2]], y_mm[index[1]], rotations_deg[index[0]])
         if height_m is not None:
             lifted = replace(ground.antennas, height_m=height_m(place.x_mm, place.y_mm))
-            medium = Ground(replace(ground, antennas=lifted))
+            # Each Ground starts its noise from the seed.
+            noise = replace(ground.noise, seed=ground.noise.seed + number)
+            medium = Ground(replace(ground, antennas=lifted, noise=noise))
         s21[index] = medium.s21(frequency_hz, place, 0)
         heights_m[index] = medium.antenna_height_m(place.x_mm, place.y_mm)
     return xr.Dataset(

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis.candidates.candidate import Candidate
 from gpr20_analysis.commands.outputs import save_figure
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.plotting import maps, scans
+from gpr20_analysis.plotting import maps, projections, ranges, scans
 from gpr20_analysis.plotting.style import NOT_MEASURED, decibels, remarks_of
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
@@ -20,6 +23,12 @@ PLACES_MM = np.linspace(160.0, 320.0, 9)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
 IN_TIME = to_time(remove_background(SURVEY))
 IMAGE = image_survey(remove_background(SURVEY), ImageOptions(permittivity=4.0))
+CANDIDATES = [
+    Candidate(
+        "C01", 0.2437, 0.2362, 0.083, 0.001, 0.001, 0.005, 30.0, 1e-6, (0.0, 90.0), 0.0,
+        flags=(),
+    )
+]  # fmt: skip
 HOLED = SURVEY.copy(deep=True)
 HOLED.s21[0, 2, 3] = np.nan
 HOLED.quality[0, 2, 3] = int(Quality.MISSING)
@@ -31,21 +40,25 @@ FIGURES = {
     "b-scan along y, real": lambda: scans.b_scan_figure(IN_TIME, "y", 0.24, scans.Value.REAL),
     "c-scan in time": lambda: scans.c_scan_figure(IN_TIME, 2.4e-9),
     "c-scan of an image": lambda: scans.c_scan_figure(IMAGE, 0.083),
-    "projections": lambda: scans.projection_figure(IMAGE, 0),
+    "projections": lambda: projections.projection_figure(IMAGE, 0),
+    "candidates": lambda: projections.candidate_map_figure(IMAGE, CANDIDATES),
     "coverage": lambda: maps.coverage_figure(SURVEY),
     "height": lambda: maps.height_figure(SURVEY),
 }
 
 
 def panels(figure):
-    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>" and axes.axison]
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_axis_has_a_unit_and_simulated_data_say_so(name):
     figure = FIGURES[name]()
     for axes in panels(figure):
-        for label in (axes.get_xlabel(), axes.get_ylabel()):
+        # Panels beside each other may share one label.
+        labels = [label for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
+        assert labels
+        for label in labels:
             assert any(unit in label for unit in ("[mm]", "[ns]", "linear")), (name, label)
     assert "SIMULATED" in figure._supxlabel.get_text()
 
@@ -72,6 +85,53 @@ def test_c_scan_is_brightest_over_the_target():
 def test_b_scan_has_delay_downwards():
     low, high = panels(FIGURES["b-scan along x"]())[0].get_ylim()
     assert low > high
+
+
+def test_figures_end_where_the_ground_ends_unless_all_is_wanted():
+    deepest_ns = 2.0 * (0.2 + 0.3 * 3.0) / 0.299792458
+    for figure, axis in ((FIGURES["a-scan"](), "x"), (FIGURES["b-scan along x"](), "y")):
+        last_ns = max(getattr(panels(figure)[0], f"get_{axis}lim")())
+        assert deepest_ns < last_ns < deepest_ns + 1.0
+    every = panels(scans.b_scan_figure(IN_TIME, "x", 0.24, last_s=math.inf))[0]
+    assert max(every.get_ylim()) > float(IN_TIME.delay[-1]) * 1e9
+    assert len(panels(scans.b_scan_figure(IN_TIME, "x", 0.24, last_s=0.0))) == 2
+
+
+def test_b_scan_has_an_axis_of_depth_if_the_permittivity_is_given():
+    figure = scans.b_scan_figure(IN_TIME, "x", 0.24, permittivity=4.0)
+    figure.canvas.draw()
+    (depth,) = [one for axes in panels(figure) for one in axes.child_axes]
+    assert "[mm]" in depth.get_ylabel() and "4" in depth.get_ylabel()
+    depth_mm, at_ns = depth.get_yticks(), depth.get_yaxis().get_majorticklocs()
+    np.testing.assert_array_equal(depth_mm, at_ns)
+    assert min(depth_mm) >= 0.0
+    transform = depth._functions[1]
+    expected_ns = 2.0 * (0.2 + 0.1 * 2.0) / 0.299792458
+    assert float(transform(np.array(100.0))) == pytest.approx(expected_ns, abs=0.01)
+    blind = IN_TIME.assign(height=IN_TIME.height * np.nan)
+    assert not panels(scans.b_scan_figure(blind, "x", 0.24, permittivity=4.0))[-1].child_axes
+
+
+def test_a_disturbed_trace_does_not_darken_the_others():
+    disturbed = IN_TIME.copy(deep=True)
+    disturbed.a_scan[0, :, 4] *= 1e4
+    before, after = (
+        panels(scans.b_scan_figure(one, "x", 0.24))[1].collections[0].get_array()
+        for one in (IN_TIME, disturbed)
+    )
+    assert np.max(np.abs(np.asarray(after) - np.asarray(before))) < 6.0
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-9, 0.0])
+def test_the_colours_reach_down_to_what_half_of_the_values_are_below(scale):
+    values = scale * np.random.default_rng(1).rayleigh(size=100_000)
+    reference = 30.0 * scale
+    reach_db = ranges.range_db(values, reference)
+    assert 20.0 <= reach_db <= 50.0
+    if scale:
+        assert np.mean(values < reference * 10.0 ** (-reach_db / 20.0)) == pytest.approx(
+            0.4, abs=0.15
+        )
 
 
 def test_missing_samples_are_grey_and_counted_never_filled_in():

@@ -53,6 +53,18 @@ def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
     assert (folder / "survey.json").read_bytes() == before
 
 
+def test_a_heading_is_set_removed_and_an_attribute(folder, capsys):
+    assert annotate(folder, *POSITION, "--heading", "37.5") == 0
+    assert stored(folder).heading_deg == 37.5
+    assert load_survey(folder).attrs["heading_deg"] == 37.5
+    assert "37.5" in capsys.readouterr().out
+    assert gpr20_verify([str(folder)]) == 0
+    assert annotate(folder, "--no-heading") == 0
+    assert stored(folder) == Annotation(position=EXAMPLE.position)
+    assert annotate(folder, "--heading", "400") == 3
+    assert "heading is 400 deg; it must lie between 0 and 360 deg" in capsys.readouterr().err
+
+
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.floats(-90.0, 90.0), st.floats(-180.0, 180.0))
 def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg, longitude_deg):

@@ -14,7 +14,7 @@ from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
-from gpr20_analysis.formats import group_csv, merged_hdf5, original_json
+from gpr20_analysis.formats import group_csv, merged_hdf5
 from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
@@ -109,8 +109,8 @@ def test_segyio_reads_a_cube_whose_traces_are_the_a_scans(survey, tmp_path, fold
         cube = segyio.tools.cube(file)
         assert cube.shape[:2] == (3, 3)
         header = file.header[1]
-        assert header[segyio.TraceField.SourceX] == 15
-        assert header[segyio.TraceField.SourceGroupScalar] == -1000
+        assert header[segyio.TraceField.SourceX] == 150
+        assert header[segyio.TraceField.SourceGroupScalar] == -10000
         assert file.bin[segyio.BinField.Interval] == 50
     own = survey.s21.sel(polarization=90.0, y=0.01, x=0.015).values
     weights = np.hanning(7)[1:-1]
@@ -157,17 +157,6 @@ def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
         "data",
     }  # fmt: skip
     assert set(sample["data"][0]) == {"freq_value", "real_value", "imaginary_value"}
-
-
-def test_samples_that_lost_their_imaginary_part_are_told(folder, tmp_path):
-    assert export(folder, tmp_path / "o", "original-json") == 0
-    for path in (tmp_path / "o").iterdir():
-        sample = json.loads(path.read_text())
-        for row in sample["data"]:
-            row["imaginary_value"] = row["real_value"]
-        path.write_text(json.dumps(sample))
-    notes = original_json.read_original(tmp_path / "o").attrs["notes"]
-    assert any("no phase" in note for note in notes)
 
 
 def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, tmp_path):

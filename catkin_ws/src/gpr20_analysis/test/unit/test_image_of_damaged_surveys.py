@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
-from gpr20_analysis.imaging.echoes import find_echoes
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time
-from gpr20_analysis.processing.polarization import apply_gain
+from gpr20_analysis.processing.display import apply_gain
 from gpr20_analysis.processing.samples import fill_missing
 
 PLACES_MM = np.linspace(120.0, 360.0, 21)
@@ -45,7 +45,7 @@ def test_left_out_samples_are_said_and_move_nothing(method):
     options = ImageOptions(method, 4.0, leave_out_missing=True)
     image = image_survey(remove_background(survey(*HOLES)), options)
     assert any("3 of 441 samples were left out" in note for note in image.attrs["notes"])
-    echo = find_echoes(image)[0]
+    echo = find_candidates(image).candidates[0]
     assert abs(echo.x_m - TARGET.x_mm / 1e3) < 2e-3
     assert abs(echo.depth_m - TARGET.depth_m) < 2e-3
     assert np.all(np.isfinite(image.image.values))

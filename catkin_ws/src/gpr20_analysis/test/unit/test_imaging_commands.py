@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -49,9 +51,9 @@ def refused(capsys, *arguments):
     return capsys.readouterr().err
 
 
-def test_image_names_the_echo_and_how_it_was_made(survey_file, capsys):
+def test_image_names_the_candidate_and_how_it_was_made(survey_file, capsys):
     answer = json.loads(printed(capsys, "image", survey_file, "--permittivity", 4, "--json"))
-    echo = answer["echoes"][0]
+    echo = answer["candidates"][0]
     assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
     assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3
     assert answer["processing"][0]["step"] == "background"
@@ -110,7 +112,7 @@ def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, 
             "--json",
         )
     )
-    assert answer["echoes"][0]["polarization_deg"] is None
+    assert answer["candidates"][0]["rotations_deg"] == [None]
     assert (tmp_path / "pictures" / "projections_combined.png").exists()
 
 
@@ -171,3 +173,18 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
 def test_wrong_arguments_are_refused_with_a_reason(survey_file, capsys, arguments, reason):
     given = [str(survey_file) if one == "SURVEY" else one for one in arguments]
     assert reason in refused(capsys, *given)
+
+
+def test_the_commands_start_without_libraries_that_take_long_to_import():
+    slow = ["scipy.signal", "scipy.stats", "distributed", "numba", "matplotlib"]
+    code = (
+<<<<<<< HEAD
+        "import sys, gpr20_analysis.commands.image_command\n"
+        "import gpr20_analysis.commands.import_command\n"
+=======
+        "import sys\nfrom gpr20_analysis.commands import image_command, import_command\n"
+>>>>>>> bp
+        f"print([name for name in {slow} if name in sys.modules])"
+    )
+    printed = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
+    assert printed.stdout.decode().strip() == "[]"

@@ -14,10 +14,9 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import set_time_zero, to_time
+from gpr20_analysis.processing.display import Gain, apply_gain
 from gpr20_analysis.processing.polarization import (
     Combination,
-    Gain,
-    apply_gain,
     combine_polarizations,
     select_polarization,
 )

@@ -13,8 +13,9 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.report import pdf_pages, pictures
-from gpr20_analysis.report.page import Section, page
+from gpr20_analysis.report import pdf_text, pictures
+from gpr20_analysis.report.page import page
+from gpr20_analysis.report.records import Report, Section
 
 pytestmark = pytest.mark.takes(40)
 
@@ -48,8 +49,14 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
 
 
 def test_a_text_of_several_lines_keeps_them_in_a_pdf():
-    rows = pdf_pages._aligned([("notes", "wet\n\nsoil"), ("size", "1 MB")])
-    assert rows == ["notes  wet", "       soil", "size   1 MB"]
+    section = Section("t", rows=[("notes", "wet\n\nsoil"), ("size", "1 MB")])
+    ((*_, notes, more, size),) = pdf_text.text_pages(Report("t", [section]))
+    assert [[text for _, text in line.cells] for line in (notes, more, size)] == [
+        ["notes", "wet"],
+        ["soil"],
+        ["size", "1 MB"],
+    ]
+    assert more.cells[0][0] == notes.cells[1][0] == size.cells[1][0]
 
 
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
@@ -92,7 +99,9 @@ def test_words_of_a_survey_are_never_markup(tmp_path):
     for words in ("Lucía Peña", "wet\n&lt;script&gt;", "4.6, -74.1", "complete and intact"):
         assert words in text
     assert "&lt;script&gt;" in text
-    assert "<b>" not in page("<b>", [Section("<b>", ["<b>"], ["<b>"], [("<b>",)])])
+    assert "<b>" not in page(
+        Report("<b>", [Section("<b>", "<b>", ["<b>"], ["<b>"], [("<b>",)])], footer="<b>")
+    )
 
 
 def test_a_report_must_be_html_or_pdf(tmp_path, capsys):

@@ -141,6 +141,8 @@ class Node:
 
     def end(self):
         """End as a process does: the system closes everything."""
+        # Closing alone leaves the thread in `accept`, where it takes one more connection.
+        self.listener.shutdown(socket.SHUT_RDWR)
         self.listener.close()
         for one in self.connections:
             one.shutdown(socket.SHUT_RDWR)

@@ -97,6 +97,8 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("analyzer", SCIKIT_RF.replace("model: N5222A", ""), "model is MS2026C, which is no analy"),
         ("analyzer", SCIKIT_RF.replace("maker: Agilent", ""), "maker is Anritsu, which is no anal"),
         ("analyzer", SCIKIT_RF + "correction_query: ¿", "must be one line of ASCII characters"),
+        ("analyzer", "antenna_delay_ns: 200", "antenna_delay_ns is 200; it must lie between -100"),
+        ("analyzer", "antenna_delay_ns: .nan", "antenna_delay_ns is nan"),
         ("survey", "settle_s: -1", "settle_s is -1 s; it must lie between 0 and 60 s"),
         ("survey", "settle_s: 1\nsettle_s: 2", "the key settle_s is there twice, again in line 2"),
         ("survey", "on_height_failure: guess", "it must be one of pause, store_without"),

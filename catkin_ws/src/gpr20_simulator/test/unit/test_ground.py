@@ -136,6 +136,15 @@ def test_surface_and_coupling_come_at_their_delays_and_levels():
     assert surface == pytest.approx(expected, abs=1e-9)
 
 
+def test_cables_and_antennas_delay_everything_by_the_same_time():
+    plain, late = Antennas(height_m=0.2), Antennas(height_m=0.2, delay_s=0.3e-9)
+    first, second = (
+        ground(point(), antennas=one).s21(FREQUENCY_HZ, OVER, 1) for one in (plain, late)
+    )
+    expected = first * np.exp(-2j * np.pi * FREQUENCY_HZ * 0.3e-9)
+    assert second == pytest.approx(expected, abs=1e-9)
+
+
 def test_surface_rises_to_the_antennas():
     scene = Surface(slope_x=0.1, slope_y=-0.05, wave_amplitude_m=0.01, wave_length_m=0.4)
     uneven = ground(surface=scene)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 from annotation_examples import EXAMPLE, REFUSED, REFUSED_POSITIONS, annotations
 from hypothesis import given
+from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.folder import survey_metadata
@@ -18,6 +20,7 @@ from gpr20_survey.plan.annotation import (
     annotation_of,
     from_fields,
     from_values,
+    keeping_heading,
 )
 
 
@@ -72,3 +75,25 @@ def test_empty_fields_take_the_defaults_but_notes_have_none():
     assert EMPTY.with_defaults(defaults) == Annotation("robot's", "its site", "", defaults.position)
     assert EXAMPLE.with_defaults(defaults) == EXAMPLE
     assert EXAMPLE.with_defaults(EMPTY) == EXAMPLE
+
+
+@given(annotations, st.floats(0.0, 360.0))
+def test_a_heading_is_stored_and_stays_with_its_position(annotation, heading_deg):
+    headed = replace(annotation, heading_deg=heading_deg)
+    description = json.loads(survey_metadata.encode({"annotation": headed.values()}))
+    assert annotation_of(description) == headed
+    assert "heading_deg" not in annotation.values()
+    assert keeping_heading(annotation, description) == headed
+    moved = replace(annotation, position=Wgs84Position(1.0, 2.5))
+    kept = keeping_heading(moved, description)
+    assert kept == (replace(moved, heading_deg=heading_deg) if moved == annotation else moved)
+
+
+@pytest.mark.parametrize("heading_deg", [-0.1, 360.1, float("nan"), "12", True])
+def test_a_heading_that_is_no_direction_is_refused(heading_deg):
+    with pytest.raises(InvalidValueError, match="heading"):
+        Annotation(heading_deg=heading_deg)
+
+
+def test_a_damaged_former_annotation_has_no_heading():
+    assert keeping_heading(EXAMPLE, {"annotation": {"site": 5}}) == EXAMPLE

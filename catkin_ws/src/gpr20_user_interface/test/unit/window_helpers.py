@@ -1,6 +1,7 @@
 """A window without ROS, and what its tests do with it."""
 
 import os
+import time
 
 import pytest
 
@@ -17,6 +18,7 @@ from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -70,6 +72,9 @@ class Survey:
     def resume_with(self, analyzer):
         self.asked.append(f"resume with {analyzer}")
 
+    def end(self):
+        pass
+
 
 class Storage:
     """Answers nothing, remembers what it was asked."""
@@ -93,6 +98,25 @@ class Storage:
         self.asked.append(("annotate", survey, annotation))
 
 
+class Program:
+    """In place of the command gpr20: remembers what it was started with."""
+
+    def __init__(self):
+        self.installed = True
+        self.started = []
+        self.cancelled = 0
+
+    def is_installed(self):
+        return self.installed
+
+    def start(self, arguments):
+        self.started.append(arguments)
+        return len(self.started)
+
+    def cancel(self):
+        self.cancelled += 1
+
+
 @pytest.fixture(scope="session")
 def application():
     yield QApplication.instance() or QApplication([])
@@ -107,7 +131,7 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None):
+def new_window(languages, survey=None, storage=None, profiles=None, program=None):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     window = MainWindow(
@@ -115,6 +139,7 @@ def new_window(languages, survey=None, storage=None, profiles=None):
         TracePresenter(storage or Storage(), problems.append),
         Profiles(ProfileFolder(profiles)),
         languages,
+        CandidateSearch(program or Program(), time.monotonic),
     )
     window.problems, window.languages = problems, languages
     return window

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import subprocess
 import threading
@@ -55,6 +56,26 @@ def fill_until_refused(kit: Kit) -> int:
     raise AssertionError("the disk takes everything")
 
 
+def filled_by_killed_process(place) -> int:
+    """Fill a disk in a process that is then killed; return the index that was not stored."""
+    context = multiprocessing.get_context("fork")
+    answers = context.SimpleQueue()
+
+    def fill() -> None:
+        kit = kit_on(place)
+        kit.open()
+        (place / "ballast").write_bytes(b"\0" * 500_000)
+        answers.put(fill_until_refused(kit))
+        threading.Event().wait()
+
+    child = context.Process(target=fill, daemon=True)
+    child.start()
+    refused = answers.get()
+    child.kill()
+    child.join()
+    return refused
+
+
 def assert_stored(folder, count: int) -> None:
     files = sorted((folder / "traces").iterdir())
     assert len(files) == count
@@ -90,12 +111,9 @@ def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
 
 
 def test_a_survey_on_a_full_disk_is_reopened_after_a_kill(small_disk):
-    kit = kit_on(small_disk)
-    folder = kit.open()
-    (small_disk / "ballast").write_bytes(b"\0" * 500_000)
-    refused = fill_until_refused(kit)
-    # The killed process leaves the disk as it is; this one writes nothing any more.
+    refused = filled_by_killed_process(small_disk)
     later = kit_on(small_disk)
+    folder = next((small_disk / "data").iterdir())
     with pytest.raises(StorageFailedError, match="make space"):
         later.processing.reopen_survey(SURVEY)
     (small_disk / "ballast").unlink()

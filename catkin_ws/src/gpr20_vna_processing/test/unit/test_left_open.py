@@ -1,10 +1,12 @@
 """Surveys that their control left open, and answers to a close that were lost."""
 
+import os
+
 import pytest
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, make_trace, read_json
 
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
 METADATA = '{"planned_traces": 2}'
@@ -75,3 +77,38 @@ def test_a_survey_whose_close_was_cut_off_has_to_be_opened_again(kits):
     (folder / "manifest.json").unlink()
     with pytest.raises(SurveyRefusedError, match="no survey is open"):
         kits().processing.close_survey(SURVEY, "finished", "")
+
+
+def test_a_survey_that_another_process_writes_is_not_reopened(tmp_path):
+    """As by a second robot with the same data folder and its own ROS master."""
+    writer, other = (Kit(tmp_path / "data", open_recordings) for _ in range(2))
+    folder = writer.open(metadata_json=METADATA)
+    writer.processing.store(make_trace(0))
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    with pytest.raises(SurveyRefusedError, match=rf"by another process \({os.getpid()}\)"):
+        other.processing.reopen_survey(SURVEY)
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+    assert other.processing.state().survey_id == ""
+    writer.processing.store(make_trace(1))
+    writer.processing.close_survey(SURVEY, "interrupted", "")
+    assert other.processing.reopen_survey(SURVEY).stored_indices == [0, 1]
+    with pytest.raises(SurveyRefusedError, match="is being written by another process"):
+        writer.processing.reopen_survey(SURVEY)
+    for kit in (writer, other):
+        kit.processing.shut_down()
+
+
+def test_a_survey_that_could_not_be_reopened_can_be_reopened_by_another_process(tmp_path):
+    first, second = (Kit(tmp_path / "data", open_recordings) for _ in range(2))
+    folder = first.open(metadata_json=METADATA)
+    first.processing.close_survey(SURVEY, "interrupted", "")
+    whole = (folder / "survey.json").read_bytes()
+    (folder / "survey.json").unlink()
+    (folder / "survey.json").mkdir()
+    with pytest.raises((SurveyRefusedError, StorageFailedError)):
+        first.processing.reopen_survey(SURVEY)
+    (folder / "survey.json").rmdir()
+    (folder / "survey.json").write_bytes(whole)
+    assert second.processing.reopen_survey(SURVEY).stored_indices == []
+    for kit in (first, second):
+        kit.processing.shut_down()

@@ -1,4 +1,4 @@
-"""gpr20 annotate: set operator, site, notes and position of a recorded survey."""
+"""gpr20 annotate: set operator, site, notes, position and heading of a recorded survey."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from gpr20_survey.plan.annotation import (
 )
 
 NONE = verbatim("-")
+HEADING_ROW = Message("heading of Y")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,6 +42,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "with a negative latitude write --position=LAT,LON",
     )
     place.add_argument("--no-position", action="store_true", help="remove the position")
+    direction = parser.add_mutually_exclusive_group()
+    direction.add_argument(
+        "--heading",
+        metavar="DEG",
+        type=float,
+        help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its right",
+    )
+    direction.add_argument("--no-heading", action="store_true", help="remove the heading")
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -59,9 +68,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
-    given = {name: getattr(chosen, name) for name in ("operator", "site", "notes", "position")}
+    names = {"operator": "operator", "site": "site", "notes": "notes", "position": "position",
+             "heading_deg": "heading"}  # fmt: skip
+    given = {name: getattr(chosen, option) for name, option in names.items()}
     changes = {name: value for name, value in given.items() if value is not None}
-    return {**changes, "position": None} if chosen.no_position else changes
+    if chosen.no_position:
+        changes["position"] = None
+    if chosen.no_heading:
+        changes["heading_deg"] = None
+    return changes
 
 
 def _refuse_open(folder: Path, description: Dict[str, Any]) -> None:
@@ -82,6 +97,7 @@ def _rows(annotation: Annotation) -> List[Tuple[Message, Message]]:
         RECORDED["site"]: annotation.site,
         RECORDED["survey_notes"]: annotation.notes,
         POSITION: "" if position is None else str(position),
+        HEADING_ROW: "" if annotation.heading_deg is None else f"{annotation.heading_deg!r}",
     }
     return [(title, verbatim(text) if text else NONE) for title, text in texts.items()]
 
@@ -95,8 +111,8 @@ def _position(text: str) -> Wgs84Position:
 
 
 COMMAND = Command(
-    "Set operator, site, notes and position of a survey. What is not given stays; without any, "
-    "they are printed. A survey whose survey.json is damaged is refused.",
+    "Set operator, site, notes, position and heading of a survey. What is not given stays; without "
+    "any, they are printed. A survey whose survey.json is damaged is refused.",
     add_arguments,
     run,
 )

@@ -33,14 +33,18 @@ MODULES = "gpr20_analysis.commands"
 SUMMARIES: Dict[str, str] = {
     "info": "show what a survey contains and what is missing in it",
     "process": "apply a chain of steps and store the result with its recipe",
-    "image": "image the ground below a survey and list the echoes in it",
+    "image": "image the ground below a survey and list the candidates in it",
+    "candidates": "list the candidates in the ground below a survey, and write them to files",
+    "delay": "fit the delay of cables and antennas to the surface echo",
     "plot": "draw a survey, its A-scans or an image",
+    "view": "look at a survey in a window: B-scan, slices, 3D, picks",
     "annotate": "set operator, site, notes and position of a survey",
     "verify": "check a survey's folder against its manifest, recordings and plan",
     "repair": "write a lost or damaged manifest again if everything else agrees",
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",
+    "sample": "write a copy of a small simulated survey, to try the other commands on",
     "replay": "publish a recorded survey on its ROS topics",
 }
 """Name and summary of each subcommand; its module is `<name>_command`."""

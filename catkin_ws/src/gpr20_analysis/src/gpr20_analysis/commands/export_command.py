@@ -12,7 +12,6 @@ from gpr20_analysis import cluster, dataset
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
-from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.conversion import (
     EXPORTS,
     check_ending,
@@ -20,10 +19,11 @@ from gpr20_analysis.formats.conversion import (
     output_paths,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
+from gpr20_analysis.formats.sums_beside import sums_path
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import Message
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--domain",
         choices=("frequency", "time"),
-        help="merged-hdf5: A-scans over frequency or, by inverse Fourier transform, over time; "
-        "default: as in the data",
+        help="group-csv, merged-hdf5: A-scans over frequency or, by inverse Fourier transform, "
+        "over time; default: as in the data",
     )
     outputs.add_overwrite(parser)
     inputs.add_scheduler(parser)
@@ -64,13 +64,11 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def _transformed(survey: xr.Dataset, chosen: argparse.Namespace) -> xr.Dataset:
-    if chosen.format != "merged-hdf5":
+    if chosen.format not in ("group-csv", "merged-hdf5"):
         return survey
     if dataset.A_SCAN in survey:
         if chosen.domain == "frequency":
-            raise ExportError(
-                Message("the data are A-scans over time; export them with --domain time")
-            )
+            return to_frequency(survey)
     elif chosen.domain == "time":
         return to_time(cluster.persist(survey), Window.NONE, _padding_for_real_parts(survey))
     return survey
@@ -89,6 +87,8 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
         written = [outputs.dataset_output(path) for path in paths]
     else:
         written = [Output(path, form.holds) for path in paths]
+        if not form.has_own_checksum:
+            written += [Output(sums_path(path)) for path in paths]
     outputs.check(written, [chosen.survey], chosen.overwrite)
 
 

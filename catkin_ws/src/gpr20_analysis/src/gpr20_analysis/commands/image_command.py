@@ -1,30 +1,34 @@
-"""gpr20 image: the image of the ground, and the echoes in it."""
+"""gpr20 image: the image of the ground, and the candidates in it."""
 
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 from pathlib import Path
-from typing import Dict, List, Optional
+from typing import List, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import cluster
 from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.candidates.candidate import CandidateList
+from gpr20_analysis.candidates.files import candidate_record, list_record
+from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
+from gpr20_analysis.candidates.table import candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
-from gpr20_analysis.dataset import DEPTH, POLARIZATION
+from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
+from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.imaging.echoes import FAINTEST_DB, Echo, find_echoes
+from gpr20_analysis.formats.migrated_hdf5 import ENDING as MIGRATED
+from gpr20_analysis.formats.migrated_hdf5 import write_migrated
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
 from gpr20_analysis.imaging.image_output import (
-    echo_lines,
     permittivity_line,
     rotation_word,
     write_volume,
@@ -32,15 +36,19 @@ from gpr20_analysis.imaging.image_output import (
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.processing.sweep import Window
-from gpr20_analysis.sentences import sentences_of, shown
+from gpr20_analysis.read.antenna_attributes import S_PER_NS
+from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.errors import printable
 
-DEFAULT_STEPS = ("background:method=mean",)
+DEFAULT_STEPS = ("background:method=surface",)
+# The GPR-20 group's program subtracts the mean.
+STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
-FAINTEST_LIMIT_DB = 200.0
+SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
-ESTIMATE = ("permittivity_lowest", "permittivity_highest", "depth_uncertainty")
+ESTIMATE = ("depth_uncertainty",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,17 +59,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
+        help="image as .nc, .zarr, .vtr (VTK) or .h5 (migrated image of the group, one file per "
+        "polarization); may be given more than once")  # fmt: skip
     add(
         "--figures",
         type=Path,
         metavar="FOLDER",
-        help="folder for PNG figures: maximum projections, a slice at each echo",
+        help="folder for PNG figures: maximum projections, slices at the depths of candidates",
     )
     outputs.add_overwrite(parser)
-    add("--faintest", type=float, default=FAINTEST_DB, metavar="DB",
-        help="faintest echo to list, relative to the brightest")  # fmt: skip
-    add("--json", action="store_true", help="print the echoes as JSON, for programs")
+    add_candidate_options(parser)
+    add("--json", action="store_true", help="print the candidates as JSON, for programs")
+
+
+def add_candidate_options(parser: argparse.ArgumentParser) -> None:
+    """Declare what is a candidate."""
+    standard = CandidateOptions()
+    add = parser.add_argument
+    add("--false-alarm", type=float, default=standard.false_alarm_rate, metavar="P",
+        help="probability that noise alone leads to any candidate; default "
+        f"{standard.false_alarm_rate:g}")  # fmt: skip
+    add("--most", type=int, default=standard.most, metavar="N",
+        help=f"longest list; more candidates are counted; default {standard.most}")  # fmt: skip
+
+
+def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
+    """Return what is a candidate.
+
+    Raises:
+        WrongDatasetError: An argument is not allowed.
+    """
+    return CandidateOptions(chosen.false_alarm, chosen.most)
 
 
 def add_image_options(parser: argparse.ArgumentParser) -> None:
@@ -84,40 +112,52 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="make the image without the missing samples",
     )
-    add("--window", choices=[one.value for one in Window], default=Window.HANN.value)
+    add("--window", choices=[one.value for one in Window], default=Window.HANN.value,
+        help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; used by back-projection and by the estimate of the "
         "permittivity")  # fmt: skip
-    add("--ground", choices=[one.value for one in Ground], default=Ground.LEVEL.value,
-        help="uneven: the recorded heights differ because of the ground, not because of the "
-        "antennas; only back-projection supports it")  # fmt: skip
+    add("--grid-step", type=float, metavar="MM",
+        help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
+    add("--ground", choices=[one.value for one in Ground],
+        help="why the recorded heights differ: level: the antennas moved up and down; uneven: the "
+        "ground rises and falls, which only back-projection supports")  # fmt: skip
+    add("--delay", type=float, metavar="NS",
+        help="delay of cables and antennas to remove [ns]; default: the one of the survey, see "
+        "gpr20 delay")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Make the image and return the exit status."""
     options = options_of(chosen)
-    if not -FAINTEST_LIMIT_DB <= chosen.faintest < 0.0:
-        raise WrongDatasetError(
-            Message(
-                "--faintest is {faintest_db:g} dB; it must be at least {lowest_db:g} dB and less "
-                "than 0",
-                faintest_db=chosen.faintest,
-                lowest_db=-FAINTEST_LIMIT_DB,
-            )
-        )
+    listed = candidate_options_of(chosen)
     steps = inputs.steps_of(chosen)
     outputs.check(_outputs(chosen), inputs.inputs_of(chosen, steps), chosen.overwrite)
+    image, status = image_of(chosen, options, catalogue)
+    found = find_candidates(image, listed)
+    _write(image, found, chosen, catalogue)
+    _print(image, found, chosen, catalogue)
+    return status
+
+
+def image_of(
+    chosen: argparse.Namespace, options: ImageOptions, catalogue: Catalogue
+) -> Tuple[xr.Dataset, int]:
+    """Return the image of the survey after its steps, and the exit status.
+
+    Raises:
+        AnalysisError: The survey cannot be read or imaged.
+    """
     survey = inputs.load(chosen, catalogue)
-    default = () if recipe_of(survey) else DEFAULT_STEPS
+    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
+    default = () if recipe_of(survey) else usual
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        progress = inputs.progress_bar(catalogue.tr("imaging polarizations"))
-        image = image_survey(processed, options, progress)
-    _write(image, chosen, catalogue)
-    _print(image, chosen, catalogue)
-    return status
+        outputs.check(_migrated(processed, chosen), [chosen.survey], chosen.overwrite)
+        progress = inputs.progress_bar(catalogue.tr("imaging"))
+        return image_survey(processed, options, progress), status
 
 
 def options_of(chosen: argparse.Namespace) -> ImageOptions:
@@ -150,74 +190,94 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         window=Window(chosen.window),
         widest_angle_deg=chosen.widest_angle,
         separation_m=chosen.separation,
-        ground=Ground(chosen.ground),
+        grid_step_m=None if chosen.grid_step is None else chosen.grid_step / MM_PER_M,
+        ground=Ground(chosen.ground) if chosen.ground else None,
+        delay_s=None if chosen.delay is None else chosen.delay * S_PER_NS,
     )
 
 
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
     for path in chosen.output:
-        if path.suffix not in (NETCDF, ZARR, VTK):
-            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK)))
-        found.append(Output(path) if path.suffix == VTK else outputs.dataset_output(path))
+        if path.suffix not in (NETCDF, ZARR, VTK, MIGRATED):
+            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK, MIGRATED)))
+        is_dataset = path.suffix in (NETCDF, ZARR)
+        found.append(outputs.dataset_output(path) if is_dataset else Output(path))
     return found
 
 
-def _write(image: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) -> None:
+def _migrated(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
+    """Return the files of migrated images: one for each polarization."""
+    paths = [path for path in chosen.output if path.suffix == MIGRATED]
+    return [Output(one) for path in paths for one in _files_of(data, path)]
+
+
+def _files_of(data: xr.Dataset, path: Path) -> List[Path]:
+    turns = data[POLARIZATION].values
+    return [path] if len(turns) == 1 else [segy.file_of(path, turn) for turn in turns]
+
+
+def _write(
+    image: xr.Dataset, found: CandidateList, chosen: argparse.Namespace, catalogue: Catalogue
+) -> None:
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
+        elif path.suffix == MIGRATED:
+            for turn, own in enumerate(_files_of(image, path)):
+                with atomic_output(own) as place:
+                    write_migrated(image.isel({POLARIZATION: [turn]}), place, own.stem)
         else:
             with atomic_output(path) as place:
                 write_volume(image, place)
     if chosen.figures:
         with atomic_output(chosen.figures) as folder:
-            _draw(image, folder, chosen.faintest, catalogue)
+            _draw(image, found, folder, catalogue)
 
 
-def _draw(image: xr.Dataset, folder: Path, faintest_db: float, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.scans import c_scan_figure, projection_figure
+def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Catalogue) -> None:
+    from gpr20_analysis.plotting.projections import projection_figure
+    from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, catalogue)
+        figure = projection_figure(image, turn, found.candidates, catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
-    for echo in find_echoes(image, faintest_db):
-        depth_mm = round(float(image[DEPTH].sel(depth=echo.depth_m, method="nearest")) * 1000.0)
-        figure = c_scan_figure(image, echo.depth_m, catalogue)
-        save_figure(figure, folder / f"slice_{depth_mm:04d}mm.png")
+    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in found.candidates], method="nearest")
+    for depth_m in list(dict.fromkeys(depths_m.values.tolist()))[:SLICES]:
+        figure = c_scan_figure(image, depth_m, catalogue)
+        save_figure(figure, folder / f"slice_{round(depth_m * MM_PER_M):04d}mm.png")
 
 
-def _print(image: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) -> None:
-    echoes = find_echoes(image, chosen.faintest)
+def _print(
+    image: xr.Dataset, found: CandidateList, chosen: argparse.Namespace, catalogue: Catalogue
+) -> None:
     if chosen.json:
         answer = {
-            "permittivity": image.attrs["permittivity"],
+            **list_record(found),
             "permittivity_source": image.attrs["permittivity_source"],
             **{key: image.attrs[key] for key in ESTIMATE if key in image.attrs},
-            "method": image.attrs["method"],
             "processing": json.loads(image.attrs.get(PROCESSING, "[]")),
             "notes": image.attrs["notes"],
-            "echoes": [_plain(echo) for echo in echoes],
+            "candidates": [candidate_record(one, found) for one in found.candidates],
         }
-        print(json.dumps(answer, indent=2))
+        print(json.dumps(answer, indent=2, allow_nan=False))
         return
-    notes = [Message("note: {sentence}", sentence=one) for one in sentences_of(image, "notes")]
-    for line in [*notes, permittivity_line(image)]:
-        print(shown(line, catalogue))
-    lines = echo_lines(echoes, catalogue) if echoes else [catalogue.tr("No echo was found.")]
-    print("\n".join(lines))
+    print_candidates(image, found, catalogue)
 
 
-def _plain(echo: Echo) -> Dict[str, Optional[float]]:
-    """Return an echo for JSON, which has no NaN."""
-    values = dataclasses.asdict(echo)
-    return {key: value if np.isfinite(value) else None for key, value in values.items()}
+def print_candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> None:
+    """Print the notes on an image, its permittivity and the table of candidates."""
+    notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
+    estimated = [permittivity_line(image)] if "permittivity_lowest" in image.attrs else []
+    for line in [*notes, *estimated]:
+        print(printable(shown(line, catalogue)))
+    print("\n".join(candidate_lines(found, catalogue)))
 
 
 COMMAND = Command(
-    "Image the ground below a survey and list the echoes in it. Without steps the mean of all "
-    "traces is subtracted first.",
+    "Image the ground below a survey and list the candidates in it. Without steps coupling "
+    "and surface echo are subtracted first (background:method=surface).",
     add_arguments,
     run,
 )

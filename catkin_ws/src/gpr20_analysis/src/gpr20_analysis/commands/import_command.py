@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from pathlib import Path
+from typing import Optional
 
+from gpr20_analysis import dataset
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, not_there
@@ -12,13 +15,13 @@ from gpr20_analysis.formats import dataset_files
 from gpr20_analysis.formats.conversion import IMPORTS, import_survey
 from gpr20_analysis.formats.gprmax import Band
 from gpr20_analysis.formats.gprmax_source import WAVEFORMS
+from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    band = Band()
     parser.add_argument("input", type=Path, help="file, or folder of files")
     parser.add_argument("output", type=Path, help="Dataset to write, .nc or .zarr")
     parser.add_argument("--format", choices=IMPORTS, required=True, help="format of the input")
@@ -27,8 +30,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs=3,
         type=float,
         metavar=("START_HZ", "STOP_HZ", "POINTS"),
-        default=(band.start_hz, band.stop_hz, band.points),
-        help="gprmax: frequencies of the spectra",
+        help="frequencies of the spectra of simulations and of A-scans over time; default: gprmax "
+        "600e6 6e9 501, others as recorded or as found in the data",
+    )
+    parser.add_argument(
+        "--domain",
+        choices=("frequency", "time"),
+        default="frequency",
+        help="what to store of A-scans over time: spectra, which images need, or the A-scans",
     )
     parser.add_argument("--height", type=float, metavar="M", help="gprmax: antenna height [m]")
     parser.add_argument(
@@ -47,14 +56,17 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     outputs.check(written, [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
         raise AnalysisError(not_there(chosen.input))
+    band = _band(chosen)
     survey = import_survey(
         chosen.input,
         chosen.format,
-        _band(chosen),
+        band,
         chosen.height,
         chosen.source,
         inputs.progress_bar(catalogue.tr("reading")),
     )
+    if dataset.A_SCAN in survey and chosen.domain == "frequency":
+        survey = to_frequency(survey, *(dataclasses.astuple(band) if band else ()))
     inputs.print_warnings(survey, catalogue)
     dataset_files.write_dataset(survey, chosen.output)
     sizes = ", ".join(f"{name} {size}" for name, size in survey.sizes.items())
@@ -62,7 +74,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     return inputs.status_of(survey)
 
 
-def _band(chosen: argparse.Namespace) -> Band:
+def _band(chosen: argparse.Namespace) -> Optional[Band]:
+    if chosen.band is None:
+        return None
     start_hz, stop_hz, points = chosen.band
     if not (0.0 < start_hz < stop_hz and points >= 2 and points == int(points)):
         raise AnalysisError(

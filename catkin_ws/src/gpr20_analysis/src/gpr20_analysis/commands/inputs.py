@@ -37,7 +37,8 @@ def add_survey(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "survey",
         type=Path,
-        help="folder of a survey, folder of its JSON files, .bag, .mcap, or a .nc or .zarr",
+        help="folder of a survey, folder of its JSON files, .bag, .bag.active, .mcap, a .nc or "
+        ".zarr, or a migrated image .h5",
     )
     parser.add_argument(
         "--accept-damaged",

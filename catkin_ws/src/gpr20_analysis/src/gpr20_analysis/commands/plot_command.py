@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Dict, Optional, Tuple
 
@@ -16,6 +17,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
 from gpr20_analysis.dataset import A_SCAN, DELAY, DEPTH, IMAGE, MM_PER_M, X, Y
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.delay import to_time
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -24,8 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 KINDS: Dict[str, Tuple[str, ...]] = {
-    "a-scan": ("x", "y", "until"),
-    "b-scan": ("x", "y", "until", "along", "value"),
+    "a-scan": ("x", "y", "until", "all_delays"),
+    "b-scan": ("x", "y", "until", "all_delays", "along", "value", "permittivity"),
     "c-scan": ("depth", "delay"),
     "coverage": (),
     "height": (),
@@ -48,7 +50,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--depth", type=float, metavar="MM", help="depth of a C-scan of an image")
     parser.add_argument("--delay", type=float, metavar="NS", help="delay of a C-scan of a survey")
-    parser.add_argument("--until", type=float, metavar="NS", help="last delay of A- and B-scans")
+    parser.add_argument(
+        "--until",
+        type=float,
+        metavar="NS",
+        help="last delay of A- and B-scans; default that of an echo from 0.3 m in moist soil",
+    )
+    parser.add_argument(
+        "--all-delays", action="store_true", default=None, help="A- and B-scans with all delays"
+    )
+    parser.add_argument(
+        "--permittivity",
+        type=float,
+        help="relative permittivity: adds an axis of depth to a B-scan",
+    )
     parser.add_argument("--rotation", type=float, metavar="DEG", help="rotation of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
     outputs.add_overwrite(parser)
@@ -79,8 +94,8 @@ def _check_options(chosen: argparse.Namespace) -> None:
                 Message(
                     "the figure {kind} has no option --{option}; its options are: {allowed}",
                     kind=chosen.kind,
-                    option=option,
-                    allowed=", ".join(f"--{name}" for name in own) or "-",
+                    option=option.replace("_", "-"),
+                    allowed=", ".join(f"--{name}".replace("_", "-") for name in own) or "-",
                 )
             )
 
@@ -91,25 +106,37 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue
     Raises:
         WrongDatasetError: The data do not contain what it shows.
     """
-    from gpr20_analysis.plotting import maps, scans
+    from gpr20_analysis.plotting import maps, projections, scans
 
     if chosen.kind == "coverage":
         return maps.coverage_figure(data, catalogue)
     if chosen.kind == "height":
         return maps.height_figure(data, catalogue)
     if chosen.kind == "projection":
-        return scans.projection_figure(data, _turn(data, chosen.rotation), catalogue)
+        turn = _turn(data, chosen.rotation)
+        return projections.projection_figure(data, turn, catalogue=catalogue)
     if chosen.kind == "c-scan":
         return _c_scan(data, chosen, catalogue)
     in_time = data if A_SCAN in data else to_time(data)
-    if chosen.until is not None:
-        in_time = _until(in_time, chosen.until)
+    last_s = _last_s(in_time, chosen)
     x_m, y_m = _place(data, X, chosen.x), _place(data, Y, chosen.y)
     if chosen.kind == "a-scan":
-        return scans.a_scan_figure(in_time, x_m, y_m, catalogue)
+        return scans.a_scan_figure(in_time, x_m, y_m, last_s, catalogue)
     along = chosen.along or X
-    value = scans.Value(chosen.value) if chosen.value else scans.Value.MAGNITUDE
-    return scans.b_scan_figure(in_time, along, y_m if along == X else x_m, value, catalogue)
+    return scans.b_scan_figure(
+        in_time,
+        along,
+        y_m if along == X else x_m,
+        scans.Value(chosen.value) if chosen.value else scans.Value.MAGNITUDE,
+        last_s,
+        _permittivity(chosen.permittivity),
+        catalogue,
+    )
+
+
+def _permittivity(given: Optional[float]) -> Optional[float]:
+    # The same check as for an image.
+    return ImageOptions(permittivity=given).permittivity
 
 
 def _c_scan(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) -> Figure:
@@ -140,13 +167,18 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
     return given_mm / MM_PER_M
 
 
-def _until(in_time: xr.Dataset, last_ns: float) -> xr.Dataset:
-    shown = in_time.sel({DELAY: in_time[DELAY].values * NS_PER_S <= last_ns})
-    if shown.sizes[DELAY] < 2:
+def _last_s(in_time: xr.Dataset, chosen: argparse.Namespace) -> Optional[float]:
+    """Return the last delay that is shown [s]; None: the default."""
+    if chosen.all_delays:
+        return math.inf
+    if chosen.until is None:
+        return None
+    # Written so that NaN is refused too.
+    if not chosen.until >= float(in_time[DELAY][1]) * NS_PER_S:
         raise WrongDatasetError(
-            Message("--until {last_ns:g} ns is too short, no trace is left", last_ns=last_ns)
+            Message("--until {last_ns:g} ns is too short, no trace is left", last_ns=chosen.until)
         )
-    return shown
+    return float(chosen.until) / NS_PER_S
 
 
 def _level(data: xr.Dataset, axis: str, given: Optional[float], scale: float, unit: str) -> float:

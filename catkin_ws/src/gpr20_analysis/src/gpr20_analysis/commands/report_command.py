@@ -32,9 +32,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the report; return the exit status."""
     if chosen.output.suffix not in (HTML, PDF):
         raise ExportError(wrong_ending(chosen.output, (HTML, PDF)))
+    from gpr20_analysis.report.build import report_of
     from gpr20_analysis.report.page import page
     from gpr20_analysis.report.pdf_pages import write_pdf
-    from gpr20_analysis.report.sections import sections_of
 
     options = image_command.options_of(chosen)
     steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
@@ -44,20 +44,26 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
     with cluster.connected(chosen.scheduler):
         data = cluster.persist(survey)
-        sections = sections_of(data, chosen.survey, steps, options, progress, catalogue)
-    name = survey.attrs.get("survey_id", survey.attrs.get("source", ""))
-    title = catalogue.tr("GPR-20 survey {name}", name=name)
+        report = report_of(
+            data,
+            chosen.survey,
+            steps,
+            options,
+            Language(chosen.language),
+            catalogue,
+            progress,
+        )
     with atomic_output(chosen.output) as place:
         if chosen.output.suffix == PDF:
-            write_pdf(place, title, sections)
+            write_pdf(place, report, catalogue)
         else:
-            place.write_text(page(title, sections, Language(chosen.language)), encoding="utf-8")
+            place.write_text(page(report), encoding="utf-8")
     print(chosen.output)
     return inputs.status_of(survey)
 
 
 COMMAND = Command(
-    "Write one HTML page, or a PDF, with verdict, parameters, quality, views and the image of a "
+    "Write one HTML page, or a PDF, with verdict, candidates, image, quality and parameters of a "
     "survey. The page is self-contained.",
     add_arguments,
     run,

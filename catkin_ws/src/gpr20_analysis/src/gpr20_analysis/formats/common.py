@@ -11,6 +11,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, UnreadableFileError
+from gpr20_analysis.formats.provenance import Facts, snapped
 from gpr20_analysis.read.survey_grid import grid_of
 from gpr20_analysis.sentences import with_sentences
 from gpr20_common.message import Message
@@ -112,9 +113,11 @@ def on_grid(
     positions: np.ndarray,
     spectra: Iterable[np.ndarray],
     heights_m: Sequence[float],
-    frequency_hz: np.ndarray,
+    frequency_hz: Optional[np.ndarray],
     notes: List[Message],
     simulated: Optional[bool] = None,
+    facts: Optional[Facts] = None,
+    delay_s: Optional[np.ndarray] = None,
 ) -> xr.Dataset:
     """Return the Dataset of samples whose positions are known but not their grid.
 
@@ -123,27 +126,36 @@ def on_grid(
         positions: Rotation [deg], y and x [mm] of each sample.
         spectra: Their spectra, read one after another.
         heights_m: Their antenna heights [m]; NaN where unknown.
-        frequency_hz: Frequencies [Hz].
+        frequency_hz: Frequencies [Hz]; None if the values are over time.
         notes: What a user should know.
         simulated: Whether the data are simulated; None if unknown.
+        facts: What is known of the survey besides.
+        delay_s: Times [s]; None if the values are over frequency.
 
     Raises:
         DamagedSurveyError: The positions do not form a grid.
         UnreadableFileError: Two samples have the same position.
     """
     notes = list(notes)
-    grid = grid_of(positions, notes)
+    known = None if facts is None else snapped(positions, facts.grid)
+    if facts is None or facts.grid is None or known is None:
+        grid = grid_of(positions, notes)
+    else:
+        grid, positions = facts.grid, known
     cells = grid.places(positions)
     if len(set(cells)) < len(cells):
         raise UnreadableFileError(
             Message("{source} has two samples at the same position and rotation", source=source)
         )
-    values = np.full((grid.cells, len(frequency_hz)), complex(np.nan, np.nan))
+    axis = delay_s if frequency_hz is None else frequency_hz
+    if axis is None:
+        raise ValueError("neither frequencies nor times")
+    values = np.full((grid.cells, len(axis)), complex(np.nan, np.nan))
     height_m = np.full(grid.cells, np.nan)
     height_m[cells] = heights_m
     for cell, spectrum in zip(cells, spectra):
         values[cell] = spectrum
-    return as_dataset(
+    data = as_dataset(
         Imported(
             values.reshape(*grid.shape, -1),
             grid.polarization_deg,
@@ -152,10 +164,12 @@ def on_grid(
             height_m.reshape(grid.shape),
             source,
             frequency_hz=frequency_hz,
+            delay_s=delay_s,
             simulated=simulated,
             notes=notes,
         )
     )
+    return data if facts is None else facts.restored(data)
 
 
 def usable_samples(survey: xr.Dataset) -> List[Tuple[Tuple[int, int, int], float, float, float]]:

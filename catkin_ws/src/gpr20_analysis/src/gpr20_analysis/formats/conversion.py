@@ -21,9 +21,18 @@ from gpr20_analysis.formats import (
     touchstone,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.formats.sums_beside import (
+    checked_facts,
+    remove_sums,
+    sums_path,
+    write_sums,
+)
+from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 
+MERGED = ".h5"
 Writer = Callable[[xr.Dataset, Path, Progress], Message]
 
 
@@ -40,6 +49,11 @@ class Format:
     write: Writer
     ending: str = ""
     holds: Tuple[str, ...] = ()
+
+    @property
+    def has_own_checksum(self) -> bool:
+        """Whether its files contain their checksum, so that none is needed beside them."""
+        return self.ending in (NETCDF, ZARR, MERGED)
 
 
 Count = Callable[[xr.Dataset, Path, Progress], int]
@@ -78,8 +92,10 @@ def _write_merged(survey: xr.Dataset, path: Path, _: Progress) -> Message:
 EXPORTS: Dict[str, Format] = {
     "netcdf": Format(_write_dataset, NETCDF),
     "zarr": Format(_write_dataset, ZARR),
-    "group-csv": Format(_files(group_csv.write_group_csv), holds=("VNA_X*.csv",)),
-    "merged-hdf5": Format(_write_merged, ".h5"),
+    "group-csv": Format(
+        _files(group_csv.write_group_csv), holds=("VNA_*.csv", "TIME_*.csv", group_csv.TIMES_FILE)
+    ),
+    "merged-hdf5": Format(_write_merged, MERGED),
     "csv": Format(_samples(plain_csv.write_plain_csv), ".csv"),
     "segy": Format(_traces(segy.write_segy), ".sgy"),
     "touchstone": Format(_files(touchstone.write_touchstone), holds=("[0-9]*_X*_Y*_Z*.s2p",)),
@@ -100,7 +116,8 @@ def export_survey(
         progress: Shows the progress.
 
     Returns:
-        The content of each file or folder; SEG-Y has one file per polarization.
+        The content of each file or folder; SEG-Y has one file per polarization. Checksums are
+        in the file, or else in a file NAME.sha256 beside it.
 
     Raises:
         ExportError: The format cannot hold the survey, the name does not have the format's
@@ -109,19 +126,41 @@ def export_survey(
     """
     path = Path(path).expanduser()
     check_ending(path, form)
+    if ADVANCE in survey and form in IMPORTS:
+        raise ExportError(
+            Message(
+                "the step time_zero has shifted the data, which the format {format} cannot record, "
+                "so depths would be wrong after an import; export the data without this step",
+                format=form,
+            )
+        )
     written = {}
     for turn, own in enumerate(output_paths(survey, path, form)):
         part = survey.isel({dataset.POLARIZATION: [turn]}) if form == "segy" else survey
         if EXPORTS[form].ending in (NETCDF, ZARR):
             written[own] = EXPORTS[form].write(part, own, progress)  # atomic by itself
-        else:
-            with atomic_output(own, int(part.nbytes)) as place:
-                written[own] = EXPORTS[form].write(part, place, progress)
+            continue
+        if not EXPORTS[form].has_own_checksum:
+            _remove_sums(own)
+        with atomic_output(own, int(part.nbytes)) as place:
+            written[own] = EXPORTS[form].write(part, place, progress)
+        if not EXPORTS[form].has_own_checksum:
+            with atomic_output(sums_path(own)) as place:
+                write_sums(own, part, place)
     return written
 
 
+def _remove_sums(path: Path) -> None:
+    try:
+        remove_sums(path)
+    except OSError as error:
+        raise ExportError(
+            Message("{path} cannot be replaced: {reason}", path=path, reason=os_reason(error))
+        ) from error
+
+
 def output_paths(survey: xr.Dataset, path: Path, form: str) -> Tuple[Path, ...]:
-    """Return the files or folders that are written."""
+    """Return the files or folders that are written, without those of checksums beside them."""
     if form != "segy":
         return (path,)
     return tuple(segy.file_of(path, turn) for turn in survey[dataset.POLARIZATION].values)
@@ -165,16 +204,19 @@ def import_survey(
         source: Source signal of the simulation, see `gprmax_source.source_of`.
         progress: Shows the progress.
 
+    Returns:
+        The Dataset.
+
     Raises:
-        AnalysisError: It does not have this format, or is damaged.
+        AnalysisError: It does not have this format, is damaged, or differs from its checksums.
     """
     path = Path(path).expanduser()
     if form == "group-csv":
-        return group_csv.read_group_csv(path, progress)
+        return group_csv.read_group_csv(path, progress, checked_facts(path))
     if form == "merged-hdf5":
         return merged_hdf5.read_merged(path)
     if form == "original-json":
-        return original_json.read_original(path, progress)
+        return original_json.read_original(path, progress, checked_facts(path))
     if form == "gprmax":
         return gprmax.read_gprmax(path, band or gprmax.Band(), height_m, source, progress)
     raise AnalysisError(_unknown(form, IMPORTS))

@@ -1,17 +1,20 @@
 """Datasets of surveys, A-scans and images as NetCDF and Zarr.
 
-NetCDF knows no complex numbers: a complex variable `s21` is stored as `s21_real` and `s21_imag`.
+NetCDF files follow the CF conventions. NetCDF knows no complex numbers: a complex variable `s21` is
+stored as `s21_real` and `s21_imag`.
 """
 
 from __future__ import annotations
 
 import json
+import threading
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
 import dask.array
 import numpy as np
 import xarray as xr
+from xarray.backends import H5NetCDFStore
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import Y
@@ -22,6 +25,11 @@ from gpr20_analysis.errors import (
     library_missing,
     not_there,
     wrong_ending,
+)
+from gpr20_analysis.formats.cf_conventions import (
+    encoding,
+    with_conventions,
+    without_conventions,
 )
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
@@ -56,14 +64,26 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     path = Path(path).expanduser()
     if not is_dataset(path):
         raise AnalysisError(wrong_ending(path, (NETCDF, ZARR)))
-    stored = _as_real(data)
+    stored = with_conventions(_as_real(data))
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, _size(stored)) as place:
         if path.suffix == ZARR:
             stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
         else:
-            stored.to_netcdf(str(place), engine="h5netcdf")
+            _write_netcdf(stored, place)
         add_checksum(place)
+
+
+def _write_netcdf(stored: xr.Dataset, path: Path) -> None:
+    if stored.chunks:
+        stored.to_netcdf(str(path), engine="h5netcdf", encoding=encoding(stored))
+        return
+    # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
+    store = H5NetCDFStore.open(str(path), mode="w", lock=threading.Lock())
+    try:
+        stored.dump_to_store(store, encoding=encoding(stored))
+    finally:
+        store.close()
 
 
 def _size(stored: xr.Dataset) -> int:
@@ -201,4 +221,4 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
     for key in LIST_ATTRIBUTES:
         if isinstance(data.attrs.get(key), str):
             data.attrs[key] = json.loads(data.attrs[key])
-    return data
+    return without_conventions(data)

@@ -14,7 +14,7 @@ from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.gprmax_source import NONE, Signal, check_strength, source_of
-from gpr20_analysis.processing.polarization import DISPLAY_ONLY
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
 from gpr20_common.message import Message

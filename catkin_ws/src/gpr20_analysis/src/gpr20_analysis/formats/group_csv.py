@@ -1,40 +1,44 @@
-"""The CSV files of the GPR-20 group: one A-scan over frequency each, described by the name."""
+"""The CSV files of the GPR-20 group: one A-scan each, over frequency or over time.
+
+A folder over time also has a file `time` with the times, which the names round.
+"""
 
 from __future__ import annotations
 
 import io
-import re
-from dataclasses import dataclass
 from pathlib import Path
-from typing import List
+from typing import Iterable, List, Optional
 
 import numpy as np
+import orjson
 import pandas as pd
 import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_analysis.formats.common import DEGREES, even_step, letters, on_grid
+from gpr20_analysis.formats.group_names import (
+    HZ_PER_MHZ,
+    TIME,
+    US_PER_S,
+    VNA,
+    axis_part,
+    head_of,
+    parsed,
+    place_texts,
+    plain,
+)
+from gpr20_analysis.formats.provenance import Facts, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 
-HEADER = "S21_real,S21_imag"
-MM_PER_M, HZ_PER_MHZ = 1000.0, 1e6
-NUMBER = r"(-?\d+(?:\.\d+)?)"
-NAME = re.compile(
-    rf"VNA_X{NUMBER}_Y{NUMBER}_Or([XY])_Fs{NUMBER}M_Fe{NUMBER}M_Qf(\d+)_H{NUMBER}\.csv"
-)
-
-
-@dataclass(frozen=True)
-class _Name:
-    x_mm: float
-    y_mm: float
-    letter: str
-    start_mhz: float
-    stop_mhz: float
-    points: int
-    height_mm: float
+HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}
+KINDS = {dataset.S21: VNA, dataset.A_SCAN: TIME}
+TIMES_FILE, TIMES_HEADER = "time", "Time"
+MM_PER_M = 1000.0
+NUMBER = b"0123456789+-.eE"
+ROUNDED_US = 5e-5
+"""Rounding of times in names by the group's program [us]."""
 
 
 def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
@@ -44,10 +48,16 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_pr
         ExportError: The format cannot hold the rotations, frequencies or heights.
         OSError: A file exists or cannot be written.
     """
-    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    variable = dataset.A_SCAN if dataset.A_SCAN in survey else dataset.S21
+    kind = KINDS[variable]
+    last = dataset.DELAY if kind == TIME else dataset.FREQUENCY
+    scans = dataset.require(survey, variable, (*dataset.SAMPLE_DIMS, last))
     turns = letters(survey)
-    frequency_hz = survey[dataset.FREQUENCY].values
-    even_step(frequency_hz, Message("frequency"), "Hz")
+    axis = survey[last].values
+    if kind == TIME:
+        even_step(axis, Message("delay"), "s")
+    else:
+        even_step(axis, Message("frequency"), "Hz")
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
     height_mm = survey[dataset.HEIGHT].transpose(*dataset.SAMPLE_DIMS).values * MM_PER_M
     if not np.isfinite(height_mm[usable]).all():
@@ -57,73 +67,153 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_pr
                 count=np.count_nonzero(~np.isfinite(height_mm[usable])),
             )
         )
-    ends = [f"{_plain(frequency_hz[place] / HZ_PER_MHZ, 6)}M" for place in (0, -1)]
-    tail = f"_Fs{ends[0]}_Fe{ends[1]}_Qf{len(frequency_hz)}_H"
-    x_text, y_text = (_texts(survey[axis].values * MM_PER_M) for axis in (dataset.X, dataset.Y))
+    head, tail = head_of(kind, is_simulated(survey)), axis_part(axis, kind)
+    x_text, y_text = (place_texts(survey[one].values * MM_PER_M) for one in (dataset.X, dataset.Y))
     folder.mkdir(parents=True, exist_ok=True)
     places = [
         (letter, int(row), int(column), turn)
         for letter, turn in turns.items()
         for row, column in np.argwhere(usable[turn])
     ]
+    if kind == TIME:
+        times = "".join(f"{one!r}\n" for one in axis.tolist())
+        (folder / TIMES_FILE).write_text(f"{TIMES_HEADER}\n{times}", encoding="ascii")
     for letter, row, column, turn in progress(places, len(places)):
-        height = _plain(height_mm[turn, row, column], 2)
-        name = f"VNA_X{x_text[column]}_Y{y_text[row]}_Or{letter}{tail}{height}.csv"
-        values = np.asarray(s21[turn, row, column])
+        height = plain(height_mm[turn, row, column], 2)
+        name = f"{head}_X{x_text[column]}_Y{y_text[row]}_Or{letter}{tail}{height}.csv"
+        values = np.asarray(scans[turn, row, column])
         lines = [f"{one.real!r},{one.imag!r}" for one in values.tolist()]
         with (folder / name).open("x", encoding="ascii") as stream:
-            stream.write("\n".join([HEADER, *lines, ""]))
+            stream.write("\n".join([HEADERS[kind], *lines, ""]))
     return len(places)
 
 
-def read_group_csv(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
-    """Read a folder of such files.
+def holds_group_csv(folder: Path) -> bool:
+    """Return whether a folder has files with the group's first words."""
+    return any(True for kind in HEADERS for _ in folder.glob(f"{kind}_*.csv"))
+
+
+def read_group_csv(
+    folder: Path, progress: Progress = no_progress, facts: Optional[Facts] = None
+) -> xr.Dataset:
+    """Read a folder of such files, all over frequency or all over time.
+
+    Args:
+        folder: The folder.
+        progress: Shows the progress.
+        facts: What is known of the survey besides.
 
     Raises:
         AnalysisError: There is none.
         UnreadableFileError: A file is damaged, two have the same position, or frequencies differ.
     """
-    names = {path: _parsed(path.name) for path in sorted(folder.glob("VNA_*.csv"))}
-    if not names:
+    found = {kind: _in_order(folder.glob(f"{kind}_*.csv")) for kind in HEADERS}
+    if not any(found.values()):
         raise AnalysisError(
             Message(
                 "{folder} contains no files {pattern}",
                 folder=folder,
-                pattern="VNA_X..._Y..._Or....csv",
+                pattern="VNA_X..._Y..._Or....csv, TIME_X..._Y..._Or....csv",
             )
         )
-    sweeps = {(one.start_mhz, one.stop_mhz, one.points) for one in names.values()}
+    if all(found.values()):
+        raise UnreadableFileError(
+            Message(
+                "{folder} has files over frequency (VNA_) and over time (TIME_); put each kind "
+                "into a separate folder",
+                folder=folder,
+            )
+        )
+    kind = next(one for one, paths in found.items() if paths)
+    names = {path: parsed(path.name, kind) for path in found[kind]}
+    sweeps = {(one.start, one.stop, one.points) for one in names.values()}
     if len(sweeps) > 1:
         raise UnreadableFileError(
             Message(
-                "{folder} mixes frequencies (MHz, MHz, points): {sweeps}; put the files of each "
+                "{folder} mixes {kind} (first, last, points): {sweeps}; put the files of each "
                 "into a separate folder",
                 folder=folder,
+                kind=Message("frequencies") if kind == VNA else Message("times"),
                 sweeps=sorted(sweeps),
             )
         )
-    start_mhz, stop_mhz, points = sweeps.pop()
-    read = (_read(path, points) for path in progress(list(names), len(names)))
+    start, stop, points = sweeps.pop()
+    notes = [Message("heights and positions are rounded as in the file names")]
+    read = (_read(path, points, HEADERS[kind]) for path in progress(list(names), len(names)))
+    frequency_hz = delay_s = None
+    if kind == VNA:
+        frequency_hz = np.linspace(start * HZ_PER_MHZ, stop * HZ_PER_MHZ, points)
+    else:
+        delay_s = _times(folder, start, stop, points, notes)
     return on_grid(
         folder.name,
         np.array([(DEGREES[one.letter], one.y_mm, one.x_mm) for one in names.values()]),
         read,
         [one.height_mm / MM_PER_M for one in names.values()],
-        np.linspace(start_mhz * HZ_PER_MHZ, stop_mhz * HZ_PER_MHZ, points),
-        [Message("heights and positions are rounded as in the file names")],
+        frequency_hz,
+        notes,
+        simulated=True if any(one.simulated for one in names.values()) else None,
+        facts=facts,
+        delay_s=delay_s,
     )
 
 
-def _read(path: Path, points: int) -> np.ndarray:
+def _in_order(paths: Iterable[Path]) -> List[Path]:
+    return sorted(paths, key=lambda path: path.name)  # faster than the order of paths
+
+
+def _times(
+    folder: Path, start_us: float, stop_us: float, points: int, notes: List[Message]
+) -> np.ndarray:
+    """Return the times of the file `time`, or of the names without it [s]."""
+    path = folder / TIMES_FILE
+    named_s = np.linspace(start_us / US_PER_S, stop_us / US_PER_S, points)
+    if not path.exists():
+        notes.append(
+            Message(
+                "there is no file '{file}', so the times are those of the file names; if these are "
+                "rounded to 0.1 ns, delays are wrong by up to {percent:.2g} %",
+                file=TIMES_FILE,
+                percent=100.0 * ROUNDED_US / max(stop_us - start_us, ROUNDED_US),
+            )
+        )
+        return named_s
+    try:
+        header, *lines = path.read_text(encoding="ascii").split()
+        times_s = np.array(lines, dtype=np.float64)
+    except ValueError as error:
+        raise UnreadableFileError(
+            Message("{file} is damaged", file=TIMES_FILE, details=error)
+        ) from error
+    # The group's program names the first time 0, whatever it is.
+    off_s = np.abs(times_s[-1:] - named_s[-1:])
+    step_s = named_s[1] - named_s[0] if points > 1 else 0.0
+    even = len(times_s) == points > 1 and np.ptp(np.diff(times_s)) < 1e-3 * step_s
+    if header != TIMES_HEADER or not even or off_s[0] > 2.0 * ROUNDED_US / US_PER_S:
+        raise UnreadableFileError(
+            Message(
+                "the {count} times in {file} do not fit the file names, {points} times from "
+                "{start:g} to {stop:g} us",
+                count=len(times_s),
+                file=TIMES_FILE,
+                points=points,
+                start=start_us,
+                stop=stop_us,
+            )
+        )
+    return times_s
+
+
+def _read(path: Path, points: int, expected: str) -> np.ndarray:
     with path.open("rb") as stream:
         header = stream.readline().decode("ascii", "replace").strip()
-        if header != HEADER:
+        if header != expected:
             raise UnreadableFileError(
                 Message(
                     "{file} begins with {found} instead of {header}",
                     file=path.name,
                     found=repr(header[:40]),
-                    header=repr(HEADER),
+                    header=repr(expected),
                 )
             )
         content = stream.read()
@@ -134,14 +224,7 @@ def _read(path: Path, points: int) -> np.ndarray:
                     file=path.name,
                 )
             )
-        try:
-            found = pd.read_csv(
-                io.BytesIO(content), header=None, dtype=np.float64, float_precision="round_trip"
-            ).to_numpy()
-        except ValueError as error:
-            raise UnreadableFileError(
-                Message("{file} is damaged", file=path.name, details=error)
-            ) from error
+    found = _numbers(path, content, points)
     if found.shape != (points, 2):
         raise UnreadableFileError(
             Message(
@@ -158,33 +241,26 @@ def _read(path: Path, points: int) -> np.ndarray:
     return found[:, 0] + 1j * found[:, 1]
 
 
-def _parsed(name: str) -> _Name:
-    found = NAME.fullmatch(name)
-    if found is None:
+def _numbers(path: Path, content: bytes, points: int) -> np.ndarray:
+    """Return the lines of numbers of a file (line, column)."""
+    # Plain lines of two numbers are read as JSON: exact too, and several times as fast.
+    if content.translate(None, NUMBER) == b",\n" * points:
+        try:
+            values = orjson.loads(b"[%b]" % content[:-1].replace(b"\n", b","))
+            return np.array(values, dtype=np.float64).reshape(-1, 2)
+        except orjson.JSONDecodeError:
+            return _csv_numbers(path, content)
+    return _csv_numbers(path, content)
+
+
+def _csv_numbers(path: Path, content: bytes) -> np.ndarray:
+    """Return the same of any CSV file: blank lines, NaN, other columns, numbers such as `1.`."""
+    try:
+        found: np.ndarray = pd.read_csv(
+            io.BytesIO(content), header=None, dtype=np.float64, float_precision="round_trip"
+        ).to_numpy()
+    except ValueError as error:
         raise UnreadableFileError(
-            Message(
-                "the name {file} must have the form {example}",
-                file=name,
-                example="VNA_X155_Y310_OrX_Fs600M_Fe6000M_Qf501_H248.csv",
-            )
-        )
-    x_mm, y_mm, letter, start, stop, points, height = found.groups()
-    return _Name(
-        float(x_mm), float(y_mm), letter, float(start), float(stop), int(points), float(height)
-    )
-
-
-def _texts(values_mm: np.ndarray) -> List[str]:
-    # All with decimals or none: the group's tools sort by the numbers in the names.
-    whole = bool((np.abs(values_mm - np.round(values_mm)) < 5e-4).all())
-    texts = [f"{value:.0f}" if whole else f"{value:.2f}" for value in values_mm]
-    if len(set(texts)) < len(texts):
-        raise ExportError(
-            Message("positions closer than 0.01 mm have the same file name in this format")
-        )
-    return texts
-
-
-def _plain(value: float, decimals: int) -> str:
-    text = f"{value:.{decimals}f}"
-    return text.rstrip("0").rstrip(".")
+            Message("{file} is damaged", file=path.name, details=error)
+        ) from error
+    return found

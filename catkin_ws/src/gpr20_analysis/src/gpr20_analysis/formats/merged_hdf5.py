@@ -13,7 +13,7 @@ from gpr20_analysis import dataset, lazy
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.common import DEGREES, Imported, as_dataset, even_step, letters
-from gpr20_analysis.read import analyzer_attributes, annotation_attributes
+from gpr20_analysis.formats.provenance import SIMULATED, SIMULATED_KEY, kept, marked, restored
 from gpr20_common.message import Message
 
 COMPRESSION: Dict[str, Any] = {"compression": "gzip", "compression_opts": 4}
@@ -49,11 +49,10 @@ def write_merged(survey: xr.Dataset, path: Path, title: str) -> None:
     spacing = {"dx": even_step(x_m, "x", "m"), "dy": even_step(y_m, "y", "m")}
     heights = survey[dataset.HEIGHT].transpose(*dataset.SAMPLE_DIMS).values
     with h5py.File(str(path), "x") as file:
-        file.attrs["Title"] = title
+        file.attrs["Title"] = marked(title, survey)
         file.attrs[AMOUNT] = len(turns) * len(x_m) * len(y_m)
         file.attrs["Original extension of A-Scans"] = ".csv"
-        described = (*annotation_attributes.ATTRIBUTES, *analyzer_attributes.ATTRIBUTES)
-        file.attrs.update({one: survey.attrs[one] for one in described if one in survey.attrs})
+        file.attrs.update(kept(survey))
         place = file.create_group("Position")
         place.attrs.update(x0=x_m[0], y0=y_m[0], xf=x_m[-1], yf=y_m[-1], **spacing)
         names = RANGE[kind]
@@ -122,7 +121,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
             values[turn].imag = 0.0
             notes.append(Message("{scan} does not exist, so the A-scans are real", scan=imaginary))
         height_m[turn] = _heights(file, letter, shape[1:])
-    return as_dataset(
+    data = as_dataset(
         Imported(
             ordered,
             [DEGREES[letter] for letter in turns],
@@ -135,6 +134,10 @@ def _read(file: Any, name: str) -> xr.Dataset:
             notes=[*notes, Message("this format stores single precision, about seven digits")],
         )
     )
+    found = dict(file.attrs)
+    if SIMULATED in str(found.get("Title", "")):
+        found[SIMULATED_KEY] = True
+    return restored(data, found)
 
 
 def _check_amount(file: Any, name: str, found: int) -> None:

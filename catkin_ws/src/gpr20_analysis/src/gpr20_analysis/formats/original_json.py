@@ -6,7 +6,7 @@ import json
 import math
 import re
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import numpy as np
 import orjson
@@ -16,16 +16,16 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
+from gpr20_analysis.formats.lost_imaginary import recover
+from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import with_sentence
 from gpr20_common.message import Message
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
 NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
-SAME_PARTS = Message(
-    "real and imaginary parts are equal in every sample: an old version of the storage lost the "
-    "imaginary part, so there is no phase and no image can be made"
-)
 
 
 def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
@@ -59,6 +59,8 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_pro
                 for one, value in zip(frequencies, values)
             ],
         }
+        if is_simulated(survey):
+            sample[SIMULATED_KEY] = True
         name = f"X{x_mm:06.2f}_Y{y_mm:06.2f}_Z{z_deg:06.2f}.json"
         with (folder / name).open("x", encoding="ascii") as stream:
             json.dump(sample, stream, allow_nan=False)
@@ -70,8 +72,15 @@ def holds_original(folder: Path) -> bool:
     return any(NAME.fullmatch(path.name) for path in folder.glob("X*.json"))
 
 
-def read_original(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
-    """Read a folder of such files.
+def read_original(
+    folder: Path, progress: Progress = no_progress, facts: Optional[Facts] = None
+) -> xr.Dataset:
+    """Read a folder of such files; a lost imaginary part is recovered.
+
+    Args:
+        folder: The folder.
+        progress: Shows the progress.
+        facts: What is known of the survey besides.
 
     Raises:
         AnalysisError: There is none.
@@ -97,15 +106,21 @@ def read_original(folder: Path, progress: Progress = no_progress) -> xr.Dataset:
                     first=paths[0].name,
                 )
             )
-    copied = all(np.array_equal(sample["s21"].real, sample["s21"].imag) for sample in samples)
-    return on_grid(
+    heights_m = [sample["height_m"] for sample in samples]
+    found = recover([sample["s21"] for sample in samples], frequency_hz, heights_m)
+    data = on_grid(
         folder.name,
         np.array([sample["position"] for sample in samples]),
-        (sample["s21"] for sample in samples),
-        [sample["height_m"] for sample in samples],
+        found.spectra,
+        heights_m,
         frequency_hz,
-        [SAME_PARTS] if copied else [],
+        found.notes,
+        simulated=True if any(sample["simulated"] for sample in samples) else None,
+        facts=facts,
     )
+    if found.refusal is None:
+        return data
+    return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, found.refusal))
 
 
 def _read(path: Path) -> Dict[str, Any]:
@@ -119,6 +134,7 @@ def _read(path: Path) -> Dict[str, Any]:
             "position": [float(sample[key]) for key in ("z_coord", "y_coord", "x_coord")],
             "height_m": math.nan if height is None else float(height),
             "frequency_hz": rows[:, 0],
+            "simulated": sample.get(SIMULATED_KEY) is True,
             "s21": rows[:, 1] + 1j * rows[:, 2],
         }
     except (KeyError, TypeError, ValueError) as error:

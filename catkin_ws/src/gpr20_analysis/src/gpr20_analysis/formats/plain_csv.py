@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
+from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
 
-FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality"
+FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality,simulated"
 
 
 def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_progress) -> int:
@@ -31,6 +32,8 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
         name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
         for name in ("index", dataset.HEIGHT, dataset.TIMESTAMP, dataset.QUALITY)
     }
+    # Empty if it is not known.
+    simulated = str(int(is_simulated(survey))) if SIMULATED_KEY in survey.attrs else ""
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
     places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]
     with path.open("x", encoding="ascii", newline="") as stream:
@@ -45,6 +48,7 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
                 repr(float(facts[dataset.HEIGHT][place])),
                 str(facts[dataset.TIMESTAMP][place]),
                 str(facts[dataset.QUALITY][place]),
+                simulated,
             ]
             numbers = np.ascontiguousarray(s21[place]).view(np.float64).tolist()
             stream.write(",".join([*words, *map(repr, numbers)]) + "\n")

@@ -1,21 +1,25 @@
-"""SEG-Y: real A-scans over time, one file per polarization.
+"""SEG-Y revision 1: real A-scans over time, one file per polarization.
 
-SEG-Y counts microseconds, but radar needs picoseconds: the interval field contains picoseconds, as
-the textual header says. Inline is the row (y), crossline the column (x); coordinates are in
-millimetres with scalar -1000, that is metres.
+SEG-Y counts microseconds, but radar needs picoseconds: in these files a microsecond means a
+picosecond, in the binary header and in every trace header, as the textual header says. A program
+that knows nothing of it shows times a million times too long: 50 ps as 50 us. Inline is the row
+(y), crossline the column (x). Coordinates and heights are in metres, stored as tenths of a
+millimetre with scalar -10000.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Dict
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import ExportError, MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import even_step
+from gpr20_analysis.formats.provenance import SIMULATED, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 
@@ -23,7 +27,12 @@ INTERVAL_PS = 50
 PS_PER_S = 1e12
 MOST_SAMPLES = 32767  # a signed 16-bit field
 IEEE_FLOAT = 5
-CROSSLINE_SORTING = 1
+INLINE_SORTING = 2  # the crosslines of the first inline, then those of the second
+SCALAR = 10_000  # per metre
+LENGTH_UNITS, METRES, UTC = 1, 1, 4
+LIVE, DEAD = 1, 2
+REVISION_BYTES = (3500, b"\x01\x00")  # place and content: revision 1.0
+LINES, LINE_LENGTH = 40, 80
 
 
 def file_of(path: Path, rotation_deg: float) -> Path:
@@ -72,13 +81,19 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
             )
         )
     spec = segyio.spec()
-    spec.format, spec.sorting = IEEE_FLOAT, CROSSLINE_SORTING
+    spec.format, spec.sorting = IEEE_FLOAT, INLINE_SORTING
     spec.samples = np.arange(len(delay_s)) * round(interval_ps) / 1000.0
     spec.ilines = np.arange(1, survey.sizes[dataset.Y] + 1)
     spec.xlines = np.arange(1, survey.sizes[dataset.X] + 1)
     traces = _a_scans(survey, delay_s)
     with segyio.create(str(path), spec) as file:
-        _fill(segyio, file, survey, traces, interval_ps, progress)
+        file.text[0] = _text(survey, delay_s)
+        file.bin.update(_binary_header(segyio, len(delay_s), round(interval_ps)))
+        _write_traces(segyio, file, survey, traces, round(interval_ps), progress)
+    # Not by segyio, whose versions name this field differently.
+    with path.open("r+b") as stream:
+        stream.seek(REVISION_BYTES[0])
+        stream.write(REVISION_BYTES[1])
     return survey.sizes[dataset.Y] * survey.sizes[dataset.X]
 
 
@@ -111,43 +126,112 @@ def _a_scans(survey: xr.Dataset, delay_s: np.ndarray) -> np.ndarray:
     return np.stack(rows)
 
 
-def _fill(
+def _binary_header(segyio: Any, samples: int, interval_ps: int) -> Dict[Any, int]:
+    field = segyio.BinField
+    return {
+        field.JobID: 1,
+        field.LineNumber: 1,
+        field.ReelNumber: 1,
+        field.Traces: 1,
+        field.AuxTraces: 0,
+        field.Interval: interval_ps,
+        field.IntervalOriginal: interval_ps,
+        field.Samples: samples,
+        field.SamplesOriginal: samples,
+        field.Format: IEEE_FLOAT,
+        field.EnsembleFold: 1,
+        field.SortingCode: 1,  # as recorded
+        field.MeasurementSystem: METRES,
+        field.TraceFlag: 1,  # all traces have the same length
+    }
+
+
+def _write_traces(
     segyio: Any,
     file: Any,
     survey: xr.Dataset,
     traces: np.ndarray,
-    interval_ps: float,
+    interval_ps: int,
     progress: Progress,
 ) -> None:
     field = segyio.TraceField
-    file.text[0] = segyio.tools.create_text_header(_text(survey, interval_ps))
-    file.bin.update({segyio.BinField.Interval: round(interval_ps), segyio.BinField.Format: 5})
     usable = dataset.usable(survey).transpose(dataset.Y, dataset.X).values
+    heights = np.nan_to_num(survey[dataset.HEIGHT].transpose(dataset.Y, dataset.X).values)
+    times = np.full(usable.shape, "NaT", "datetime64[ns]")
+    if dataset.TIMESTAMP in survey:
+        times = survey[dataset.TIMESTAMP].transpose(dataset.Y, dataset.X).values
+    shared = {
+        field.ElevationScalar: -SCALAR,
+        field.SourceGroupScalar: -SCALAR,
+        field.CoordinateUnits: LENGTH_UNITS,
+        field.TRACE_SAMPLE_COUNT: traces.shape[-1],
+        field.TRACE_SAMPLE_INTERVAL: interval_ps,
+        field.DataUse: 1,  # production
+        field.TimeBaseCode: UTC,
+    }
     places = list(np.ndindex(*usable.shape))
     for number, (row, column) in enumerate(progress(places, len(places))):
-        x_mm, y_mm = (
-            round(float(survey[axis].values[place]) * dataset.MM_PER_M)
-            for axis, place in ((dataset.X, column), (dataset.Y, row))
+        x, y, height = (
+            round(float(one) * SCALAR)
+            for one in (
+                survey[dataset.X].values[column],
+                survey[dataset.Y].values[row],
+                heights[row, column],
+            )
         )
         file.header[number] = {
-            field.TRACE_SEQUENCE_LINE: number + 1,
-            field.TraceIdentificationCode: 1 if usable[row, column] else 2,
+            **shared,
+            **dict.fromkeys(
+                (field.TRACE_SEQUENCE_LINE, field.TRACE_SEQUENCE_FILE, field.CDP), number + 1
+            ),
+            field.FieldRecord: row + 1,
+            field.TraceNumber: column + 1,
+            field.CDP_TRACE: 1,
+            field.TraceIdentificationCode: LIVE if usable[row, column] else DEAD,
+            field.NStackedTraces: 1,
+            field.ReceiverGroupElevation: height,
+            field.SourceDepth: -height,
             field.INLINE_3D: row + 1,
             field.CROSSLINE_3D: column + 1,
-            field.SourceGroupScalar: -1000,
-            **dict.fromkeys((field.SourceX, field.GroupX, field.CDP_X), x_mm),
-            **dict.fromkeys((field.SourceY, field.GroupY, field.CDP_Y), y_mm),
-            field.TRACE_SAMPLE_INTERVAL: round(interval_ps),
+            **dict.fromkeys((field.SourceX, field.GroupX, field.CDP_X), x),
+            **dict.fromkeys((field.SourceY, field.GroupY, field.CDP_Y), y),
+            **_time(field, times[row, column]),
         }
         file.trace[number] = np.where(usable[row, column], traces[row, column], np.float32(0.0))
 
 
-def _text(survey: xr.Dataset, interval_ps: float) -> Any:
-    simulated = "SIMULATED DATA" if survey.attrs.get("simulated") else ""
+def _time(field: Any, moment: np.datetime64) -> Dict[Any, int]:
+    if np.isnat(moment):
+        return {}
+    utc = pd.Timestamp(moment)
     return {
-        1: f"GPR-20 SURVEY {survey.attrs.get('survey_id', '')}",
-        2: f"ANTENNAS AT {float(survey[dataset.POLARIZATION]):g} DEG {simulated}",
-        3: f"SAMPLE INTERVAL IS IN PICOSECONDS: {round(interval_ps)} PS",
-        4: "INLINE = ROW (Y), CROSSLINE = COLUMN (X); COORDINATES IN MM, SCALAR -1000",
-        5: "TRACES WITH IDENTIFICATION CODE 2 WERE NOT MEASURED OR ARE DAMAGED",
+        field.YearDataRecorded: utc.year,
+        field.DayOfYear: utc.dayofyear,
+        field.HourOfDay: utc.hour,
+        field.MinuteOfHour: utc.minute,
+        field.SecondOfMinute: utc.second,
     }
+
+
+def _text(survey: xr.Dataset, delay_s: np.ndarray) -> str:
+    step_ps, first_ps = (round(one * PS_PER_S) for one in (delay_s[1] - delay_s[0], delay_s[0]))
+    known = {True: f"{SIMULATED} DATA: THEY SHOW NO REAL GROUND", False: "MEASURED DATA"}
+    lines = {
+        1: f"GPR-20 SURVEY {survey.attrs.get('survey_id', '')}",
+        2: known[is_simulated(survey)] if "simulated" in survey.attrs else "",
+        3: "STEPPED-FREQUENCY GROUND-PENETRATING RADAR, REAL A-SCANS OVER TWO-WAY DELAY",
+        4: f"ANTENNAS AT {float(survey[dataset.POLARIZATION]):g} DEG",
+        5: "UNIT OF TIME: 1 MICROSECOND IN THIS FILE MEANS 1 PICOSECOND",
+        6: f"SAMPLE INTERVAL {step_ps} PS, {len(delay_s)} SAMPLES, THE FIRST AT {first_ps} PS",
+        7: "INLINE = ROW (Y), CROSSLINE = COLUMN (X), BYTES 189 AND 193",
+        8: "X AND Y IN METRES OF THE SCANNER, BYTES 73, 77, 81, 85, 181, 185, SCALAR -10000",
+        9: "ANTENNA HEIGHT ABOVE GROUND IN METRES, BYTE 41, SCALAR -10000, 0 IF NOT KNOWN",
+        10: "TRACES WITH IDENTIFICATION CODE 2 WERE NOT MEASURED OR ARE DAMAGED",
+        11: "TIMES ARE UTC; YEAR 0 IF NOT KNOWN",
+        LINES - 1: "SEG Y REV1",
+        LINES: "END TEXTUAL HEADER",
+    }
+    return "".join(
+        f"C{number:2d} {lines.get(number, '')}"[:LINE_LENGTH].ljust(LINE_LENGTH)
+        for number in range(1, LINES + 1)
+    )

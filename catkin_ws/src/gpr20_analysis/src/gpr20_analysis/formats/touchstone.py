@@ -11,6 +11,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import usable_samples
+from gpr20_analysis.formats.provenance import marked
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.analyzer_attributes import ATTRIBUTES
 
@@ -40,7 +41,8 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
         number = int(index[place])
         network = skrf.Network(frequency=frequency, s=scattering, z0=IMPEDANCE_OHM)
         network.comments = (
-            f"GPR-20 survey {survey.attrs.get('survey_id', '')} sample {number}\n"
+            f"{marked('GPR-20', survey)} survey {survey.attrs.get('survey_id', '')} "
+            f"sample {number}\n"
             f"only S21 was measured; S11, S12 and S22 are 0 in place of numbers{settings}"
         )
         name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"

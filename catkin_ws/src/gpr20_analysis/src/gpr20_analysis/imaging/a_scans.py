@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
@@ -13,6 +14,58 @@ from gpr20_analysis.processing.sweep import FrequencyGrid, Window
 # Linear interpolation between samples of the analytic signal loses (2 pi f dt)^2 / 8 of a
 # component: 0.6 % at 3.3 GHz, 2 % at 6 GHz, without a phase error.
 SAMPLE_S = 10.6e-12
+
+
+@dataclass(frozen=True)
+class Transform:
+    """Turns spectra to A-scans between delay 0 and a longest one.
+
+    Attributes:
+        matrix: From the spectrum to the gated and weighted one of a coarser sweep.
+        start_hz: First frequency [Hz].
+        sample_s: Step of the A-scans [s].
+        count: Samples within the unambiguous delay.
+        kept: Samples of an A-scan.
+    """
+
+    matrix: np.ndarray
+    start_hz: float
+    sample_s: float
+    count: int
+    kept: int
+
+    @classmethod
+    def until(cls, longest_delay_s: float, sweep: FrequencyGrid, window: Window) -> Transform:
+        """Return the transform of a sweep.
+
+        Args:
+            longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
+            sweep: Frequencies of the spectra.
+            window: Weights over the band.
+        """
+        coarse, gate = gated_sweep(sweep, longest_delay_s)
+        weights = window.weights(sweep.count)
+        scale = coarse.step_hz / (weights.sum() * sweep.step_hz)
+        matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
+        count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
+        sample_s = coarse.unambiguous_s / count
+        kept = int(np.ceil(longest_delay_s / sample_s)) + 4
+        return cls(matrix, coarse.start_hz, sample_s, count, kept)
+
+    def a_scans(self, spectra: np.ndarray) -> np.ndarray:
+        """Return analytic A-scans (trace, delay) from delay 0 on, complex64.
+
+        Args:
+            spectra: Spectra (trace, frequency).
+        """
+        gated = spectra.astype(np.complex64) @ self.matrix
+        # ifft divides by the count; the true frequency of the first value is put back as a phase.
+        samples = scipy.fft.ifft(gated, self.count, axis=1, workers=2)
+        delay_s = self.sample_s * np.arange(self.count)
+        samples *= (self.count * np.exp(2j * np.pi * self.start_hz * delay_s)).astype(np.complex64)
+        # Never shorter than requested: compiled loops read there without a check.
+        beyond = ((0, 0), (0, max(0, self.kept - self.count)))
+        return np.ascontiguousarray(np.pad(samples[:, : self.kept], beyond))
 
 
 def gated_a_scans(
@@ -26,21 +79,8 @@ def gated_a_scans(
         window: Weights over the band.
         longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
     """
-    coarse, gate = gated_sweep(sweep, longest_delay_s)
-    weights = window.weights(sweep.count)
-    scale = coarse.step_hz / (weights.sum() * sweep.step_hz)
-    matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
-    gated = spectra.astype(np.complex64) @ matrix
-    count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
-    sample_s = coarse.unambiguous_s / count
-    # ifft divides by the count; the true frequency of the first value is put back as a phase.
-    samples = scipy.fft.ifft(gated, count, axis=1, workers=2)
-    delay_s = sample_s * np.arange(count)
-    samples *= (count * np.exp(2j * np.pi * coarse.start_hz * delay_s)).astype(np.complex64)
-    kept = int(np.ceil(longest_delay_s / sample_s)) + 4
-    # Never shorter than requested: compiled loops read there without a check.
-    beyond = ((0, 0), (0, max(0, kept - count)))
-    return np.ascontiguousarray(np.pad(samples[:, :kept], beyond)), sample_s
+    transform = Transform.until(longest_delay_s, sweep, window)
+    return transform.a_scans(spectra), transform.sample_s
 
 
 # Share of the gate over which it fades in, and again over which it fades out.

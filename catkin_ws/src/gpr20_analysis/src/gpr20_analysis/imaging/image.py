@@ -4,25 +4,41 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Dict, Sequence, Tuple
+from typing import Any, Dict, Hashable, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.dataset import ATTRIBUTES, DEPTH, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.dataset import (
+    ATTRIBUTES,
+    DEPTH,
+    IMAGE,
+    NOISE,
+    NOISE_OVER_X,
+    NOISE_OVER_Y,
+    POLARIZATION,
+    X,
+    Y,
+)
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
+from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
+from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
+from gpr20_analysis.imaging.noise import law_of, measured_noise
 from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, estimate_permittivity
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.imaging.records import Focus, Ground, Traces
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.sweep import Window
+from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 
+Positions = Tuple[Optional[np.ndarray], Optional[np.ndarray]]
+"""Positions of the image along X and Y [m]; None: those of the traces."""
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
 
@@ -35,16 +51,20 @@ def image_survey(
     Args:
         survey: Dataset with `s21`, without coupling and surface echo.
         options: How the image is made.
-        progress: Shows which polarization is imaged.
+        progress: Shows the progress over all polarizations.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
-        methods), and attributes that describe how it was made and what was left out.
+        methods), and attributes that describe how it was made and what was left out. `noise`
+        (polarization, depth), times `noise_over_y` and `noise_over_x`, is the standard magnitude of
+        noise in each voxel, measured where no echo can arrive; missing where that is impossible.
 
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
         DamagedSurveyError: Samples or heights are missing, and that was not allowed.
+        TooLargeError: An image with that grid step would not fit into the memory.
     """
+    x, y = image_axes(survey, options)
     traces, notes = traces_of(survey, options)
     focus = Focus(
         permittivity=options.permittivity or 4.0,
@@ -52,27 +72,38 @@ def image_survey(
         window=options.window,
         widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
-        ground=options.ground,
+        ground=options.ground or Ground.LEVEL,
     )
     attributes: Dict[str, object] = {"permittivity_source": "given"}
+    heights_m = float(np.mean([np.mean(one.height_m) for one in traces]))
     if options.permittivity is None:
         estimate = estimate_permittivity(traces, focus)
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
         notes = [*notes, *estimate.notes]
+    if options.method.of_the_group:
+        # The group's program has its own window.
+        focus = replace(focus, window=Window.HAMMING)
+        notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
     _check_unambiguous(traces, focus)
-    volumes = [_volume(one, focus, options.method) for one in progress(traces, len(traces))]
+    at = (None, None) if options.grid_step_m is None else (x.values, y.values)
+    volumes = [
+        _volume(one, focus, options.method, at, stage) for one, stage in in_stages(traces, progress)
+    ]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
-        Y: survey[Y],
-        X: survey[X],
+        Y: y,
+        X: x,
     }
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
+    image = image.assign(_noise(traces, focus, options.method, volumes[0], at))
     described = with_notes(survey, notes)
-    return image.assign_attrs({**described, **attributes, **_record(options, focus)})
+    attributes["mean_height_m"] = heights_m
+    delay_s = delay_to_remove_s(survey, options.delay_s)
+    return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
 
 def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
@@ -103,13 +134,41 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _volume(traces: Traces, focus: Focus, method: Method) -> Volume:
+def _volume(
+    traces: Traces,
+    focus: Focus,
+    method: Method,
+    at: Positions,
+    progress: Progress = no_progress,
+) -> Volume:
     if method is Method.BACK_PROJECTION:
-        return back_projection_image(traces, focus), focus.depth_m
+        return back_projection_image(traces, focus, *at, progress=progress), focus.depth_m
     if method is Method.PHASE_SHIFT:
-        return phase_shift_image(traces, focus), focus.depth_m
+        return phase_shift_image(traces, focus, *at), focus.depth_m
     along = "x" if method is Method.KIRCHHOFF_2D else "xy"
     return kirchhoff_image(traces, focus, along)
+
+
+def _noise(
+    traces: Sequence[Traces], focus: Focus, method: Method, volume: Volume, at: Positions
+) -> Dict[Hashable, Any]:
+    law = law_of(method.value)
+
+    def imager(some: Traces, how: Focus) -> Volume:
+        return _volume(some, how, method, at)
+
+    found = measured_noise(traces, focus, volume[1], law, imager)
+    if found is None:
+        return {}
+    attributes = {"units": "1", "long_name": "standard magnitude of noise", "law": law.value}
+    for name, correlation in zip((DEPTH, Y, X), found.correlation):
+        attributes[f"correlation_{name}"] = correlation  # type: ignore[assignment]
+    attributes["measured_from_s"] = found.late_s  # type: ignore[assignment]
+    return {
+        NOISE: ((POLARIZATION, DEPTH), found.depth, attributes),
+        NOISE_OVER_Y: (Y, found.over_y, {"units": "1", "long_name": "noise relative to `noise`"}),
+        NOISE_OVER_X: (X, found.over_x, {"units": "1", "long_name": "noise relative to `noise`"}),
+    }
 
 
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
@@ -121,7 +180,7 @@ def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
     }
 
 
-def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
+def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, object]:
     record = {
         "method": options.method.value,
         "permittivity": focus.permittivity,
@@ -130,7 +189,9 @@ def _record(options: ImageOptions, focus: Focus) -> Dict[str, object]:
         "separation_m": focus.separation_m,
         "ground": focus.ground.value,
         "height_m": options.height_m,
+        "grid_step_m": options.grid_step_m,
         "leave_out_missing": options.leave_out_missing,
+        "delay_s": delay_s,
     }
     return {"permittivity": focus.permittivity, "method": options.method.value,
             "imaging": json.dumps(record)}  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.antenna_delay import check_delay
 from gpr20_analysis.processing.sweep import Window
 from gpr20_common.message import Message
 
@@ -21,6 +22,11 @@ class Method(enum.Enum):
     BACK_PROJECTION = "back-projection"
     KIRCHHOFF = "kirchhoff"
     KIRCHHOFF_2D = "kirchhoff-2d"
+
+    @property
+    def of_the_group(self) -> bool:
+        """Whether it repeats the GPR-20 group's program."""
+        return self in (Method.KIRCHHOFF, Method.KIRCHHOFF_2D)
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,12 @@ class ImageOptions:
         widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; used by back-projection and by the estimate
             of the permittivity.
-        ground: Why the recorded heights differ; back-projection alone knows uneven ground.
+        ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
+            level, but the other methods refuse heights that differ much.
+        delay_s: Delay of cables and antennas to remove [s]; None: the one that the survey
+            records, else none.
+        grid_step_m: Step of the image along X and Y, or slightly less so that the first and last
+            position are those of the survey [m]; None: the survey's own positions.
     """
 
     method: Method = Method.PHASE_SHIFT
@@ -48,7 +59,9 @@ class ImageOptions:
     window: Window = Window.HANN
     widest_angle_deg: float = 70.0
     separation_m: float = 0.0
-    ground: Ground = Ground.LEVEL
+    ground: Optional[Ground] = None
+    delay_s: Optional[float] = None
+    grid_step_m: Optional[float] = None
 
     def __post_init__(self) -> None:
         """Check the options.
@@ -68,6 +81,18 @@ class ImageOptions:
         _check(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
         _check(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
         _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
+        if self.delay_s is not None:
+            check_delay(self.delay_s)
+        _check(Message("the step of the image"), self.grid_step_m, 0.001, 1.0, "m")
+        if self.grid_step_m is not None and self.method.of_the_group:
+            raise WrongDatasetError(
+                Message(
+                    "the method {method} repeats the GPR-20 group's program, which images at the "
+                    "positions of the survey; use --grid-step with --method {other}",
+                    method=self.method.value,
+                    other=Method.PHASE_SHIFT.value,
+                )
+            )
         if self.ground is Ground.UNEVEN and self.method is not Method.BACK_PROJECTION:
             raise WrongDatasetError(
                 Message(

@@ -5,15 +5,17 @@ of all traces is moved down through the air and on into the soil by multiplying 
 image is the sum over the frequencies at delay 0. Refraction is exact, because the phase of
 each plane wave keeps its horizontal wavenumber across the surface.
 
-It needs a regular grid of positions. All traces are brought to one height first, by the phase of
-a vertical path, so it is exact where the height does not vary.
+It needs a regular grid of positions. Traces of other heights are moved to one height by the phase
+of each plane wave, as in back-projection over level ground. That phase depends on both the place
+and the wavenumber, so it is interpolated between a few heights, each with a transform of its own;
+their number follows from a bound of the error.
 """
 
 from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from typing import Iterator, Tuple, Union
+from typing import Iterator, Optional, Tuple, Union
 
 import numpy as np
 import scipy.fft
@@ -23,6 +25,8 @@ from gpr20_analysis import cluster
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
+from gpr20_analysis.imaging.image_grid import interpolated
+from gpr20_analysis.imaging.one_height import transform_at_one_height, unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid
@@ -35,31 +39,40 @@ SAMPLES_AT_ONCE = 60_000
 THREADS = 2
 
 
-def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
-    """Return the complex image (depth, y, x) at the positions of the traces.
+def phase_shift_image(
+    traces: Traces,
+    focus: Focus,
+    x_m: Optional[np.ndarray] = None,
+    y_m: Optional[np.ndarray] = None,
+) -> np.ndarray:
+    """Return the complex image (depth, y, x).
 
     Args:
         traces: Traces on a regular grid.
         focus: How to focus.
+        x_m: Positions of the image along X, within those of the traces [m]; default theirs.
+        y_m: The same along Y.
 
     Raises:
         WrongDatasetError: The positions do not form a regular grid.
     """
     step_m = (grid_step_m(traces.y_m, "y"), grid_step_m(traces.x_m, "x"))
-    height_m = float(np.mean(traces.height_m))
-    reach_m = _reach_m(height_m, focus, math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m)))
-    deepest_s = one_way_delay_s(height_m, focus.depth_m[-1], reach_m, focus.permittivity)
-    spectra, sweep = _gated_spectra(traces, focus, height_m, 2.0 * float(deepest_s))
+    highest_m = float(np.max(traces.height_m))
+    height_m = (highest_m + float(np.min(traces.height_m))) / 2.0
+    reach_m = _reach_m(highest_m, focus, math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m)))
+    deepest_s = one_way_delay_s(highest_m, focus.depth_m[-1], reach_m, focus.permittivity)
+    spectra, sweep = _gated_spectra(traces, focus, 2.0 * float(deepest_s))
     # Padding for waves that leave the grid on one side, so that they do not enter on the other.
     padded = tuple(
         scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
         for count, step in zip(spectra.shape[1:], step_m)
     )
-    spectra = scipy.fft.fft2(spectra, s=padded, workers=THREADS, overwrite_x=True)
     air_rad_m = 4.0 * np.pi / speed_of_light * sweep.frequency_hz
-    waves = PlaneWaves(
-        spectra.reshape(sweep.count, -1), air_rad_m, _wavenumbers(padded, step_m), height_m
+    across_rad_m = _wavenumbers(padded, step_m)
+    spectra = transform_at_one_height(
+        spectra, traces.height_m - height_m, padded, air_rad_m, across_rad_m, focus
     )
+    waves = PlaneWaves(spectra, air_rad_m, across_rad_m, height_m)
     # Interleaved parts: most of the work is in the lower wavenumbers, which are adjacent.
     parts = cluster.parts()
     cut = [slice(first, None, parts) for first in range(parts)]
@@ -67,7 +80,10 @@ def phase_shift_image(traces: Traces, focus: Focus) -> np.ndarray:
     focused = cluster.distribute(_focused, focus, [waves.some(part) for part in cut])
     for part, found in zip(cut, focused):
         image[:, part] = found
-    image = scipy.fft.ifft2(image.reshape(-1, *padded), workers=THREADS, overwrite_x=True)
+    image = image.reshape(-1, *padded)
+    if x_m is not None and y_m is not None:
+        return interpolated(image, step_m, x_m - traces.x_m[0], y_m - traces.y_m[0])
+    image = scipy.fft.ifft2(image, workers=THREADS, overwrite_x=True)
     return image[:, : len(traces.y_m), : len(traces.x_m)]
 
 
@@ -145,15 +161,6 @@ def _focused(focus: Focus, waves: PlaneWaves) -> np.ndarray:
     return image
 
 
-def unit_phasor(phase_rad: np.ndarray) -> np.ndarray:
-    """Return exp(1j phase) in single precision, the phase taken modulo a turn in double."""
-    small = np.remainder(phase_rad, 2.0 * np.pi).astype(np.float32)
-    phasor = np.empty(small.shape, dtype=np.complex64)
-    np.cos(small, out=phasor.real)
-    np.sin(small, out=phasor.imag)
-    return phasor
-
-
 def grid_step_m(position_m: np.ndarray, axis: str) -> float:
     """Return the step of regular positions [m].
 
@@ -163,7 +170,7 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
     if len(position_m) < 2:
         raise WrongDatasetError(
             Message(
-                "the survey has {count} position along {axis}, but the phase shift needs two or "
+                "the survey has {count} position along {axis}, but this method needs two or "
                 "more; use --method back-projection",
                 count=len(position_m),
                 axis=axis,
@@ -193,19 +200,15 @@ def _reach_m(height_m: float, focus: Focus, diagonal_m: float) -> float:
 
 
 def _gated_spectra(
-    traces: Traces, focus: Focus, height_m: float, longest_delay_s: float
+    traces: Traces, focus: Focus, longest_delay_s: float
 ) -> Tuple[np.ndarray, FrequencyGrid]:
-    """Return weighted spectra at one height (frequency, y, x), and their sweep."""
+    """Return weighted spectra (frequency, y, x), and their sweep."""
     sweep, gate = gated_sweep(traces.sweep, longest_delay_s)
     weights = focus.window.weights(traces.sweep.count)
     scale = sweep.step_hz / (weights.sum() * traces.sweep.step_hz * traces.height_m.size)
     matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
-    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64)
+    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64, copy=False)
     spectra = (matrix.T @ flat.T).reshape(sweep.count, *traces.height_m.shape)
-    if np.ptp(traces.height_m) > 0.0:
-        higher_m = traces.height_m - height_m
-        turn_rad_m = 4.0 * np.pi / speed_of_light * sweep.frequency_hz
-        spectra *= unit_phasor(turn_rad_m[:, None, None] * higher_m)
     return spectra, sweep
 
 

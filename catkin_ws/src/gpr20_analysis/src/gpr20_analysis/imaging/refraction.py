@@ -95,7 +95,7 @@ class DelayTable:
     """One-way delays by height, distance and depth.
 
     Attributes:
-        delay_s: Delays (height, distance, depth) [s].
+        delay_s: Delays (height, distance, depth), float32 [s].
         lowest_m: First height [m].
         height_step_m: Step of the heights [m].
         distance_step_m: Step of the distances, which start at 0 [m].
@@ -127,12 +127,12 @@ def tabulate_delays(
     # Two beyond the furthest, so that its right neighbour exists.
     distances = 3 + math.ceil(furthest_m / DISTANCE_STEP_M)
     distance_m = (DISTANCE_STEP_M * np.arange(distances))[:, None]
-    delay_s = one_way_delay_s(
-        (lowest_m + step_m * np.arange(heights))[:, None, None],
-        depth_m[None, None, :],
-        distance_m[None, :, :],
-        permittivity,
-    )
+    # Height by height, because the iterations need several times the memory of their result.
+    delay_s = np.empty((heights, distances, len(depth_m)), dtype=np.float32)
+    for one, own in enumerate(delay_s):
+        own[:] = one_way_delay_s(
+            lowest_m + step_m * one, depth_m[None, :], distance_m, permittivity
+        )
     surface_s_per_m = surface_delay_s_per_m(
         float(np.mean(height_m)), depth_m[None, :], distance_m, permittivity
     )

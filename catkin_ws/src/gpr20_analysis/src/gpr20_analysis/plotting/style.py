@@ -1,39 +1,55 @@
-"""Common parts of all figures: size, scales, colours, and the remarks below them."""
+"""Common parts of all figures: size, scales, colours, and the notes below them."""
 
 from __future__ import annotations
 
-from typing import Any, List, Optional
+from typing import Any, List, Optional, Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_analysis.processing.polarization import COMBINED, DISPLAY_ONLY
-from gpr20_analysis.sentences import ENGLISH, sentence_of, sentences_of
+from gpr20_analysis.plotting.noted_figure import NotedFigure
+from gpr20_analysis.plotting.ranges import range_db
+from gpr20_analysis.processing.display import DISPLAY_ONLY
+from gpr20_analysis.processing.polarization import COMBINED
+from gpr20_analysis.sentences import ENGLISH, limited, sentence_of, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 
 # A perceptually uniform map, readable by the colour-blind.
 MAGNITUDE_MAP = "viridis"
 SIGNED_MAP = "RdBu_r"
 NOT_MEASURED = "lightgrey"
-RANGE_DB = 40.0
-WIDTH_IN, HEIGHT_IN = 5.6, 4.4
+WIDTH_IN, HEIGHT_IN, COLOUR_BAR_IN = 4.3, 3.9, 0.9
+PANEL_TITLE_PT = 9.0
+# What is brighter than the scale by less is not marked at its end.
+LEAST_CLIPPED = 1.01
+LISTED = 6
+"""Number of notes below a figure."""
 
 
 def new_figure(
-    data: xr.Dataset, columns: int = 1, title: str = "", catalogue: Catalogue = ENGLISH
-) -> Figure:
-    """Return an empty figure with remarks on the data below it."""
-    figure = Figure(figsize=(WIDTH_IN * columns, HEIGHT_IN), layout="constrained")
-    figure.suptitle(title, fontsize=10)
-    remarks = remarks_of(data)
-    if remarks:
-        text = catalogue.text(in_a_row(remarks))
-        figure.supxlabel(text, fontsize=7, color="firebrick", wrap=True)
-    return figure
+    data: xr.Dataset,
+    columns: int = 1,
+    title: str = "",
+    catalogue: Catalogue = ENGLISH,
+    rows: float = 1.0,
+) -> NotedFigure:
+    """Return an empty figure with notes on the data below it.
+
+    Args:
+        data: What it shows.
+        columns: Number of panels beside each other.
+        title: Title of the figure.
+        catalogue: Language of the notes.
+        rows: Height in rows of panels.
+
+    Returns:
+        The figure.
+    """
+    notes = [shown(one, catalogue) for one in remarks_of(data)]
+    return NotedFigure((WIDTH_IN * columns + COLOUR_BAR_IN, HEIGHT_IN * rows), title, notes)
 
 
 def remarks_of(data: xr.Dataset) -> List[Message]:
@@ -44,9 +60,9 @@ def remarks_of(data: xr.Dataset) -> List[Message]:
         remarks.append(Message("{count} samples damaged", count=damaged))
     if missing:
         remarks.append(Message("{count} samples missing", count=missing))
-    remarks += sentences_of(data, "notes")
     changed = sentence_of(data, DISPLAY_ONLY)
-    return remarks if changed is None else [*remarks, changed]
+    remarks += [] if changed is None else [changed]
+    return [*remarks, *limited(sentences_of(data, "notes"), LISTED)]
 
 
 def decibels(values: np.ndarray, reference: Optional[float] = None) -> np.ndarray:
@@ -79,17 +95,31 @@ def draw(
     )
 
 
-def draw_decibels(
-    axes: Axes,
-    values_db: np.ndarray,
-    across: np.ndarray,
-    down: np.ndarray,
-    catalogue: Catalogue = ENGLISH,
-) -> None:
-    """Draw dB values with their colour bar."""
-    drawn = draw(axes, values_db, across, down, cmap=MAGNITUDE_MAP, vmin=-RANGE_DB, vmax=0.0)
-    label = catalogue.tr("magnitude [dB relative to maximum]")
-    axes.figure.colorbar(drawn, ax=axes, label=label, extend="min")
+class DecibelScale:
+    """One colour scale for all panels of a figure.
+
+    Args:
+        values: Everything that the scale is for; its median is the darkest colour.
+        reference: Magnitude of 0 dB.
+    """
+
+    def __init__(self, values: np.ndarray, reference: float) -> None:
+        magnitudes = np.abs(values)
+        self._reference = reference
+        self._range_db = range_db(magnitudes, reference)
+        brighter = np.nanmax(magnitudes, initial=0.0) > reference * LEAST_CLIPPED
+        self._extend = "both" if brighter else "min"
+        self._drawn: Any = None
+
+    def draw(self, axes: Axes, values: np.ndarray, across: np.ndarray, down: np.ndarray) -> None:
+        """Draw magnitudes (down, across)."""
+        limits = {"cmap": MAGNITUDE_MAP, "vmin": -self._range_db, "vmax": 0.0}
+        self._drawn = draw(axes, decibels(values, self._reference), across, down, **limits)
+
+    def add_bar(self, figure: NotedFigure, panels: Sequence[Axes], label: str) -> None:
+        """Add the colour bar beside the panels."""
+        bar = figure.colorbar(self._drawn, ax=list(panels), extend=self._extend)
+        bar.set_label(label, fontsize=PANEL_TITLE_PT)
 
 
 def plan_axes(axes: Axes) -> None:

@@ -22,6 +22,7 @@ from gpr20_analysis.dataset import (
     require_complete,
 )
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.processing.surface_background import with_surface
 from gpr20_common.message import Message
 
 # Of the sweep's step.
@@ -34,6 +35,8 @@ BAND_BYTES = 128 << 20
 class Background(enum.Enum):
     """How the background is estimated, from complex data."""
 
+    SURFACE = "surface"
+    """Mean, and the echo of the surface at each recorded height."""
     MEAN = "mean"
     """Mean over all positions."""
     MEDIAN = "median"
@@ -98,13 +101,14 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
 
 
 def remove_background(
-    survey: xr.Dataset, method: Background = Background.MEAN, width: int = 11, rank: int = 1
+    survey: xr.Dataset, method: Background = Background.SURFACE, width: int = 11, rank: int = 1
 ) -> xr.Dataset:
     """Subtract the background of each polarization.
 
     Args:
         survey: The survey; missing samples stay missing and are ignored.
-        method: How the background is estimated.
+        method: How the background is estimated. With equal or unknown heights, or with fewer than
+            20 traces, the surface is the mean.
         width: Width of the moving window along X and along Y, in positions, odd.
         rank: Number of components that SVD removes.
 
@@ -118,7 +122,11 @@ def remove_background(
         return survey.assign({S21: _without_strongest(measured, rank)})
     if method is Background.MOVING:
         return survey.assign({S21: _without_moving(measured, width)})
-    background = _mean(measured) if method is Background.MEAN else _median(measured)
+    if method is Background.SURFACE:
+        cleaned = with_surface(survey, measured, _present(measured))
+        if cleaned is not None:
+            return survey.assign({S21: cleaned})
+    background = _median(measured) if method is Background.MEDIAN else _mean(measured)
     return survey.assign({S21: measured - background})
 
 

@@ -15,14 +15,16 @@ import yaml
 
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
-from gpr20_analysis.processing.delay import set_time_zero, to_time
-from gpr20_analysis.processing.polarization import (
-    apply_gain,
-    combine_polarizations,
-    select_polarization,
-)
+from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
+from gpr20_analysis.processing.display import apply_gain, envelope
+from gpr20_analysis.processing.filters import dewow, filter_dips
+from gpr20_analysis.processing.polarization import combine_polarizations, select_polarization
+from gpr20_analysis.processing.robust_pca import remove_low_rank
 from gpr20_analysis.processing.samples import fill_missing
+from gpr20_analysis.processing.surface_echo import with_surface_delay
 from gpr20_analysis.processing.sweep import apply_window, select_band
+from gpr20_analysis.processing.time_zero import correct_topography, pick_time_zero
+from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
@@ -32,14 +34,22 @@ Reader = Callable[[str], xr.Dataset]
 FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "coupling": subtract_coupling,
     "background": remove_background,
+    "rpca": remove_low_rank,
+    "fk": filter_dips,
+    "dewow": dewow,
     "band": select_band,
     "window": apply_window,
+    "delay": remove_delay,
     "time_zero": set_time_zero,
+    "pick_time_zero": pick_time_zero,
+    "topography": correct_topography,
     "fill": fill_missing,
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
+    "frequency": to_frequency,
     "gain": apply_gain,
+    "envelope": envelope,
 }
 """The steps by name; the arguments after the survey are the parameters of a step."""
 
@@ -154,11 +164,16 @@ def parameters_of(name: str) -> Dict[str, Tuple[type, Any]]:
 def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.Dataset:
     """Apply steps one after another; attribute `processing` of the result lists all of them.
 
+    Before the first one the surface echo is looked for, because many steps remove it; an image
+    compares it with the recorded heights (attribute `surface_delay_s`).
+
     Args:
         survey: The survey.
         steps: The steps.
         read: Reads a Dataset that a step names, such as a reference survey.
     """
+    if steps and not recipe_of(survey):
+        survey = with_surface_delay(survey)
     for step in steps:
         arguments = {
             key: _argument(kind, step.parameters[key], read)
@@ -172,6 +187,13 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
 
 def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
     """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
+
+    Args:
+        survey: Dataset of a survey, or of an earlier step.
+        steps: The steps, as for `--step` of the command line.
+
+    Returns:
+        The Dataset after the steps; attribute `processing` is the recipe that made it.
 
     Raises:
         RecipeError: One is malformed, or a step or parameter is unknown.

@@ -22,7 +22,10 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.processing.antenna_delay import REMOVED, check_delay, recorded_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
+from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
 from gpr20_common.message import Message
 
 ADVANCE = "advance"
@@ -72,26 +75,69 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
         dask_gufunc_kwargs={"output_sizes": {DELAY: count}},
     )
     in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
+    in_time = in_time.assign_attrs({SPECTRUM: Spectrum(sweep, window).to_json()})
     in_time = in_time.assign_coords({DELAY: (DELAY, delay_s, ATTRIBUTES[DELAY])})
     return in_time.assign({A_SCAN: a_scans.assign_attrs(ATTRIBUTES[A_SCAN])})
+
+
+def remove_delay(survey: xr.Dataset, delay_s: float) -> xr.Dataset:
+    """Remove the delay of cables and antennas from the spectra.
+
+    Images of the result remove no further delay.
+
+    Args:
+        survey: Dataset with `s21`.
+        delay_s: The delay [s], such as `gpr20 delay` fits it.
+
+    Raises:
+        WrongDatasetError: The delay is out of range or was removed before, or time zero was set.
+    """
+    check_delay(delay_s)
+    measured = require(survey, S21, S21_DIMS)
+    if REMOVED in survey.attrs:
+        raise WrongDatasetError(
+            Message(
+                "the step delay removed {delay_ns:g} ns before; a second delay would add to it",
+                delay_ns=survey.attrs[REMOVED] * 1e9,
+            )
+        )
+    if ADVANCE in survey:
+        raise WrongDatasetError(
+            Message("time zero was set before; apply the step delay before time_zero")
+        )
+    turns = np.exp(2j * np.pi * survey[FREQUENCY].values * delay_s)
+    shifted = lazy.in_rows(measured) * xr.DataArray(turns, dims=FREQUENCY)
+    attributes = {**survey.attrs, ANTENNA_DELAY: 0.0, REMOVED: delay_s}
+    return survey.assign({S21: shifted.assign_attrs(measured.attrs)}).assign_attrs(attributes)
 
 
 def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
     """Put delay 0 at the surface below each trace, by its recorded height.
 
-    This changes the spectra, so no delay is rounded. Variable `advance` holds the delay that was
-    removed, from which imaging computes the position of the antennas.
+    This changes the spectra, so no delay is rounded. The recorded delay of cables and antennas is
+    removed too. Variable `advance` holds the delay that was removed, from which imaging computes
+    the position of the antennas.
 
     Raises:
         WrongDatasetError: Time zero was set before.
         DamagedSurveyError: A usable sample has no height.
     """
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    require(survey, S21, S21_DIMS)
     if ADVANCE in survey:
         raise WrongDatasetError(
             Message("time zero was set before; setting it again would shift it twice")
         )
-    advance = 2.0 * known_height(survey) / speed_of_light
+    return advanced(survey, 2.0 * known_height(survey) / speed_of_light + recorded_delay_s(survey))
+
+
+def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
+    """Return a survey without a delay of each trace, which becomes variable `advance`.
+
+    Args:
+        survey: Dataset with `s21`.
+        advance: The delay (polarization, y, x) [s].
+    """
+    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     frequency_hz = survey[FREQUENCY].values
     shifted = xr.apply_ufunc(
         lambda s21, s: s21 * np.exp(2j * np.pi * frequency_hz * s[..., np.newaxis]),
@@ -102,7 +148,7 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         dask="parallelized",
         output_dtypes=[measured.dtype],
     )
-    removed = advance.assign_attrs(units="s", long_name="delay of the surface, removed")
+    removed = advance.assign_attrs(units="s", long_name="delay that was removed: time zero")
     return survey.assign({S21: shifted, ADVANCE: removed})
 
 

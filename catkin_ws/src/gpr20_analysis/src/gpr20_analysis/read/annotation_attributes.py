@@ -9,8 +9,8 @@ from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import annotation_of
 
 OPERATOR, SITE, NOTES = "operator", "site", "survey_notes"
-LATITUDE, LONGITUDE = "latitude_deg", "longitude_deg"
-ATTRIBUTES = (OPERATOR, SITE, NOTES, LATITUDE, LONGITUDE)
+LATITUDE, LONGITUDE, HEADING = "latitude_deg", "longitude_deg", "heading_deg"
+ATTRIBUTES = (OPERATOR, SITE, NOTES, LATITUDE, LONGITUDE, HEADING)
 
 
 def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) -> Dict[str, Any]:
@@ -32,6 +32,8 @@ def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) 
     if annotation.position is not None:
         found[LATITUDE] = annotation.position.latitude_deg
         found[LONGITUDE] = annotation.position.longitude_deg
+    if annotation.heading_deg is not None:
+        found[HEADING] = annotation.heading_deg
     return found
 
 

@@ -13,8 +13,10 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.formats import migrated_hdf5
 from gpr20_analysis.formats.dataset_check import checked
 from gpr20_analysis.formats.dataset_files import CHUNK_BYTES, is_dataset, read_dataset
+from gpr20_analysis.formats.recognition import refuse_importable
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
 from gpr20_analysis.read.sources import open_source
@@ -36,7 +38,7 @@ def load_survey(
 
     Args:
         path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
-            `gpr20` as .nc or .zarr.
+            `gpr20` as .nc or .zarr, or a migrated image of the group as .h5.
         accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
             `faults`, instead of refusing the survey. Samples that are merely missing are never
             refused: they are NaN, marked, and named in attribute `missing`.
@@ -44,6 +46,9 @@ def load_survey(
         lazy_bytes: If the data are larger than this [bytes], they are checked once and stored
             in a temporary file, and `s21` is a dask array in chunks of whole rows. A .nc or
             .zarr is read in place.
+
+    Returns:
+        The Dataset.
 
     Raises:
         DamagedSurveyError: Something is damaged and that was not accepted.
@@ -57,6 +62,9 @@ def load_survey(
         )
     if is_dataset(found):
         return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)
+    if found.suffix == migrated_hdf5.ENDING and migrated_hdf5.is_migrated(found):
+        return checked(migrated_hdf5.read_migrated(found), found.name)
+    refuse_importable(found)
     made: List[_TemporaryArray] = []
 
     def allocate(shape: Tuple[int, int]) -> np.ndarray:

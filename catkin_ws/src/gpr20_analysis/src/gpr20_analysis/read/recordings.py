@@ -7,6 +7,7 @@ messages are read.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import struct
 from dataclasses import dataclass, field
@@ -22,6 +23,7 @@ from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
 
 from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.read.unindexed_bag import complete_messages, has_whole_index
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.bag_reader import StoredBag
@@ -35,7 +37,7 @@ BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 INDEX_POSITION = b"index_pos="
 RECORD_HEAD_BYTES = 9  # opcode and length
 CUT_OFF = Message(
-    "the recording was cut off before its index was written; all complete messages were read"
+    "the recording has no complete index, because it was cut off; all complete messages were read"
 )
 
 
@@ -60,11 +62,12 @@ def open_recording(path: Path) -> OpenRecording:
         OSError: It cannot be read.
     """
     if not is_finished(path):
-        described = (one for one in _whole_messages(path) if is_metadata_topic(one.topic))
+        described = (one for one in _readable_messages(path) if is_metadata_topic(one.topic))
         metadata = next((_text(one.data) for one in described), None)
-        return OpenRecording(trace_messages(path, finished=False), 0, metadata, [CUT_OFF])
+        traces = (one for one in _readable_messages(path) if _is_trace_type(one.datatype))
+        return OpenRecording(traces, 0, metadata, [CUT_OFF])
     with _failing_as_unreadable(path):
-        return _open_bag(path) if path.suffix == BAG else _open_mcap(path)
+        return _open_bag(path) if is_bag(path) else _open_mcap(path)
 
 
 def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
@@ -79,7 +82,7 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
     """
     if not finished:
         return (one for one in _whole_messages(path) if one.datatype == trace_message.DATATYPE)
-    return _bag_traces(path) if path.suffix == BAG else _mcap_traces(path, None)
+    return _bag_traces(path) if is_bag(path) else _mcap_traces(path, None)
 
 
 def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
@@ -125,10 +128,10 @@ def is_finished(path: Path) -> bool:
         UnreadableFileError: It is neither.
         OSError: It cannot be read.
     """
-    magic = BAG_MAGIC if path.suffix == BAG else MCAP_MAGIC
+    magic = BAG_MAGIC if is_bag(path) else MCAP_MAGIC
     with path.open("rb") as stream:
         if stream.read(len(magic)) != magic:
-            kind = "bag" if path.suffix == BAG else "MCAP"
+            kind = "bag" if is_bag(path) else "MCAP"
             raise UnreadableFileError(
                 Message(
                     "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
@@ -142,7 +145,17 @@ def is_finished(path: Path) -> bool:
     if place < 0:
         raise UnreadableFileError(Message("{file} has no bag header", file=path.name))
     place += len(INDEX_POSITION)
-    return head[place : place + 8] != bytes(8)
+    return head[place : place + 8] != bytes(8) and has_whole_index(path)
+
+
+def is_bag(path: Path) -> bool:
+    """Return whether a name is that of a bag; `rosbag record` names one that it writes .active."""
+    return path.name.endswith((BAG, f"{BAG}.active"))
+
+
+def is_recording(path: Path) -> bool:
+    """Return whether a name is that of a bag or an MCAP file."""
+    return is_bag(path) or path.suffix == MCAP
 
 
 def _open_bag(path: Path) -> OpenRecording:
@@ -220,10 +233,27 @@ def _trace_channels(summary: Summary) -> Dict[int, Channel]:
 def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
     """Yield every complete message of a recording that has no index yet."""
     stored: Union[StoredBag, StoredMcap]
-    stored = StoredBag(path) if path.suffix == BAG else StoredMcap(path)
+    stored = StoredBag(path) if is_bag(path) else StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
         raise UnreadableFileError(in_a_row(stored.faults))
+
+
+def _readable_messages(path: Path) -> Iterator[RecordedMessage]:
+    """Yield the messages of whole chunks, then those in full of a chunk that was cut off.
+
+    Bags that another recorder wrote have chunks of another form, which are read too.
+    """
+    count = 0
+    try:
+        for message in _whole_messages(path):
+            count += 1
+            yield message
+    except UnreadableFileError:
+        if count or not is_bag(path):
+            raise
+    if is_bag(path):
+        yield from itertools.islice(complete_messages(path), count, None)
 
 
 @contextlib.contextmanager
@@ -240,7 +270,11 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
 
 
 def _is_trace(connection: Any) -> bool:
-    return bool(connection.msgtype.replace("/msg/", "/") == trace_message.DATATYPE)
+    return _is_trace_type(connection.msgtype)
+
+
+def _is_trace_type(name: str) -> bool:
+    return bool(name.replace("/msg/", "/") == trace_message.DATATYPE)
 
 
 def _text(data: bytes) -> str:

@@ -131,7 +131,7 @@ def open_source(path: Path) -> SurveySource:
         return _folder_source(path)
     if not path.exists():
         raise AnalysisError(not_there(path))
-    if path.suffix in (recordings.BAG, recordings.MCAP):
+    if recordings.is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
         return JsonSource(path.name, [path], None)

@@ -56,6 +56,9 @@ def verify_survey(
         progress: Shows the progress of each pass over its traces.
         use_manifest: False: check it as if it had no manifest, so everything else is compared.
 
+    Returns:
+        What was found, with the verdict.
+
     Raises:
         AnalysisError: It is not the folder of a survey.
         OSError: The disk cannot be read.

@@ -2,87 +2,95 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
-from typing import List, Sequence, Tuple
+from typing import Iterator, List, Tuple
 
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
-from gpr20_analysis.report.page import Section
+from gpr20_analysis.plotting.noted_figure import NotedFigure, wrapped
+from gpr20_analysis.report.pdf_text import (
+    BOTTOM_PT,
+    LEFT_PT,
+    PAGE_PT,
+    POINTS_PER_IN,
+    SMALL_PT,
+    TEXT_WIDTH_PT,
+    TOP_PT,
+    Line,
+    text_pages,
+)
+from gpr20_analysis.report.records import Report
+from gpr20_common.catalogue import Catalogue
 
-A4_IN = (8.27, 11.69)
 RESOLUTION_DPI = 200
-LINES_ON_PAGE, LETTERS_IN_LINE = 68, 92
-LETTERS_IN_CELL = 62
-SIZE_PT, LEFT, TOP, LINE = 8, 0.08, 0.95, 0.0132
-
-Line = Tuple[str, str, str]
-"""Text, colour and weight."""
 
 
-def write_pdf(path: Path, title: str, sections: Sequence[Section]) -> None:
+def write_pdf(path: Path, report: Report, catalogue: Catalogue) -> None:
     """Write a report.
+
+    Args:
+        path: The file.
+        report: What it shows.
+        catalogue: Language of the page numbers.
 
     Raises:
         OSError: It cannot be written.
     """
-    lines = _wrapped(title, "black", "bold")
-    for section in sections:
-        lines += [("", "black", "normal"), *_lines(section)]
-    with PdfPages(str(path), metadata={"Title": title}) as pages:
-        _write_text(pages, lines)
-        for section in sections:
-            for caption, figure in section.figures:
-                text = f"{section.title}: {caption}"
-                figure.text(0.01, 0.99, text, va="top", size=SIZE_PT, color="dimgrey")
-                pages.savefig(figure, dpi=RESOLUTION_DPI)
+    with PdfPages(str(path), metadata={"Title": report.title}) as pages:
+        for page in pages_of(report, catalogue):
+            pages.savefig(page, dpi=RESOLUTION_DPI)
 
 
-def _lines(section: Section) -> List[Line]:
-    found = [(section.title, "black", "bold")]
-    for text in section.warnings:
-        found += _wrapped(text, "darkred", "bold")
-    for text in section.lines:
-        found += _wrapped(text, "black", "normal")
-    rows = [*([section.heading] if section.heading and section.rows else []), *section.rows]
-    for row in _aligned(rows):
-        found.append((row, "black", "normal"))
-    return found
+def pages_of(report: Report, catalogue: Catalogue) -> Iterator[Figure]:
+    """Yield each page of a report.
+
+    Args:
+        report: What it shows.
+        catalogue: Language of the page numbers.
+
+    Yields:
+        The pages of text, then the figures.
+    """
+    texts = text_pages(report)
+    figures = [
+        (f"{section.title}: {report.caption(caption)}", figure)
+        for section in report.sections
+        for caption, figure in section.figures
+    ]
+    count = len(texts) + len(figures)
+    for number, lines in enumerate(texts, 1):
+        page = catalogue.tr("page {number} of {count}", number=number, count=count)
+        yield _sheet(lines, report, page)
+    for number, (caption, figure) in enumerate(figures, len(texts) + 1):
+        page = catalogue.tr("page {number} of {count}", number=number, count=count)
+        below = [one for one in (report.footer, f"{page}, {report.title}") if one]
+        if isinstance(figure, NotedFigure):
+            figure.add_lines(above=[caption], below=below)
+        yield figure
 
 
-def _wrapped(text: str, colour: str, weight: str) -> List[Line]:
-    return [(one, colour, weight) for one in textwrap.wrap(text, LETTERS_IN_LINE)]
-
-
-def _aligned(rows: Sequence[Tuple[str, ...]]) -> List[str]:
-    """Return the rows of a table with aligned columns; the last column is wrapped."""
-    if not rows:
-        return []
-    widths = [max(len(row[place]) for row in rows) for place in range(len(rows[0]) - 1)]
-    found = []
-    for row in rows:
-        parts = [textwrap.wrap(one, LETTERS_IN_CELL) for one in row[-1].splitlines()]
-        last = [line for part in parts for line in part] or [""]
-        head = "  ".join(text.ljust(width) for text, width in zip(row, widths))
-        found.append(f"{head}  {last[0]}")
-        found += [" " * (len(head) + 2) + more for more in last[1:]]
-    return found
-
-
-def _write_text(pages: PdfPages, lines: Sequence[Line]) -> None:
-    for first in range(0, len(lines), LINES_ON_PAGE):
-        sheet = Figure(figsize=A4_IN)
-        for number, (text, colour, weight) in enumerate(lines[first : first + LINES_ON_PAGE]):
-            # Escaped, because a dollar sign begins a formula.
+def _sheet(lines: List[Line], report: Report, page: str) -> Figure:
+    width_pt, height_pt = PAGE_PT
+    sheet = Figure(figsize=(width_pt / POINTS_PER_IN, height_pt / POINTS_PER_IN))
+    width_in = TEXT_WIDTH_PT / POINTS_PER_IN
+    # The title may be as long as the identifier of a survey from elsewhere.
+    below = [report.footer, *wrapped([f"{page}, {report.title}"], width_in, SMALL_PT)[:1]]
+    around: List[Tuple[float, str, str]] = [
+        (height_pt - TOP_PT / 2.0, report.banner, "bottom"),
+        (BOTTOM_PT - SMALL_PT, "\n".join(below), "top"),
+    ]
+    for up_pt, text, edge in around:
+        sheet.text(
+            LEFT_PT / width_pt, up_pt / height_pt, text, size=SMALL_PT, color="firebrick",
+            va=edge, parse_math=False,
+        )  # fmt: skip
+    up_pt = height_pt - TOP_PT
+    for line in lines:
+        for right_pt, text in line.cells:
             sheet.text(
-                LEFT,
-                TOP - number * LINE,
-                text.replace("$", r"\$"),
-                color=colour,
-                weight=weight,
-                size=SIZE_PT,
-                family="monospace",
-                va="top",
-            )
-        pages.savefig(sheet)
+                (LEFT_PT + right_pt) / width_pt, up_pt / height_pt, text, size=line.size_pt,
+                color=line.colour, weight=line.weight, va="top", parse_math=False,
+            )  # fmt: skip
+        up_pt -= line.height_pt
+    return sheet

@@ -1,28 +1,26 @@
-"""The figures of a survey and its image, for the report."""
+"""The figures of a survey and its image, and its candidates, for the report."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, List, Sequence, Tuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis import dataset
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.imaging.echoes import find_echoes
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.image_output import (
-    doubtful_echoes,
-    echo_heading,
-    echo_row,
-    permittivity_line,
-)
-from gpr20_analysis.plotting import scans
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_output import permittivity_line
+from gpr20_analysis.plotting import projections, scans
+from gpr20_analysis.plotting.ranges import last_delay_s, surface_delay_s, until
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
-from gpr20_analysis.report.page import Section
+from gpr20_analysis.report.records import Section
 from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -32,9 +30,9 @@ if TYPE_CHECKING:
 
 SLICES = 3
 NS_PER_S, PS_PER_S = 1e9, 1e12
-# Margin below the deepest layer of the image, and values for unknown height and permittivity.
-MARGIN_S, HEIGHT_M, PERMITTIVITY = 1e-9, 0.3, 9.0
-IMAGE_TITLE = Message("Image of the ground")
+# Of the figures, where the survey's steps are longer.
+FINE_STEP_M, MOST_VOXELS = 0.005, 4_000_000
+IMAGE_TITLE, CANDIDATES_TITLE = Message("Image of the ground"), Message("Candidates")
 
 Pictures = List[Tuple[str, "Figure"]]
 
@@ -43,19 +41,19 @@ def as_measured(
     survey: xr.Dataset, options: ImageOptions, catalogue: Catalogue = ENGLISH
 ) -> Section:
     """Return A-, B- and C-scans before any processing."""
-    in_time = _shown(survey, options)
+    in_time, last_s = to_time(survey), _last_s(survey, options)
     x_m, y_m = _middle(survey)
     figures: Pictures = []
     if dataset.usable(survey).sel(x=x_m, y=y_m).values.any():
-        figure = scans.a_scan_figure(in_time, x_m, y_m, catalogue)
+        figure = scans.a_scan_figure(in_time, x_m, y_m, last_s, catalogue)
         figures.append((catalogue.tr("A-scan in the middle"), figure))
-    figures += _b_scans(in_time, x_m, y_m, catalogue)
-    surface_s = 2.0 * _height_m(survey) / speed_of_light
-    if np.isfinite(survey[dataset.HEIGHT]).any():
+    figures += _b_scans(in_time, (x_m, y_m), last_s, options.permittivity, catalogue)
+    surface_s = surface_delay_s(survey)
+    if surface_s is not None:
         delay_ps = surface_s * PS_PER_S
         caption = catalogue.tr("C-scan at the surface, {delay_ps:.0f} ps", delay_ps=delay_ps)
         figures.append((caption, scans.c_scan_figure(in_time, surface_s, catalogue)))
-    last_ns = float(in_time[dataset.DELAY][-1]) * NS_PER_S
+    last_ns = float(until(in_time, last_s)[dataset.DELAY][-1]) * NS_PER_S
     line = catalogue.tr(
         "Delays up to {last_ns:.1f} ns are shown, slightly more than the image covers.",
         last_ns=last_ns,
@@ -69,49 +67,107 @@ def imaged(
     options: ImageOptions,
     catalogue: Catalogue = ENGLISH,
 ) -> List[Section]:
-    """Return the data after the steps, the image, and the echoes in it."""
+    """Return the candidates, the image, and the data from which it was made.
+
+    Args:
+        survey: Dataset with `s21`.
+        steps: The steps before imaging.
+        options: How the image is made.
+        catalogue: Language of the texts.
+
+    Returns:
+        The sections; the first says why if there is no image.
+    """
     try:
         processed = apply_steps(survey, steps, _no_other_survey)
     except AnalysisError as error:
         # A survey that cannot be imaged gets a report too, which says why.
         return [_no_image(error, catalogue)]
-    views = []
-    if dataset.S21 in processed:
-        figures = _b_scans(_shown(processed, options), *_middle(processed), catalogue)
-        lines = [catalogue.tr("step: {step}", step=_step_text(step)) for step in steps]
-        views.append(Section(catalogue.tr("Data after the steps"), lines=lines, figures=figures))
     try:
         image = image_survey(processed, options)
     except AnalysisError as error:
-        return [*views, _no_image(error, catalogue)]
-    return [*views, *_image(image, options, catalogue)]
+        views = _after_steps(processed, steps, options, options.permittivity, catalogue)
+        return [_no_image(error, catalogue), *views]
+    permittivity = float(image.attrs["permittivity"])
+    found = find_candidates(image)
+    drawn = _finer(processed, image, options)
+    return [
+        _candidates(drawn, found, catalogue),
+        _image(drawn, found, options, catalogue),
+        *_after_steps(processed, steps, options, permittivity, catalogue),
+    ]
+
+
+def _finer(processed: xr.Dataset, image: xr.Dataset, options: ImageOptions) -> xr.Dataset:
+    """Return an image with a finer grid for the figures, if it takes little time and memory."""
+    steps_m = [np.diff(image[axis].values) for axis in (dataset.X, dataset.Y)]
+    coarsest_m = max((float(np.max(one)) for one in steps_m if one.size), default=0.0)
+    voxels = image[dataset.IMAGE].size * (coarsest_m / FINE_STEP_M) ** 2
+    if (
+        options.grid_step_m is not None
+        or options.method is not Method.PHASE_SHIFT
+        or coarsest_m <= FINE_STEP_M
+        or voxels > MOST_VOXELS
+    ):
+        return image
+    permittivity = float(image.attrs["permittivity"])
+    finer = replace(options, grid_step_m=FINE_STEP_M, permittivity=permittivity)
+    # What is said about the estimate and the data is that of the image with the candidates.
+    return image_survey(processed, finer).assign_attrs(image.attrs)
+
+
+def _after_steps(
+    processed: xr.Dataset,
+    steps: Sequence[Step],
+    options: ImageOptions,
+    permittivity: Optional[float],
+    catalogue: Catalogue,
+) -> List[Section]:
+    if dataset.S21 not in processed:
+        return []
+    last_s = _last_s(processed, options)
+    figures = _b_scans(to_time(processed), _middle(processed), last_s, permittivity, catalogue)
+    lines = [catalogue.tr("step: {step}", step=_step_text(step)) for step in steps]
+    return [Section(catalogue.tr("Data after the steps"), lines=lines, figures=figures)]
 
 
 def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
     warning = Message("No image was made: {reason}", reason=error.message)
-    return Section(catalogue.text(IMAGE_TITLE), warnings=[shown(warning, catalogue)])
+    return Section(
+        catalogue.text(CANDIDATES_TITLE),
+        catalogue.text(NO_CLEARANCE),
+        [shown(warning, catalogue)],
+    )
 
 
-def _image(image: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> List[Section]:
-    echoes = find_echoes(image)
+def _candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> Section:
+    figure = projections.candidate_map_figure(image, found.candidates, catalogue)
+    return Section(
+        catalogue.text(CANDIDATES_TITLE),
+        catalogue.text(NO_CLEARANCE),
+        lines=[shown(one, catalogue) for one in [*tail_sentences(found), *found.notes]],
+        rows=[candidate_row(one, catalogue) for one in found.candidates],
+        heading=candidate_heading(catalogue),
+        figures=[(catalogue.tr("Map of the candidates"), figure)],
+    )
+
+
+def _image(
+    image: xr.Dataset, found: CandidateList, options: ImageOptions, catalogue: Catalogue
+) -> Section:
     figures: Pictures = []
     for number, turn in enumerate(image[dataset.POLARIZATION].values):
         caption = catalogue.tr("Maximum projections at {rotation_deg:g} deg", rotation_deg=turn)
-        figures.append((caption, scans.projection_figure(image, number, catalogue)))
-    slices_m = image[dataset.DEPTH].sel(depth=[one.depth_m for one in echoes], method="nearest")
-    # Echoes of both polarizations are mostly at one depth.
+        figure = projections.projection_figure(image, number, found.candidates, catalogue)
+        figures.append((caption, figure))
+    depths_m = [one.depth_m for one in found.candidates]
+    slices_m = image[dataset.DEPTH].sel(depth=depths_m, method="nearest")
+    # Some candidates are at one depth.
     for depth_m in list(dict.fromkeys(slices_m.values.tolist()))[:SLICES]:
         caption = catalogue.tr("Slice at {depth_mm:.1f} mm", depth_mm=depth_m * dataset.MM_PER_M)
         figures.append((caption, scans.c_scan_figure(image, depth_m, catalogue)))
-    lines = [catalogue.text(one) for one in doubtful_echoes(echoes)]
-    listed = Section(
-        catalogue.tr("Echoes"),
-        lines=lines if echoes else [catalogue.tr("No echo was found.")],
-        rows=[echo_row(echo, catalogue) for echo in echoes],
-        heading=echo_heading(catalogue),
-    )
     rows = _parameters(image, options, catalogue)
-    return [Section(catalogue.text(IMAGE_TITLE), rows=rows, figures=figures), listed]
+    return Section(catalogue.text(IMAGE_TITLE), rows=rows, figures=figures)
 
 
 def _parameters(
@@ -144,19 +200,8 @@ def _step_text(step: Step) -> str:
     return f"{step.name} ({values})" if values else step.name
 
 
-def _shown(survey: xr.Dataset, options: ImageOptions) -> xr.Dataset:
-    in_time = to_time(survey)
-    permittivity = options.permittivity or PERMITTIVITY
-    path_m = _height_m(survey) + options.depth_m[-1] * np.sqrt(permittivity)
-    last_s = 2.0 * path_m / speed_of_light + MARGIN_S
-    some = max(2, int(np.searchsorted(in_time[dataset.DELAY].values, last_s)))
-    return in_time.isel({dataset.DELAY: slice(None, some)})
-
-
-def _height_m(survey: xr.Dataset) -> float:
-    heights_m = survey[dataset.HEIGHT].values
-    known = np.isfinite(heights_m)
-    return float(heights_m[known].max()) if known.any() else HEIGHT_M
+def _last_s(survey: xr.Dataset, options: ImageOptions) -> float:
+    return last_delay_s(survey, options.depth_m[-1], options.permittivity)
 
 
 def _middle(survey: xr.Dataset) -> Tuple[float, float]:
@@ -164,11 +209,25 @@ def _middle(survey: xr.Dataset) -> Tuple[float, float]:
     return x_m, y_m
 
 
-def _b_scans(in_time: xr.Dataset, x_m: float, y_m: float, catalogue: Catalogue) -> Pictures:
+def _b_scans(
+    in_time: xr.Dataset,
+    place_m: Tuple[float, float],
+    last_s: float,
+    permittivity: Optional[float],
+    catalogue: Catalogue,
+) -> Pictures:
     figures: Pictures = []
+    x_m, y_m = place_m
     for along, at_m in ((dataset.X, y_m), (dataset.Y, x_m)):
         if in_time.sizes[along] > 1:
-            figure = scans.b_scan_figure(in_time, along, at_m, catalogue=catalogue)
+            figure = scans.b_scan_figure(
+                in_time,
+                along,
+                at_m,
+                last_s=last_s,
+                permittivity=permittivity,
+                catalogue=catalogue,
+            )
             figures.append((catalogue.tr("B-scan along {axis}", axis=along), figure))
     return figures
 

@@ -19,7 +19,7 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.verification import FILES, verify_survey
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_analysis.report import pictures
-from gpr20_analysis.report.page import Section
+from gpr20_analysis.report.records import Section
 from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of, warnings_of
 from gpr20_analysis.sentences import ENGLISH, limited, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
@@ -47,20 +47,22 @@ def sections_of(
         options: How the image is made.
         progress: Shows the progress.
         catalogue: Language of the report.
+
+    Returns:
+        The sections, in order: verdict and candidates first.
     """
-    found: List[Section] = []
+    verdict, *verification = _checked(survey, path, catalogue)
     parts: List[Callable[[], Sequence[Section]]] = [
-        lambda: _checked(survey, path, catalogue),
-        lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
-        lambda: [_table(Message("Measurement settings"), settings_of(survey), catalogue)],
+        lambda: [verdict],
+        lambda: pictures.imaged(survey, steps, options, catalogue),
         lambda: [_quality(survey, catalogue)],
         lambda: [pictures.as_measured(survey, options, catalogue)],
-        lambda: pictures.imaged(survey, steps, options, catalogue),
+        lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
+        lambda: [_table(Message("Measurement settings"), settings_of(survey), catalogue)],
+        lambda: verification,
         lambda: [_table(Message("Software versions"), versions(survey), catalogue)],
     ]
-    for part in progress(parts, len(parts)):
-        found += [one for one in part() if not one.empty]
-    return found
+    return [one for part in progress(parts, len(parts)) for one in part() if not one.empty]
 
 
 def versions(survey: xr.Dataset) -> List[Row]:
@@ -123,8 +125,8 @@ def _section(
 ) -> Section:
     return Section(
         catalogue.text(title),
-        [shown(one, catalogue) for one in warnings],
-        [shown(one, catalogue) for one in lines],
+        warnings=[shown(one, catalogue) for one in warnings],
+        lines=[shown(one, catalogue) for one in lines],
     )
 
 

@@ -42,7 +42,14 @@ Row = Tuple[Message, Message]
 
 
 def summarize(survey: xr.Dataset) -> Dict[str, str]:
-    """Return title and text of each line of a survey's summary, in English."""
+    """Return a summary of a survey or an image, in English.
+
+    Args:
+        survey: Dataset of a survey or of an image.
+
+    Returns:
+        Title and text of each line.
+    """
     return {str(title): str(text) for title, text in summary_of(survey)}
 
 

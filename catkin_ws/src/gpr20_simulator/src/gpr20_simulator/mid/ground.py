@@ -103,7 +103,8 @@ class Ground:
                     targets.level,
                 ]
             ),
-            np.concatenate(
+            antennas.delay_s
+            + np.concatenate(
                 [
                     [antennas.coupling_delay_s],
                     [surface_path_m / SPEED_OF_LIGHT_M_S],

@@ -66,8 +66,9 @@ class Antennas:
         height_m: Height of the antennas above the plane z = 0 [m].
         separation_m: Distance between the two antennas, along their rotation [m].
         coupling_level_db: Magnitude of the direct transmission between them [dB].
-        coupling_delay_s: Delay of the direct transmission [s].
+        coupling_delay_s: Delay of the direct transmission, without `delay_s` [s].
         surface_gain_db: Magnitude of the echo of a perfect mirror at 0.1 m of path [dB].
+        delay_s: Delay of cables and antennas, which every path has in addition [s].
     """
 
     height_m: float = bounded(0.05, 0.6, 0.20)
@@ -75,6 +76,7 @@ class Antennas:
     coupling_level_db: float = bounded(-200.0, -3.0, -35.0)
     coupling_delay_s: float = bounded(0.0, 100e-9, 0.4e-9)
     surface_gain_db: float = bounded(-200.0, -3.0, -14.0)
+    delay_s: float = bounded(0.0, 100e-9, 0.0)
 
 
 @dataclass(frozen=True)

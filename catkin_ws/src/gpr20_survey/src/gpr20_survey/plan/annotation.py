@@ -15,10 +15,12 @@ ANNOTATION = "annotation"
 """Key of survey.json."""
 OPERATOR, SITE, NOTES = Message("operator"), Message("site"), Message("notes")
 LATITUDE, LONGITUDE = Message("latitude"), Message("longitude")
+HEADING = Message("heading")
 MAX_NAME_CHARACTERS = 200
 MAX_NOTES_CHARACTERS = 4000
 MAX_LATITUDE_DEG = 90.0
 MAX_LONGITUDE_DEG = 180.0
+MAX_HEADING_DEG = 360.0
 
 # Controls, halves of characters, separators of lines and paragraphs.
 _REFUSED_CATEGORIES = frozenset({"Cc", "Cs", "Zl", "Zp"})
@@ -77,12 +79,15 @@ class Annotation:
         site: Where, in words.
         notes: Everything else, in any number of lines.
         position: Where, on the earth; None if it is not known.
+        heading_deg: Direction of +Y, clockwise from true north, 0 to 360 [deg]; None if it is not
+            known. It is not part of the ROS message.
     """
 
     operator: str = ""
     site: str = ""
     notes: str = ""
     position: Optional[Wgs84Position] = None
+    heading_deg: Optional[float] = None
 
     def __post_init__(self) -> None:
         check_text(OPERATOR, self.operator, MAX_NAME_CHARACTERS)
@@ -90,6 +95,12 @@ class Annotation:
         check_text(NOTES, self.notes, MAX_NOTES_CHARACTERS, lines=True)
         if not (self.position is None or isinstance(self.position, Wgs84Position)):
             raise _wrong_type(Message("position"), self.position, Message("a position"))
+        heading = self.heading_deg
+        if heading is not None:
+            if isinstance(heading, bool) or not isinstance(heading, (int, float)):
+                raise _wrong_type(HEADING, heading, Message("a number"))
+            number_between(HEADING, heading, 0.0, MAX_HEADING_DEG, "deg")
+            object.__setattr__(self, "heading_deg", float(heading))
 
     def with_defaults(self, defaults: Annotation) -> Annotation:
         """Return this annotation with its empty fields taken from another one.
@@ -104,8 +115,9 @@ class Annotation:
         )
 
     def values(self) -> Dict[str, Any]:
-        """Return the entry of survey.json."""
+        """Return the entry of survey.json; the heading only if it is known."""
         position = self.position
+        heading = {} if self.heading_deg is None else {"heading_deg": self.heading_deg}
         return {
             "operator": self.operator,
             "site": self.site,
@@ -116,6 +128,7 @@ class Annotation:
                 "latitude_deg": position.latitude_deg,
                 "longitude_deg": position.longitude_deg,
             },
+            **heading,
         }
 
     def fields(self) -> Dict[str, Any]:
@@ -149,7 +162,11 @@ def from_values(values: Any) -> Annotation:
     Raises:
         InvalidValueError: It is not one.
     """
-    texts = _object(ANNOTATION, values, ("operator", "site", "notes", "position"))
+    keys = ["operator", "site", "notes", "position"]
+    # Only since headings exist, and only where one is known.
+    if isinstance(values, dict) and "heading_deg" in values:
+        keys.append("heading_deg")
+    texts = _object(ANNOTATION, values, keys)
     position = texts.pop("position")
     if position is not None:
         numbers = _object("position", position, ("latitude_deg", "longitude_deg"))
@@ -167,6 +184,24 @@ def annotation_of(description: Mapping[str, Any]) -> Annotation:
         InvalidValueError: It has one that is not allowed.
     """
     return from_values(description[ANNOTATION]) if ANNOTATION in description else Annotation()
+
+
+def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:
+    """Return an annotation that came in a ROS message, with the heading that a survey has.
+
+    It is kept as long as the position stays, since it cannot be given in the message.
+
+    Args:
+        annotation: The annotation, without a heading.
+        description: Content of survey.json.
+    """
+    try:
+        former = annotation_of(description)
+    except InvalidValueError:
+        return annotation  # it is replaced because it is wrong
+    if former.position != annotation.position:
+        return annotation
+    return replace(annotation, heading_deg=former.heading_deg)
 
 
 def position_from_text(text: str) -> Wgs84Position:

@@ -16,7 +16,7 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_user_interface.mid.events import AxisLimits, RobotDefaults, RobotFigures
 
-CONTROL = "main_control"
+CONTROL, STORAGE = "main_control", "vna_processing"
 UNKNOWN = Message("the limits of the axes are not known")
 
 
@@ -28,15 +28,17 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
         nodes = {one.node: NodeDescription.from_fields(one) for one in message.nodes}
         config = robot_config(nodes)
         settings = _record(SurveySettings, nodes[CONTROL].configuration)
-        defaults = _defaults(nodes[ANALYZER].configuration, message.site_json)
+        defaults = _defaults(nodes, message.site_json)
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
-        return AxisLimits(None, dataclasses.replace(UNKNOWN, details=str(error)))
+        return AxisLimits(None, Message("the limits of the axes are not known", details=error))
     return AxisLimits(config.travel, figures=RobotFigures(config, settings), defaults=defaults)
 
 
-def _defaults(analyzer: Mapping[str, Any], site_json: str) -> RobotDefaults:
+def _defaults(nodes: Mapping[str, NodeDescription], site_json: str) -> RobotDefaults:
     site = _record(Site, json.loads(site_json))
-    return RobotDefaults(str(analyzer.get("address", "")), site)
+    address = nodes[ANALYZER].configuration.get("address", "")
+    data = nodes[STORAGE].configuration.get("data", "") if STORAGE in nodes else ""
+    return RobotDefaults(str(address), site, str(data))
 
 
 def _record(record_class: Any, values: Any) -> Any:

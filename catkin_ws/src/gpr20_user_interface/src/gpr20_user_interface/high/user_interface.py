@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 from typing import Any, Callable
 
@@ -20,8 +21,10 @@ from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.storage_client import StorageClient
+from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
+from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.message_source import MessageSources
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.shown_model import ShownModel
@@ -70,6 +73,7 @@ class UserInterface:
             TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
             profiles,
             languages,
+            CandidateSearch(AnalysisProgram(self.signal.emit_event), time.monotonic),
         )
         _connect_queued(self.signal.event_came, self.window.on_event)
 

@@ -49,4 +49,4 @@ def add_annotation(group: argparse._ArgumentGroup, catalogue: Catalogue) -> List
 def annotation_from(given: argparse.Namespace) -> Annotation:
     """Return what was given; the rest is empty."""
     texts = {name: getattr(given, name) or "" for name in ("operator", "site", "notes")}
-    return Annotation(**texts, position=given.position)
+    return Annotation(**texts, position=given.position, heading_deg=None)

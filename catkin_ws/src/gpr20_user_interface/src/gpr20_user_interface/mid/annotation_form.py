@@ -84,7 +84,7 @@ def check_texts(texts: Mapping[str, str]) -> AnnotationCheck:
         return AnnotationCheck(None, problems)
     position = None if empty else Wgs84Position(_latitude_deg(place), _longitude_deg(place))
     written = {name: texts[name] for name in ("operator", "site", "notes")}
-    return AnnotationCheck(Annotation(**written, position=position), problems)
+    return AnnotationCheck(Annotation(**written, position=position, heading_deg=None), problems)
 
 
 def _latitude_deg(place: Mapping[str, str]) -> float:

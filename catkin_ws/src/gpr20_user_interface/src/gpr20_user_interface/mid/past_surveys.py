@@ -129,6 +129,10 @@ class PastSurveys:
         """Whether there is something to show."""
         return survey.problem is None and survey.stored_traces > 0
 
+    def can_search(self, survey: PastSurvey) -> bool:
+        """Whether candidates can be searched for: in what is stored, never during a survey."""
+        return self.can_open(survey) and not self._running_id and not self.replay
+
     def _change(self, problem: Optional[Message]) -> None:
         self.problem = problem
         self.revision += 1

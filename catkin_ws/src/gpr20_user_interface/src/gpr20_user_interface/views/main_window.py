@@ -11,6 +11,7 @@ from PyQt5.QtWidgets import QTabWidget, QVBoxLayout, QWidget
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
 from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.next_annotation import NextAnnotation
@@ -21,6 +22,7 @@ from gpr20_user_interface.mid.notices import (
     refusal_notice,
     state_notice,
 )
+from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_events import (
@@ -31,6 +33,7 @@ from gpr20_user_interface.mid.trace_events import (
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.annotation_sheet import AnnotationSheet
+from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.views.control_view import ControlView, PadRequest
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
 from gpr20_user_interface.views.map_view import MapView
@@ -73,6 +76,7 @@ class MainWindow(TranslatedWidget):
         traces: The traces, and the requests to the storage.
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
+        search: The search for candidates in a stored survey.
     """
 
     def __init__(
@@ -81,6 +85,7 @@ class MainWindow(TranslatedWidget):
         traces: TracePresenter,
         profiles: Profiles,
         languages: Languages,
+        search: CandidateSearch,
     ) -> None:
         super().__init__()
         self.setStyleSheet(STYLE_SHEET)
@@ -107,6 +112,7 @@ class MainWindow(TranslatedWidget):
         self.profiles = ProfilesView(self, profiles)
         self.next_annotation = NextAnnotation()
         self.annotation = AnnotationSheet(self)
+        self.candidates = CandidatesSheet(self, search, lambda: languages.language.value)
         self.notice = NoticeView(self)
         self.question = AnalyzerQuestion(self)
         self._timers = [
@@ -132,6 +138,7 @@ class MainWindow(TranslatedWidget):
         for timer in self._timers:
             timer.stop()
         self.survey.end()
+        self.candidates.search.close()
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
@@ -143,6 +150,7 @@ class MainWindow(TranslatedWidget):
         if isinstance(event, Answer):
             self.refresh()
         self._take_annotation(event)
+        self.candidates.on_event(event)
         if self.survey.is_shown(event):
             self.traces.on_event(event.event if isinstance(event, Received) else event)
         self._show_opened()
@@ -155,6 +163,7 @@ class MainWindow(TranslatedWidget):
         self._show_opened()
         self.map.set_carriage(self.traces.carriage_mm)
         self.past.refresh()
+        self.candidates.refresh(snapshot.running)
         self.show_snapshot(snapshot)
         self.control.preview.show_preview(self.survey.preview)
 
@@ -231,6 +240,7 @@ class MainWindow(TranslatedWidget):
         self.past.page_requested.connect(self.traces.source.list_surveys)
         self.past.open_requested.connect(self.traces.source.read_survey)
         self.past.notes_requested.connect(self.traces.source.read_annotation)
+        self.past.candidates_requested.connect(self._on_candidates)
         self.past.resume_requested.connect(lambda folder: self._ask(lambda: survey.resume(folder)))
         # The operator has seen enough of a past survey.
         self.radar.back.clicked.connect(self._on_back_to_live)
@@ -259,6 +269,10 @@ class MainWindow(TranslatedWidget):
             self.traces.source.read_annotation(running)
         else:
             self.annotation.show_annotation("", self.next_annotation.value)
+
+    def _on_candidates(self, chosen: PastSurvey) -> None:
+        defaults = self.survey.snapshot.defaults
+        self.candidates.show_survey(chosen, "" if defaults is None else defaults.data)
 
     def _on_annotation_saved(self, survey: str, annotation: Annotation) -> None:
         if survey:

@@ -32,6 +32,8 @@ class PastSurveysView(TranslatedWidget):
     open_requested = pyqtSignal(str)
     resume_requested = pyqtSignal(str)
     notes_requested = pyqtSignal(str)
+    # A PastSurvey.
+    candidates_requested = pyqtSignal(object)
 
     def __init__(self, surveys: PastSurveys) -> None:
         super().__init__()
@@ -44,6 +46,7 @@ class PastSurveysView(TranslatedWidget):
         self.open = new_button(self._on_open)
         self.resume = new_button(self._on_resume)
         self.notes = new_button(self._on_notes)
+        self.candidates = new_button(self._on_candidates)
         self.older = new_button(lambda: self.page_requested.emit(self._surveys.next_before))
         self.again = new_button(lambda: self.page_requested.emit(""))
         self._lay_out()
@@ -111,6 +114,7 @@ class PastSurveysView(TranslatedWidget):
         self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
         self.notes.setEnabled(chosen is not None and chosen.problem is None)
+        self.candidates.setEnabled(chosen is not None and self._surveys.can_search(chosen))
         self.older.setEnabled(self._surveys.more and not self._surveys.replay)
         self.again.setEnabled(not self._surveys.replay)
         if self._surveys.problem is not None:
@@ -141,6 +145,10 @@ class PastSurveysView(TranslatedWidget):
         if self.chosen is not None:
             self.notes_requested.emit(self.chosen.folder)
 
+    def _on_candidates(self) -> None:
+        if self.chosen is not None:
+            self.candidates_requested.emit(self.chosen)
+
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
         titles = [self.tr("Started (UTC)"), self.tr("Coverage"), self.tr("Traces")]
@@ -148,6 +156,7 @@ class PastSurveysView(TranslatedWidget):
         self.open.setText(self.tr("Show in RADAR"))
         self.resume.setText(self.tr("Resume"))
         self.notes.setText(self.tr("Notes"))
+        self.candidates.setText(self.tr("Candidates"))
         self.older.setText(self.tr("Older"))
         self.again.setText(self.tr("Refresh"))
         self._show_list()
@@ -164,7 +173,14 @@ class PastSurveysView(TranslatedWidget):
         self.details.setWordWrap(True)
         self.details.setTextFormat(Qt.TextFormat.PlainText)
         buttons = QHBoxLayout()
-        for button in (self.open, self.resume, self.notes, self.older, self.again):
+        for button in (
+            self.open,
+            self.resume,
+            self.notes,
+            self.candidates,
+            self.older,
+            self.again,
+        ):
             buttons.addWidget(button)
         column = QVBoxLayout(self)
         column.setContentsMargins(4, 4, 4, 4)

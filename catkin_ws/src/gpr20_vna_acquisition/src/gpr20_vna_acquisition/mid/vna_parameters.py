@@ -9,6 +9,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
 from gpr20_common.mid.records import bounded
+from gpr20_survey.plan.antenna_delay import ANTENNA_DELAYS_NS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.ms2026c import (
     IF_BANDWIDTHS_HZ,
@@ -85,6 +86,9 @@ class VnaParameters:
         same_points: Fewest equal points in a row with a remark.
         duration_tolerance_s: How much longer [s] than twice the usual duration a sweep may
             take without a remark; allows for a busy computer and network.
+        antenna_delay_ns: Delay of cables and antennas that the calibration does not remove
+            [ns]. Traces keep it; survey.json records it, and images are made without it.
+            `gpr20 delay` fits it to a survey.
     """
 
     analyzer: AnalyzerKind = AnalyzerKind.MS2026C
@@ -118,6 +122,7 @@ class VnaParameters:
     max_level_db: float = bounded(*LEVELS_DB, 0.0)
     same_points: int = bounded(2, 4001, 8)
     duration_tolerance_s: float = bounded(0.0, 60.0, 0.25)
+    antenna_delay_ns: float = bounded(*ANTENNA_DELAYS_NS, 0.0)
 
     def __post_init__(self) -> None:
         if self.analyzer is AnalyzerKind.SCIKIT_RF:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Sequence
 
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
+from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import annotate_folder
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.annotation import Annotation, keeping_heading
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
@@ -55,6 +57,7 @@ class CurrentSurvey:
         self._on_opened = on_opened
         self._publication = TracePublication(on_stored)
         self._survey: Optional[OpenSurvey] = None
+        self._lock = ExitStack()  # holds the lock of the open survey's folder
         self._closed: Optional[ClosedSurvey] = None
 
     @property
@@ -107,22 +110,22 @@ class CurrentSurvey:
             return  # the answer to the first call may have been lost
         now_ns = self._storage.now_ns()
         self._check_can_open(needed_bytes, now_ns)
-        with storing(
-            Message("the survey's folder {path} could not be made", path=printable(folder)),
-            folder,
-        ):
-            new_survey.make_folder(folder, self._storage.readers)
-            recordings = self._storage.open_recordings(folder, description)
-        self._take(
-            OpenSurvey(folder, description, recordings, self._storage.topics, self._publication),
-            now_ns,
-        )
+        failure = Message("the survey's folder {path} could not be made", path=printable(folder))
+        with ExitStack() as lock:
+            with storing(failure, folder):
+                new_survey.make_folder(folder, self._storage.readers)
+                lock.enter_context(locked(folder))
+                recordings = self._storage.open_recordings(folder, description)
+            topics, publication = self._storage.topics, self._publication
+            self._take(OpenSurvey(folder, description, recordings, topics, publication), now_ns)
+            self._lock = lock.pop_all()
 
     def reopen(self, name: str) -> ReopenedSurvey:
         """Open a survey that was cut off or ended early, repaired; may be repeated.
 
         Raises:
-            SurveyRefusedError: There is no such survey, it is complete, or another is open.
+            SurveyRefusedError: There is no such survey, it is complete, another is open, or
+                another process writes it.
             StorageFailedError: The disk refused; the call may be repeated.
         """
         now_ns = self._storage.now_ns()
@@ -135,21 +138,28 @@ class CurrentSurvey:
             survey.resume(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, recovered = find_damaged_survey(self._storage.data, name)
+        folder, _ = find_damaged_survey(self._storage.data, name)
         new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
-        reopening = Reopening(folder, recovered, self._storage.topics)
-        repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
-        survey = OpenSurvey(
-            folder,
-            repaired.description,
-            repaired.recordings,
-            self._storage.topics,
-            self._publication,
-            repaired.stored,
-            repaired.last,
-            repaired.types,
-        )
-        self._take(survey, now_ns)
+        with ExitStack() as lock:
+            failure = Message("the folder {path} could not be locked", path=printable(folder))
+            with storing(failure, folder):
+                lock.enter_context(locked(folder))
+            # Again, because the process that held the lock may have closed the survey meanwhile.
+            folder, recovered = find_damaged_survey(self._storage.data, name)
+            reopening = Reopening(folder, recovered, self._storage.topics)
+            repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
+            survey = OpenSurvey(
+                folder,
+                repaired.description,
+                repaired.recordings,
+                self._storage.topics,
+                self._publication,
+                repaired.stored,
+                repaired.last,
+                repaired.types,
+            )
+            self._take(survey, now_ns)
+            self._lock = lock.pop_all()
         self._publication.reopened(
             survey.survey_id,
             repaired.stored,
@@ -228,6 +238,7 @@ class CurrentSurvey:
         # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
         survey.write_manifest(self._storage.revision)
         self._latched.end()
+        self._lock.close()
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
         self._survey = None
         return self._closed
@@ -256,7 +267,7 @@ class CurrentSurvey:
 
         Args:
             survey: The survey's id, or the name of its folder; empty: the open one.
-            annotation: The new annotation, whole.
+            annotation: The new annotation; its heading is that of the former one at this position.
 
         Raises:
             SurveyRefusedError: There is no such survey, or its survey.json is damaged.
@@ -264,10 +275,10 @@ class CurrentSurvey:
         """
         opened = self.opened() if not survey else self._survey
         if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
-            opened.annotate(annotation)
+            opened.annotate(keeping_heading(annotation, opened.description))
             return AnnotatedSurvey(opened.survey_id, opened.folder)
         folder, description = find_survey(self._storage.data, survey)
-        annotate_folder(folder, annotation)
+        annotate_folder(folder, keeping_heading(annotation, description))
         return AnnotatedSurvey(description["survey_id"], folder)
 
     def interrupt(self) -> None:
@@ -308,6 +319,7 @@ class CurrentSurvey:
     def _abandon(self) -> None:
         assert self._survey is not None
         self._survey.abandon()
+        self._lock.close()
         self._latched.end()
         self._survey = None
 

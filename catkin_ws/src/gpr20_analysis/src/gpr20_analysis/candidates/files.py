@@ -1,0 +1,185 @@
+"""A list of candidates as CSV, JSON, GeoJSON and GeoPackage.
+
+Each file holds the sentence that the list is no clearance, whether the survey was simulated, and
+how the candidates were found; beside it a file .sha256 is for `sha256sum -c`.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Tuple
+
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Candidate, CandidateList
+from gpr20_analysis.candidates.earth import on_earth
+from gpr20_analysis.candidates.geopackage import write_geopackage
+from gpr20_analysis.candidates.table import SIMULATED
+from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_common.message import Message
+from gpr20_survey.files.file_sums import sum_of_file
+
+FORMAT = "gpr20-candidates/1"
+CSV, JSON, GEOJSON, GPKG = ".csv", ".json", ".geojson", ".gpkg"
+SUM = ".sha256"
+
+
+def write_candidates(found: CandidateList, path: Path) -> None:
+    """Write a list of candidates in the format of the path's ending, and its checksum.
+
+    Args:
+        found: The list.
+        path: The file; its ending is .csv, .json, .geojson or .gpkg.
+
+    Raises:
+        ExportError: The ending is unknown, the format needs a place on the earth that the survey
+            does not have, or the output cannot be written.
+    """
+    check_candidates_path(path)
+    if path.suffix == GEOJSON and found.position is None:
+        raise ExportError(
+            Message(
+                "{file} needs the survey's place on the earth, because GeoJSON has WGS 84 "
+                "coordinates only; set it with {command}, or write {others}",
+                file=path.name,
+                command="gpr20 annotate --position --heading",
+                others=", ".join((CSV, JSON, GPKG)),
+            )
+        )
+    for one in output_paths(path)[1:]:
+        # A checksum of the former content must not stay if this is interrupted.
+        one.unlink() if one.exists() else None
+    with atomic_output(path) as place:
+        WRITERS[path.suffix](found, place)
+        checksum = sum_of_file(place).sha256
+    with atomic_output(output_paths(path)[1]) as place:
+        place.write_text(f"{checksum}  {path.name}\n", encoding="utf-8")
+
+
+def output_paths(path: Path) -> Tuple[Path, Path]:
+    """Return the files that are written: the list and its checksum."""
+    return path, path.with_name(path.name + SUM)
+
+
+def check_candidates_path(path: Path) -> None:
+    """Check the ending of a path.
+
+    Raises:
+        ExportError: It is unknown.
+    """
+    if path.suffix not in WRITERS:
+        raise ExportError(wrong_ending(path, tuple(WRITERS)))
+
+
+def list_record(found: CandidateList) -> Dict[str, Any]:
+    """Return what a file says about the whole list."""
+    return {
+        "format": FORMAT,
+        "warning": str(NO_CLEARANCE),
+        "simulated": found.simulated,
+        **({"simulated_warning": str(SIMULATED)} if found.simulated else {}),
+        "survey_id": found.survey_id,
+        "method": found.method,
+        "permittivity": found.permittivity,
+        "permittivity_lowest": found.permittivity_range[0],
+        "permittivity_highest": found.permittivity_range[1],
+        "area_m2": found.area_m2,
+        "false_alarm_rate": found.false_alarm_rate,
+        "listed": len(found.candidates),
+        "omitted": found.omitted,
+        "coordinates": "X, Y and depth in metres, in the survey's area",
+        "position": asdict(found.position) if found.position else None,
+        "notes": [str(note) for note in found.notes],
+    }
+
+
+def candidate_record(candidate: Candidate, found: CandidateList) -> Dict[str, Any]:
+    """Return the values of a candidate; None for what is not known."""
+    values = asdict(candidate)
+    values["flags"] = [flag.value for flag in candidate.flags]
+    values["rotations_deg"] = [None if _is_nan(one) else one for one in candidate.rotations_deg]
+    values["confidence"] = candidate.confidence
+    values["longitude_deg"], values["latitude_deg"] = (
+        on_earth(found.position, candidate.x_m, candidate.y_m) if found.position else (None, None)
+    )
+    return {name: None if _is_nan(value) else value for name, value in values.items()}
+
+
+def json_text(found: CandidateList) -> str:
+    """Return the content of a JSON file."""
+    record = {
+        **list_record(found),
+        "candidates": [candidate_record(one, found) for one in found.candidates],
+    }
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _write_json(found: CandidateList, path: Path) -> None:
+    path.write_text(json_text(found) + "\n", encoding="utf-8")
+
+
+def _write_geojson(found: CandidateList, path: Path) -> None:
+    features = []
+    for one in found.candidates:
+        record = candidate_record(one, found)
+        place = [round(record[name], 9) for name in ("longitude_deg", "latitude_deg")]
+        features.append(
+            {
+                "type": "Feature",
+                "id": one.id,
+                "geometry": {"type": "Point", "coordinates": place},
+                "properties": record,
+            }
+        )
+    collection = {"type": "FeatureCollection", "features": features, "gpr20": list_record(found)}
+    text = json.dumps(collection, indent=2, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def _write_csv(found: CandidateList, path: Path) -> None:
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        for name, value in list_record(found).items():
+            for one in value if isinstance(value, list) else [value]:
+                text = one if isinstance(one, str) else json.dumps(one)
+                stream.write(f"# {name}: {' '.join(text.split())}\n")
+        writer = csv.writer(stream)
+        writer.writerow(COLUMNS)
+        for one in found.candidates:
+            record = _flat(candidate_record(one, found))
+            writer.writerow(["" if record[name] is None else record[name] for name in COLUMNS])
+
+
+def _write_gpkg(found: CandidateList, path: Path) -> None:
+    rows = [_flat(candidate_record(one, found)) for one in found.candidates]
+    facts: List[Tuple[str, str]] = []
+    for name, value in list_record(found).items():
+        several = value if isinstance(value, list) else [value]
+        facts += [(name, one if isinstance(one, str) else json.dumps(one)) for one in several]
+    warnings = [str(NO_CLEARANCE), *([str(SIMULATED)] if found.simulated else [])]
+    write_geopackage(path, COLUMNS, rows, facts, " ".join(warnings), found.position is not None)
+
+
+def _flat(record: Dict[str, Any]) -> Dict[str, Any]:
+    turns = ["combined" if one is None else f"{one:g}" for one in record["rotations_deg"]]
+    return {**record, "flags": " ".join(record["flags"]), "rotations_deg": " ".join(turns)}
+
+
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+COLUMNS = (
+    *("id", "x_m", "y_m", "depth_m"),
+    *("x_uncertainty_m", "y_uncertainty_m", "depth_uncertainty_m"),
+    *("above_noise_db", "false_alarm_probability", "confidence"),
+    *("rotations_deg", "polarization_ratio_db", "flags", "longitude_deg", "latitude_deg"),
+)
+WRITERS: Dict[str, Callable[[CandidateList, Path], None]] = {
+    CSV: _write_csv,
+    JSON: _write_json,
+    GEOJSON: _write_geojson,
+    GPKG: _write_gpkg,
+}

@@ -1,0 +1,158 @@
+"""How bright the voxels of an image are, compared with its noise and its clutter."""
+
+from __future__ import annotations
+
+import math
+from typing import Optional, Sequence, Tuple
+
+import numpy as np
+import xarray as xr
+from scipy.constants import speed_of_light
+
+from gpr20_analysis.candidates.false_alarm import FalseAlarms
+from gpr20_analysis.dataset import DEPTH, NOISE, NOISE_OVER_X, NOISE_OVER_Y, POLARIZATION, X, Y
+from gpr20_analysis.imaging.noise import Law, law_of
+
+# -3 dB width of a peak whose correlation has a Gaussian shape, in units of its curvature.
+WIDTH = 2.0 * math.sqrt(math.log(2.0))
+# Highest local maxima beside targets, measured: -33 dB for points, -20 dB for larger ones; products
+# of the Kirchhoff method: -9 dB.
+SIDELOBE_DB = {Law.RAYLEIGH: 20.0, Law.PRODUCT: 8.0, Law.HALF_NORMAL: 8.0}
+# Clutter this much above noise over the whole area; a candidate must be brighter than it.
+CLUTTER, CLUTTER_ALARM = 2.0, 0.01
+# Errors of a peak between voxels, as a share of the step, where noise is negligible.
+SHARE_OF_STEP = 0.1
+# Resolution without a measurement, and the band for it.
+ACROSS_M, BAND_HZ = 0.03, 5.4e9
+
+
+class Rating:
+    """The brightness of the voxels of an image.
+
+    Args:
+        image: Dataset of `image_survey`.
+        magnitude: Its magnitudes (polarization, depth, y, x).
+    """
+
+    def __init__(self, image: xr.Dataset, magnitude: np.ndarray) -> None:
+        self._magnitude = magnitude
+        self._law = law_of(str(image.attrs["method"]))
+        self.is_rated = NOISE in image
+        correlation: Tuple[float, ...] = (0.0, 0.0, 0.0)
+        steps_m = np.array([_step_m(image[name].values) for name in (DEPTH, Y, X)])
+        if self.is_rated:
+            noise = image[NOISE].transpose(POLARIZATION, DEPTH)
+            self._noise = noise.values
+            self._over = image[NOISE_OVER_Y].values[:, None] * image[NOISE_OVER_X].values
+            correlation = tuple(float(noise.attrs[f"correlation_{name}"]) for name in (DEPTH, Y, X))
+        self._alarms = FalseAlarms(magnitude.size, correlation)
+        self._plane_alarms = FalseAlarms(max(1, magnitude[0, 0].size), (0.0, *correlation[1:]))
+        self._steps_m = steps_m
+        usual_m = np.array([_usual_depth_resolution_m(image), ACROSS_M, ACROSS_M])
+        width_m = WIDTH * _curvature_m(correlation, steps_m)
+        self.resolution_m = np.maximum(np.where(np.isnan(width_m), usual_m, width_m), steps_m)
+        """-3 dB width of a peak along depth, y and x, at least one voxel [m]."""
+
+    @property
+    def polarizations(self) -> int:
+        """Number of polarizations."""
+        return len(self._magnitude)
+
+    @property
+    def sidelobe_db(self) -> float:
+        """A peak that much fainter than one near it may be a sidelobe [dB]."""
+        return SIDELOBE_DB[self._law]
+
+    def magnitude(self, turn: int) -> np.ndarray:
+        """Return the magnitudes (depth, y, x) of a polarization."""
+        return self._magnitude[turn]
+
+    def level(self, turn: int) -> np.ndarray:
+        """Return magnitudes (depth, y, x) above noise; bare magnitudes if it is not known."""
+        if not self.is_rated:
+            return self._magnitude[turn]
+        return self._magnitude[turn] / (self._noise[turn][:, None, None] * self._over)
+
+    def threshold(self, false_alarm_rate: float) -> float:
+        """Return the level that noise exceeds anywhere with a probability; 0 if not known."""
+        if not self.is_rated:
+            return 0.0
+        return self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+
+    def above_noise_db(self, turn: int, place: Sequence[int]) -> float:
+        """Return the level of a voxel above noise [dB]; NaN if the noise is not known."""
+        if not self.is_rated:
+            return math.nan
+        return float(self._law.level_db(np.asarray(self._ratio(turn, place))))
+
+    def false_alarm_probability(self, turn: int, place: Sequence[int]) -> float:
+        """Return the probability that noise alone has a voxel as bright; 1 if not known."""
+        if not self.is_rated:
+            return 1.0
+        return self._alarms.probability(
+            float(self._law.log_tail(np.asarray(self._ratio(turn, place))))
+        )
+
+    def polarization_ratio_db(self, place: Sequence[int]) -> Optional[float]:
+        """Return the level of the first polarization above the second around a voxel [dB]."""
+        if self.polarizations != 2:
+            return None
+        reach = np.rint(self.resolution_m / 2.0 / np.maximum(self._steps_m, 1e-6)).astype(int)
+        around = tuple(
+            slice(max(0, at - some), at + some + 1) for at, some in zip(place, reach.tolist())
+        )
+        first, second = (float(one[around].max()) for one in self._magnitude)
+        if first == 0.0 or second == 0.0:
+            return None
+        return float(self._law.level_db(np.asarray(first / second)))
+
+    def is_clutter(self, turn: int, place: Sequence[int]) -> bool:
+        """Return whether a voxel is no brighter than what the whole area shows at its depth.
+
+        The median of its plane is hardly moved by a target. If it is clearly above that of noise,
+        the plane shows clutter, and the voxel must be brighter than the brightest of such a plane.
+        """
+        if not self.is_rated:
+            return False
+        plane = self._magnitude[turn, place[0]] / (self._noise[turn, place[0]] * self._over)
+        usual = float(np.median(plane)) / self._law.median
+        if usual < CLUTTER:
+            return False
+        tail = float(self._law.log_tail(np.asarray(self._ratio(turn, place) / usual)))
+        return self._plane_alarms.probability(tail) > CLUTTER_ALARM
+
+    def picking_m(self, above_noise_db: float) -> np.ndarray:
+        """Return standard deviations of depth, y and x of a peak by noise and voxels [m].
+
+        Args:
+            above_noise_db: Its level; NaN if it is not known.
+        """
+        of_voxels_m = SHARE_OF_STEP * self._steps_m
+        if math.isnan(above_noise_db):
+            return np.hypot(of_voxels_m, self.resolution_m / 2.0)
+        curvature_m = self.resolution_m / WIDTH
+        return np.hypot(of_voxels_m, curvature_m / math.sqrt(2.0) * 10 ** (-above_noise_db / 20))
+
+    def _ratio(self, turn: int, place: Sequence[int]) -> float:
+        depth, y, x = place
+        noise = self._noise[turn, depth] * self._over[y, x]
+        return float(self._magnitude[turn, depth, y, x] / noise)
+
+
+def _step_m(axis_m: np.ndarray) -> float:
+    return float(np.ptp(axis_m)) / (len(axis_m) - 1) if len(axis_m) > 1 else 0.0
+
+
+def _curvature_m(correlation: Sequence[float], step_m: np.ndarray) -> np.ndarray:
+    """Return the width of the Gaussian through the correlation of adjacent voxels [m].
+
+    NaN along an axis whose voxels are independent or only one.
+    """
+    fall = -2.0 * np.log(np.clip(correlation, 1e-3, 1.0 - 1e-9))
+    known = (np.asarray(correlation) > 0.1) & (step_m > 0.0)
+    return np.where(known, step_m / np.sqrt(fall), np.nan)
+
+
+def _usual_depth_resolution_m(image: xr.Dataset) -> float:
+    permittivity = float(image.attrs["permittivity"])
+    return 1.44 * speed_of_light / (2.0 * BAND_HZ * math.sqrt(permittivity))

@@ -1,0 +1,141 @@
+"""A list of candidates as rows and lines of text, in the language of a catalogue."""
+
+from __future__ import annotations
+
+import math
+from typing import List, Tuple
+
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Candidate, CandidateList, Flag
+from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.sentences import ENGLISH
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
+
+NONE = "-"
+FLAGS = {
+    Flag.SURFACE_RESIDUE: Message("surface residue"),
+    Flag.EDGE: Message("edge"),
+    Flag.ONE_POLARIZATION: Message("one polarization"),
+    Flag.CLUTTER: Message("clutter"),
+    Flag.SIDELOBE: Message("sidelobe"),
+    Flag.UNRATED: Message("not rated"),
+}
+SIMULATED = Message("SIMULATED: these are no measurements of real ground.")
+# Smaller ones are not told apart: the model of the noise is not that good.
+SMALLEST_ALARM = 1e-6
+
+
+def candidate_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
+    """Return the titles of the columns of a table of candidates."""
+    return (
+        catalogue.tr("id"),
+        catalogue.tr("x mm"),
+        catalogue.tr("y mm"),
+        catalogue.tr("depth mm"),
+        catalogue.tr("above noise dB"),
+        catalogue.tr("false alarm"),
+        catalogue.tr("polarization ratio dB"),
+        catalogue.tr("flags"),
+    )
+
+
+def candidate_row(candidate: Candidate, catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
+    """Return a candidate as a row of a table below `candidate_heading`."""
+    ratio_db = candidate.polarization_ratio_db
+    unrated = math.isnan(candidate.above_noise_db)
+    return (
+        candidate.id,
+        _with_uncertainty(candidate.x_m, candidate.x_uncertainty_m),
+        _with_uncertainty(candidate.y_m, candidate.y_uncertainty_m),
+        _with_uncertainty(candidate.depth_m, candidate.depth_uncertainty_m),
+        NONE if unrated else f"{candidate.above_noise_db:.1f}",
+        NONE if unrated else false_alarm_text(candidate.false_alarm_probability),
+        NONE if ratio_db is None else f"{ratio_db:+.1f}",
+        ", ".join(catalogue.text(FLAGS[flag]) for flag in candidate.flags) or NONE,
+    )
+
+
+def false_alarm_text(probability: float) -> str:
+    """Return the probability of a false alarm as text, such as "0.3 %"."""
+    if probability < SMALLEST_ALARM:
+        return f"< {100.0 * SMALLEST_ALARM:g} %"
+    return f"{100.0 * probability:.1g} %"
+
+
+def head_sentences(found: CandidateList) -> List[Message]:
+    """Return what comes before the table: what the list is not, and whether it is simulated."""
+    return [*([SIMULATED] if found.simulated else []), NO_CLEARANCE]
+
+
+def tail_sentences(found: CandidateList) -> List[Message]:
+    """Return what comes after the table: how the candidates were found, and what is not listed."""
+    lowest, highest = found.permittivity_range
+    sentences = [
+        Message(
+            "{count} candidates in {area_m2:.3g} m2; noise alone leads to any in "
+            "{false_alarm_percent:g} % of such images; method {method}",
+            count=len(found.candidates),
+            area_m2=found.area_m2,
+            false_alarm_percent=100.0 * found.false_alarm_rate,
+            method=found.method,
+        )
+    ]
+    if lowest == highest:
+        sentences.append(
+            Message(
+                "relative permittivity {permittivity:.3g}, as given: depths have no uncertainty "
+                "for it",
+                permittivity=found.permittivity,
+            )
+        )
+    else:
+        sentences.append(
+            Message(
+                "relative permittivity {permittivity:.3g}, {lowest:.3g} to {highest:.3g} are "
+                "possible: the uncertainty of depths contains that",
+                permittivity=found.permittivity,
+                lowest=lowest,
+                highest=highest,
+            )
+        )
+    if found.omitted:
+        sentences.append(
+            Message(
+                "{count} more candidates are NOT listed, the faintest and most doubtful; list more "
+                "with {option}",
+                count=found.omitted,
+                option="--most",
+            )
+        )
+    if not found.candidates:
+        sentences.append(Message("No candidate was found."))
+    return sentences
+
+
+def candidate_lines(found: CandidateList, catalogue: Catalogue = ENGLISH) -> List[str]:
+    """Return a list of candidates as lines of text, without the notes on the survey.
+
+    Args:
+        found: The list.
+        catalogue: Language of the lines.
+
+    Returns:
+        The lines.
+    """
+    rows = [candidate_row(one, catalogue) for one in found.candidates]
+    if rows:
+        rows.insert(0, candidate_heading(catalogue))
+    widths = [max(len(cell) for cell in column) for column in zip(*rows)]
+    lines = [
+        "  ".join(cell.rjust(width) for cell, width in zip(row[:-1], widths)) + "  " + row[-1]
+        for row in rows
+    ]
+    return [
+        *(catalogue.text(one) for one in head_sentences(found)),
+        *lines,
+        *(catalogue.text(one) for one in tail_sentences(found)),
+    ]
+
+
+def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
+    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(uncertainty_m * MM_PER_M):d}"

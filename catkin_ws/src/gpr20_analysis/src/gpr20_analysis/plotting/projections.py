@@ -1,0 +1,175 @@
+"""The maxima of an image over one of its axes, with the candidates."""
+
+from __future__ import annotations
+
+from typing import Sequence, Tuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from gpr20_analysis.candidates.candidate import SECONDARY, Candidate
+from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
+from gpr20_analysis.plotting.style import (
+    PANEL_TITLE_PT,
+    DecibelScale,
+    in_mm,
+    new_figure,
+    plan_axes,
+    rotation_name,
+)
+from gpr20_analysis.sentences import ENGLISH
+from gpr20_common.catalogue import Catalogue
+
+MARK_PT, MARK_LETTERS_PT, OUTLINE_PT = 9.0, 7.0, 2.0
+ROWS = 1.7
+# More would hide the image.
+MOST_MARKED = 12
+
+
+def projection_figure(
+    image: xr.Dataset,
+    turn: int,
+    candidates: Sequence[Candidate] = (),
+    catalogue: Catalogue = ENGLISH,
+) -> Figure:
+    """Draw the maxima of one polarization over depth, over y and over x.
+
+    The plan is on the left; below it the view from the front, and beside it that from the side.
+
+    Args:
+        image: Dataset with `image`.
+        turn: Index of the polarization.
+        candidates: The candidates, of which the first are marked.
+        catalogue: Language of the texts.
+
+    Returns:
+        The figure.
+
+    Raises:
+        WrongDatasetError: There is no image.
+    """
+    magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
+    scale = DecibelScale(magnitude.values, float(magnitude.max()))
+    volume = magnitude.isel({POLARIZATION: turn})
+    title = catalogue.tr(
+        "Maximum projections, {rotation}, permittivity {permittivity:.3g}",
+        rotation=rotation_name(float(image[POLARIZATION][turn]), image, catalogue),
+        permittivity=float(image.attrs.get("permittivity", np.nan)),
+    )
+    figure = new_figure(image, 2, title, catalogue, ROWS)
+    lengths = {axis: float(np.ptp(image[axis].values)) or 1.0 for axis in (X, Y, DEPTH)}
+    panels = figure.subplots(
+        2,
+        2,
+        gridspec_kw={
+            "width_ratios": (lengths[X], lengths[DEPTH]),
+            "height_ratios": (lengths[Y], lengths[DEPTH]),
+        },
+    )
+    places = (
+        (panels[0, 0], DEPTH, (Y, X)),
+        (panels[0, 1], X, (Y, DEPTH)),
+        (panels[1, 0], Y, (DEPTH, X)),
+    )
+    panels[1, 1].set_axis_off()
+    names = {DEPTH: catalogue.tr("depth"), X: X, Y: Y}
+    for axes, over, (down, across) in places:
+        values = volume.max(over).transpose(down, across).values
+        scale.draw(axes, values, in_mm(image[across]), in_mm(image[down]))
+        axes.set_xlabel(f"{names[across]} [mm]")
+        axes.set_ylabel(f"{names[down]} [mm]")
+        axes.set_aspect("equal")
+        axes.set_title(catalogue.tr("over {axis}", axis=names[over]), fontsize=PANEL_TITLE_PT)
+        if down == DEPTH:
+            axes.invert_yaxis()
+        mark(axes, marked_of(candidates), (across, down))
+    scale.add_bar(
+        figure,
+        [axes for axes, _, _ in places],
+        catalogue.tr("magnitude [dB relative to the whole image]"),
+    )
+    return figure
+
+
+def candidate_map_figure(
+    image: xr.Dataset, candidates: Sequence[Candidate], catalogue: Catalogue = ENGLISH
+) -> Figure:
+    """Draw the candidates on a map of the maxima over depth and polarizations.
+
+    Args:
+        image: Dataset with `image`.
+        candidates: The candidates, of which the first are marked with their ids.
+        catalogue: Language of the texts.
+
+    Returns:
+        The figure.
+
+    Raises:
+        WrongDatasetError: There is no image.
+    """
+    magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
+    values = magnitude.max((POLARIZATION, DEPTH)).transpose(Y, X).values
+    marked = marked_of(candidates)
+    if len(marked) < len(candidates):
+        title = catalogue.tr("Map of the first {count} candidates", count=len(marked))
+    else:
+        title = catalogue.tr("Map of the candidates")
+    figure = new_figure(image, 1, title, catalogue, 1.2)
+    axes = figure.subplots()
+    scale = DecibelScale(magnitude.values, float(magnitude.max()))
+    scale.draw(axes, values, in_mm(image[X]), in_mm(image[Y]))
+    plan_axes(axes)
+    mark(axes, marked, (X, Y))
+    scale.add_bar(figure, [axes], catalogue.tr("maximum over depth [dB]"))
+    return figure
+
+
+def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
+    """Return the first candidates, without those that are probably part of others.
+
+    Args:
+        candidates: The candidates in the order of their list.
+
+    Returns:
+        Those that figures mark: at most `MOST_MARKED`.
+    """
+    first = [one for one in candidates if not SECONDARY & set(one.flags)]
+    return (first or candidates)[:MOST_MARKED]
+
+
+def mark(axes: Axes, candidates: Sequence[Candidate], plane: Tuple[str, str]) -> None:
+    """Mark candidates with their ids in a panel.
+
+    Args:
+        axes: The panel, in millimetres.
+        candidates: The candidates.
+        plane: Its axis across and its axis down.
+    """
+    outline = [withStroke(linewidth=OUTLINE_PT, foreground="black")]
+    for one in candidates:
+        place_m = {X: one.x_m, Y: one.y_m, DEPTH: one.depth_m}
+        across_mm, down_mm = (float(in_mm(place_m[axis])) for axis in plane)
+        axes.plot(
+            across_mm,
+            down_mm,
+            marker="o",
+            markersize=MARK_PT,
+            markerfacecolor="none",
+            markeredgecolor="white",
+            path_effects=outline,
+        )
+        # Towards the middle, where there is room.
+        right = across_mm > np.mean(axes.get_xlim())
+        axes.annotate(
+            one.id,
+            (across_mm, down_mm),
+            xytext=((-1.0 if right else 1.0) * MARK_PT / 2.0, MARK_PT / 2.0),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            color="white",
+            fontsize=MARK_LETTERS_PT,
+            path_effects=outline,
+        )

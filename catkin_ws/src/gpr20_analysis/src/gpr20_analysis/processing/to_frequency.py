@@ -1,0 +1,171 @@
+"""The transform from time back to frequency, for A-scans that other programs have made."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import List, Optional
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import lazy
+from gpr20_analysis.dataset import (
+    A_SCAN,
+    ATTRIBUTES,
+    DELAY,
+    FREQUENCY,
+    S21,
+    SAMPLE_DIMS,
+    require,
+    usable,
+)
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.sentences import with_notes
+from gpr20_common.message import Message
+
+SPECTRUM = "spectrum"
+"""Attribute: the sweep and window from which A-scans were made, as JSON."""
+FAINTEST = 0.05
+"""Edge of a band that is not recorded: amplitude relative to the strongest frequency."""
+EVEN = 1e-3
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """How A-scans were made of spectra.
+
+    Attributes:
+        sweep: The frequencies.
+        window: Weights over the band.
+    """
+
+    sweep: FrequencyGrid
+    window: Window
+
+    def to_json(self) -> str:
+        """Return it as an attribute."""
+        sweep = self.sweep
+        return json.dumps([sweep.start_hz, sweep.step_hz, sweep.count, self.window.value])
+
+    @classmethod
+    def of(cls, survey: xr.Dataset) -> Optional[Spectrum]:
+        """Return the one in the attributes of A-scans; None if it is not recorded."""
+        try:
+            start_hz, step_hz, count, window = json.loads(str(survey.attrs.get(SPECTRUM, "null")))
+            return cls(FrequencyGrid(float(start_hz), float(step_hz), int(count)), Window(window))
+        except (TypeError, ValueError):
+            return None
+
+
+def to_frequency(
+    survey: xr.Dataset, start_hz: float = 0.0, stop_hz: float = 0.0, points: int = 0
+) -> xr.Dataset:
+    """Return spectra at the true frequencies of A-scans over time.
+
+    The window that `time` applied is divided out. Of A-scans by other programs neither their
+    window nor their scale is known: levels are then relative.
+
+    Args:
+        survey: Dataset with `a_scan`, real or complex.
+        start_hz: First frequency [Hz]; 0: as recorded, or where the spectra begin.
+        stop_hz: Last frequency [Hz]; 0: as recorded, or where the spectra end.
+        points: Number of frequencies; 0: as recorded, or as many as the duration resolves.
+
+    Returns:
+        Dataset with `s21` (polarization, y, x, frequency) instead of `a_scan`.
+
+    Raises:
+        WrongDatasetError: The data are not A-scans, their times are uneven, or the frequencies
+            are not allowed.
+    """
+    a_scans = lazy.in_rows(require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY)))
+    delay_s = np.asarray(survey[DELAY].values, dtype=np.float64)
+    step_s = _step_s(delay_s)
+    recorded = Spectrum.of(survey)
+    notes: List[Message] = []
+    if start_hz or stop_hz or points:
+        spectrum = Spectrum(_given(start_hz, stop_hz, points, step_s), Window.NONE)
+    elif recorded is not None:
+        spectrum = recorded
+    else:
+        spectrum = Spectrum(_found(a_scans, survey, step_s), Window.NONE)
+        ends = spectrum.sweep.frequency_hz[[0, -1]]
+        notes = [
+            Message(
+                "the frequencies of the A-scans are not recorded; the band {start_hz:.4g} to "
+                "{stop_hz:.4g} Hz was taken from the spectra; give --band if it is different",
+                start_hz=ends[0],
+                stop_hz=ends[1],
+            )
+        ]
+    frequency_hz = spectrum.sweep.frequency_hz
+    weights = spectrum.window.weights(spectrum.sweep.count)
+    matrix = np.exp(-2j * np.pi * delay_s[:, np.newaxis] * frequency_hz)
+    # The factor that `time` has applied, for a full period of it.
+    matrix *= (weights.sum() * step_s * spectrum.sweep.step_hz) / weights
+
+    def transformed(values: np.ndarray) -> np.ndarray:
+        # A real trace has half of its spectrum at negative frequencies.
+        halves = 2.0 if not np.any(np.imag(values)) else 1.0
+        result: np.ndarray = (values @ matrix) * halves
+        return result
+
+    spectra = xr.apply_ufunc(
+        transformed,
+        a_scans.drop_vars(DELAY),
+        input_core_dims=[[DELAY]],
+        output_core_dims=[[FREQUENCY]],
+        dask="parallelized",
+        output_dtypes=[np.complex128],
+        dask_gufunc_kwargs={"output_sizes": {FREQUENCY: len(frequency_hz)}},
+    )
+    result = survey.drop_vars(A_SCAN).drop_vars(DELAY)
+    result = result.assign_coords({FREQUENCY: (FREQUENCY, frequency_hz, ATTRIBUTES[FREQUENCY])})
+    result = result.assign({S21: spectra.assign_attrs(ATTRIBUTES[S21])})
+    result.attrs.pop(SPECTRUM, None)
+    return result.assign_attrs(with_notes(result, notes)) if notes else result
+
+
+def _step_s(delay_s: np.ndarray) -> float:
+    step_s = (delay_s[-1] - delay_s[0]) / max(len(delay_s) - 1, 1)
+    if len(delay_s) < 2 or np.ptp(np.diff(delay_s)) > EVEN * step_s:
+        raise WrongDatasetError(
+            Message("the times of the A-scans are not evenly spaced; two or more are needed")
+        )
+    return float(step_s)
+
+
+def _given(start_hz: float, stop_hz: float, points: int, step_s: float) -> FrequencyGrid:
+    # Written so that NaN is refused too.
+    if not (0.0 < start_hz < stop_hz <= 1.0 / step_s and points >= 2):
+        raise WrongDatasetError(
+            Message(
+                "the band {start_hz:g} to {stop_hz:g} Hz with {points} points is not allowed; it "
+                "must lie between 0 and {highest_hz:g} Hz and have 2 points or more",
+                start_hz=start_hz,
+                stop_hz=stop_hz,
+                points=points,
+                highest_hz=1.0 / step_s,
+            )
+        )
+    return FrequencyGrid(start_hz, (stop_hz - start_hz) / (points - 1), points)
+
+
+def _found(a_scans: xr.DataArray, survey: xr.Dataset, step_s: float) -> FrequencyGrid:
+    rows = np.asarray(a_scans.values)[usable(survey).transpose(*SAMPLE_DIMS).values]
+    count = a_scans.sizes[DELAY]
+    level = np.sqrt(np.mean(np.abs(np.fft.fft(rows, axis=-1)) ** 2, axis=0)) if len(rows) else None
+    if level is None or not np.any(level):
+        raise WrongDatasetError(Message("every A-scan is zero or missing, so there is no spectrum"))
+    # The upper half are the negative frequencies; those of a complex trace may be weaker.
+    positive = level[: count // 2]
+    strong = np.flatnonzero(positive >= FAINTEST * positive.max())
+    first, last = max(int(strong[0]), 1), int(strong[-1])
+    if last <= first:
+        raise WrongDatasetError(
+            Message("the A-scans contain a single frequency, which resolves no delay")
+        )
+    step_hz = 1.0 / (count * step_s)
+    return FrequencyGrid(first * step_hz, step_hz, last - first + 1)

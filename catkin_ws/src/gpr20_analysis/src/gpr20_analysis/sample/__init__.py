@@ -1,0 +1,1 @@
+"""A small survey of the simulated robot, to try the commands on."""

@@ -1,0 +1,1 @@
+"""The interactive viewer: a model without Qt, and `views/`, which alone import Qt."""

@@ -1,0 +1,151 @@
+"""Files of candidates, opened by readers that are not ours."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import sqlite3
+from dataclasses import replace
+
+import numpy as np
+import pyogrio
+import pytest
+from test_candidates import image_of
+
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, AreaPosition
+from gpr20_analysis.candidates.earth import on_earth
+from gpr20_analysis.candidates.files import write_candidates
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.candidates.table import SIMULATED
+from gpr20_analysis.commands.command import DONE, REFUSED
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.errors import ExportError
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_common.message import Message
+
+PEAKS = [(0, 0.15, 0.15, 0.15, 20.0), (1, 0.15, 0.15, 0.15, 15.0), (0, 0.05, 0.24, 0.2, 18.0)]
+POSITION = {"latitude_deg": 4.60283, "longitude_deg": -74.06514, "heading_deg": 30.0}
+ENDINGS = (".csv", ".json", ".geojson", ".gpkg")
+
+
+def found(**attributes):
+    listed = find_candidates(image_of(PEAKS, simulated=1, survey_id="s-1", **attributes))
+    return replace(listed, omitted=7, notes=(Message("two samples were left out"),))
+
+
+def everything(path):
+    """Return all text of a file, by a reader of its format."""
+    if path.suffix == ".gpkg":
+        facts = pyogrio.raw.read(path, layer="candidate_list")[3]
+        return "\n".join(str(one) for column in facts for one in column)
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_every_file_says_what_the_list_is_and_has_its_checksum(tmp_path, ending):
+    path = tmp_path / f"list{ending}"
+    write_candidates(found(**POSITION), path)
+    text = everything(path)
+    for one in (str(NO_CLEARANCE), str(SIMULATED), "s-1", "phase-shift", "two samples were left"):
+        assert one in text
+    for name in ("permittivity_lowest", "permittivity_highest", "false_alarm_rate", "omitted"):
+        assert name in text
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert (tmp_path / f"list{ending}.sha256").read_text() == f"{digest}  list{ending}\n"
+    assert sorted(one.name for one in tmp_path.iterdir()) == [path.name, f"{path.name}.sha256"]
+
+
+def test_csv_and_json_hold_the_candidates(tmp_path):
+    listed = found()
+    write_candidates(listed, tmp_path / "list.csv")
+    write_candidates(listed, tmp_path / "list.json")
+    lines = (tmp_path / "list.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    record = json.loads((tmp_path / "list.json").read_text(encoding="utf-8"))
+    assert len(rows) == len(record["candidates"]) == len(listed.candidates) == 2
+    for row, stored, one in zip(rows, record["candidates"], listed.candidates):
+        assert row["id"] == stored["id"] == one.id
+        assert float(row["x_m"]) == stored["x_m"] == one.x_m
+        assert row["flags"].split() == stored["flags"] == [flag.value for flag in one.flags]
+        assert row["latitude_deg"] == "" and stored["latitude_deg"] is None
+    assert record["warning"] == str(NO_CLEARANCE) and record["omitted"] == 7
+
+
+@pytest.mark.parametrize("ending", [".geojson", ".gpkg"])
+def test_gdal_reads_points_on_the_earth(tmp_path, ending):
+    listed = found(**POSITION)
+    path = tmp_path / f"list{ending}"
+    write_candidates(listed, path)
+    meta, _, geometry, fields = pyogrio.raw.read(path, layer=pyogrio.list_layers(path)[0][0])
+    assert meta["crs"] == "EPSG:4326" and meta["geometry_type"] == "Point"
+    columns = dict(zip(meta["fields"], fields))
+    assert list(columns["id"]) == [one.id for one in listed.candidates]
+    for wkb, one in zip(geometry, listed.candidates):
+        assert np.frombuffer(wkb[-16:]) == pytest.approx(
+            on_earth(listed.position, one.x_m, one.y_m), abs=1e-8
+        )
+
+
+def test_without_a_place_gpkg_is_in_metres_and_geojson_is_refused(tmp_path):
+    listed = found(latitude_deg=4.6, longitude_deg=-74.0)
+    assert listed.position is None
+    path = tmp_path / "list.gpkg"
+    write_candidates(listed, path)
+    meta, _, geometry, _ = pyogrio.raw.read(path, layer="candidates")
+    assert meta["crs"] is None or "4326" not in meta["crs"]
+    first = listed.candidates[0]
+    assert np.frombuffer(geometry[0][-16:]) == pytest.approx((first.x_m, first.y_m))
+    with sqlite3.connect(str(path)) as database:
+        assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+        assert database.execute("PRAGMA foreign_key_check").fetchall() == []
+    with pytest.raises(ExportError, match="WGS 84"):
+        write_candidates(listed, tmp_path / "list.geojson")
+    assert not (tmp_path / "list.geojson").exists()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_places_on_the_earth_are_as_far_and_in_the_direction_they_should_be(seed):
+    random = np.random.default_rng(seed)
+    latitude, longitude = random.uniform(-80.0, 80.0), random.uniform(-180.0, 180.0)
+    heading = random.uniform(0.0, 360.0)
+    x_m, y_m = random.uniform(-5.0, 5.0, 2)
+    there = on_earth(AreaPosition(latitude, longitude, heading), x_m, y_m)
+    offset = cartesian(*there) - cartesian(longitude, latitude)
+    lam, phi = np.radians([longitude, latitude])
+    east = np.array([-np.sin(lam), np.cos(lam), 0.0])
+    north = np.array([-np.sin(phi) * np.cos(lam), -np.sin(phi) * np.sin(lam), np.cos(phi)])
+    turn = np.radians(heading)
+    along_y = east * np.sin(turn) + north * np.cos(turn)
+    along_x = east * np.cos(turn) - north * np.sin(turn)
+    assert [offset @ along_x, offset @ along_y] == pytest.approx([x_m, y_m], abs=1e-3)
+
+
+def cartesian(longitude_deg, latitude_deg):
+    """Return the place on the WGS 84 ellipsoid relative to the center of the earth [m]."""
+    lam, phi = np.radians([longitude_deg, latitude_deg])
+    flat = 1.0 / 298.257223563
+    second = flat * (2.0 - flat)
+    radius = 6378137.0 / np.sqrt(1.0 - second * np.sin(phi) ** 2)
+    return radius * np.array(
+        [np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), (1.0 - second) * np.sin(phi)]
+    )
+
+
+def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, capsys):
+    from test_image_noise import survey
+
+    data = survey(np.random.default_rng(1), 1.0, [(0.11, 0.12, 0.08)])
+    source, listed = tmp_path / "survey.nc", tmp_path / "list.csv"
+    write_dataset(data, source)
+    command = ["candidates", str(source), "--permittivity", "4", "-o", str(listed)]
+    assert main(command) == DONE
+    printed = capsys.readouterr().out
+    assert str(NO_CLEARANCE) in printed and "C01" in printed
+    before = listed.read_bytes()
+    assert main(command) == REFUSED
+    assert "--overwrite" in capsys.readouterr().err and listed.read_bytes() == before
+    assert main([*command, "--overwrite", "--json", "--false-alarm", "0.001"]) == DONE
+    assert json.loads(capsys.readouterr().out)["false_alarm_rate"] == 0.001
+    assert main([*command[:-1], str(tmp_path / "list.txt")]) == REFUSED
+    assert main([*command[:-2], "--false-alarm", "2"]) == REFUSED

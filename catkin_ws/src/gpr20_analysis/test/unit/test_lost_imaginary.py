@@ -1,0 +1,128 @@
+"""Old samples whose imaginary part is a copy of the real part are recovered, and imaged."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from ground_kit import IMAGING_SCENE, point, scene, survey_of
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.formats import original_json
+from gpr20_analysis.formats.lost_imaginary import recover
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.processing.chain import process_survey
+
+FREQUENCY_HZ = np.linspace(600e6, 6e9, 201)
+OPTIONS = ImageOptions(permittivity=5.0, depth_m=tuple(np.arange(0.03, 0.18, 0.003)))
+
+
+def image_of(survey):
+    return image_survey(process_survey(survey, "background:method=mean"), OPTIONS).image.values
+
+
+def copied(spectra):
+    return spectra.real * (1.0 + 1.0j)
+
+
+def written(survey, folder):
+    """Write a survey as the old storage did."""
+    shape = survey.s21.shape[:3]
+    sample = survey.assign(
+        s21=(survey.s21.dims, copied(survey.s21.values)),
+        timestamp=(survey.height.dims, np.full(shape, "NaT", "datetime64[ns]")),
+        sample_id=(survey.height.dims, np.full(shape, "")),
+    )
+    original_json.write_original(sample, folder)
+    return folder
+
+
+@pytest.mark.parametrize("noise_db", [-110.0, -60.0])
+def test_the_image_of_recovered_data_is_that_of_the_measured_data(tmp_path, noise_db):
+    ground = scene(IMAGING_SCENE.targets, 5.0, noise_db, height_m=0.2)
+    survey = survey_of(ground, frequency_hz=FREQUENCY_HZ, rotations_deg=(90.0,))
+    found = original_json.read_original(written(survey, tmp_path / "old"))
+    true, recovered = image_of(survey), image_of(found)
+    norms = np.linalg.norm(true) * np.linalg.norm(recovered)
+    assert abs(np.vdot(true, recovered)) / norms > 0.99
+    assert np.corrcoef(np.abs(true).ravel(), np.abs(recovered).ravel())[0, 1] > 0.99
+    assert np.argmax(np.abs(true)) == np.argmax(np.abs(recovered))
+
+
+def test_targets_of_recovered_data_are_where_they_were_within_a_millimetre(tmp_path):
+    rng = np.random.default_rng(3)
+    fine = ImageOptions(permittivity=5.0, depth_m=tuple(np.arange(0.05, 0.15, 0.0005)))
+    for _ in range(3):
+        target = point(*rng.uniform(200.0, 280.0, 2), rng.uniform(0.06, 0.14))
+        x_mm = y_mm = np.arange(160.0, 321.0, 16.0)
+        survey = survey_of(scene([target], 5.0, height_m=0.2), x_mm, y_mm, FREQUENCY_HZ, (0.0,))
+        real = copied(survey.s21.values).reshape(-1, len(FREQUENCY_HZ))
+        values = np.stack(recover(list(real), FREQUENCY_HZ, [0.2]).spectra)
+        found = survey.assign(s21=(survey.s21.dims, values.reshape(survey.s21.shape)))
+        images = [
+            np.abs(image_survey(process_survey(one, "background:method=mean"), fine).image.values)
+            for one in (survey, found)
+        ]
+        places = [np.unravel_index(np.argmax(one), one.shape) for one in images]
+        assert places[0][2:] == places[1][2:]
+        assert abs(places[0][1] - places[1][1]) * 0.5 <= 1.0
+
+
+def test_what_was_recovered_is_noted_with_its_limits(tmp_path, capsys):
+    survey = survey_of(
+        scene([], 4.0), np.array([0.0, 10.0]), np.array([0.0]), FREQUENCY_HZ, (0.0, 90.0)
+    )
+    folder = written(survey, tmp_path / "old")
+    assert main(["import", str(folder), str(tmp_path / "s.nc"), "--format", "original-json"]) == 0
+    note = capsys.readouterr().err
+    assert "in 4 of 4 samples the imaginary part was a copy of the real part" in note
+    assert "delay between 0 and 18.5 ns" in note and "3 dB" in note
+
+
+def test_samples_that_have_an_imaginary_part_are_unchanged():
+    rng = np.random.default_rng(1)
+    whole = rng.standard_normal(201) + 1j * rng.standard_normal(201)
+    echo = np.exp(-2j * np.pi * FREQUENCY_HZ * 3e-9)
+    found = recover([whole, copied(echo)], FREQUENCY_HZ, [0.2, 0.2])
+    np.testing.assert_array_equal(found.spectra[0], whole)
+    np.testing.assert_array_equal(found.spectra[1].real, echo.real)
+    inside = slice(20, -20)  # the ends of the band are less exact
+    np.testing.assert_allclose(found.spectra[1].imag[inside], echo.imag[inside], atol=0.05)
+    assert "in 1 of 2 samples" in str(found.notes[0])
+    assert recover([whole], FREQUENCY_HZ, [0.2]).notes == []
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_echoes_beyond_half_of_the_range_are_not_taken_for_near_ones(seed):
+    rng = np.random.default_rng(seed)
+    half_s = 0.5 * 200 / 5.4e9
+    near, far = (np.exp(-2j * np.pi * FREQUENCY_HZ * one) for one in (2e-9, 0.0))
+    far = np.exp(-2j * np.pi * FREQUENCY_HZ * half_s * rng.uniform(1.05, 1.45))
+    noise = rng.standard_normal(201) * 1e-3
+    weak = recover([copied(near + 0.05 * far + noise)], FREQUENCY_HZ, [0.2])
+    assert weak.refusal is None and "if it is mirrored" in str(weak.notes[1])
+    strong = recover([copied(near + 0.5 * far + noise)], FREQUENCY_HZ, [0.2])
+    assert "cannot be recovered; a strong echo" in str(strong.refusal)
+    assert recover([copied(near + noise)], FREQUENCY_HZ, [0.2]).notes[1:] == []
+
+
+def test_what_cannot_be_recovered_is_imported_but_never_imaged(tmp_path):
+    survey = survey_of(
+        scene([]), np.array([0.0, 10.0]), np.array([0.0]), np.linspace(6e8, 6e9, 5), (0.0,)
+    )
+    folder = written(survey, tmp_path / "old")
+    found = original_json.read_original(folder)
+    assert any("cannot be recovered" in one for one in found.attrs["notes"])
+    with pytest.raises(WrongDatasetError, match="surface already has 1.33 ns"):
+        image_survey(found, OPTIONS)
+    sample = sorted(folder.iterdir())[0]
+    assert json.loads(sample.read_text())["data"][0]["real_value"] == found.s21.values.flat[0].real
+
+
+def test_uneven_frequencies_are_refused_too():
+    uneven_hz = np.array([1e9, 2e9, 4e9])
+    found = recover([copied(np.ones(3))], uneven_hz, [0.2])
+    assert "not evenly spaced" in str(found.refusal)

@@ -1,0 +1,156 @@
+"""Random surveys come back from every format as they were, and damage to the files is refused."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+from random_surveys import random_survey
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.errors import ExportError, UnreadableFileError
+from gpr20_analysis.formats.conversion import export_survey, import_survey
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.processing.chain import process_survey
+from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.processing.sweep import Window
+from gpr20_analysis.processing.to_frequency import to_frequency
+
+SEEDS = range(int(os.environ.get("GPR20_ROUND_TRIPS", "6")))
+FORMATS = {"group-csv": "out", "original-json": "out", "merged-hdf5": "out.h5"}
+SINGLE = 1e-6
+
+
+def same(found, expected, tolerance):
+    for name in ("polarization", "y", "x", "frequency"):
+        np.testing.assert_allclose(found[name].values, expected[name].values, rtol=1e-12)
+    scale = np.nanmax(np.abs(expected.s21.values))
+    np.testing.assert_allclose(found.s21.values, expected.s21.values, atol=tolerance * scale)
+    np.testing.assert_allclose(found.height.values, expected.height.values, atol=5.1e-6)
+    np.testing.assert_array_equal(found.quality.values, expected.quality.values)
+    assert found.attrs["missing"] == expected.attrs["missing"]
+    for name in ("simulated", "survey_id", "antenna_delay_s"):
+        assert found.attrs[name] == expected.attrs[name]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("form", FORMATS)
+def test_spectra_come_back(tmp_path, seed, form):
+    survey = random_survey(seed)
+    path = tmp_path / FORMATS[form]
+    export_survey(survey, path, form)
+    same(import_survey(path, form), survey, SINGLE if form == "merged-hdf5" else 0.0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("form", ["group-csv", "merged-hdf5"])
+def test_a_scans_over_time_come_back_as_the_spectra_they_were_made_of(tmp_path, seed, form):
+    survey = random_survey(seed)
+    window = [Window.NONE, Window.HAMMING][seed % 2]
+    path = tmp_path / FORMATS[form]
+    export_survey(to_time(survey, window, 1.0 + seed), path, form)
+    found = import_survey(path, form)
+    assert "a_scan" in found
+    same(to_frequency(found), survey, 3e-5 if form == "merged-hdf5" else 1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_datasets_come_back_to_the_last_bit(tmp_path, seed):
+    survey = random_survey(seed)
+    for name in ("s.nc", "s.zarr"):
+        write_dataset(survey, tmp_path / name)
+        same(read_dataset(tmp_path / name), survey, 0.0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("form", ["group-csv", "original-json"])
+def test_a_changed_byte_is_refused_with_the_name_of_its_file(tmp_path, seed, form):
+    rng = np.random.default_rng(seed)
+    path = tmp_path / "out"
+    export_survey(random_survey(seed), path, form)
+    victim = sorted(path.iterdir())[rng.integers(len(list(path.iterdir())))]
+    content = bytearray(victim.read_bytes())
+    digits = [place for place, byte in enumerate(content) if chr(byte).isdigit()]
+    place = digits[rng.integers(len(digits))]
+    content[place] = ord("0") + (content[place] - ord("0") + 1) % 10
+    victim.write_bytes(content)
+    with pytest.raises(UnreadableFileError, match=victim.name):
+        import_survey(path, form)
+
+
+@pytest.mark.parametrize("form", ["group-csv", "original-json"])
+def test_a_file_that_was_removed_or_added_is_refused(tmp_path, form):
+    path = tmp_path / "out"
+    export_survey(random_survey(0), path, form)
+    first, second = sorted(path.iterdir())[:2]
+    content = first.read_bytes()
+    first.unlink()
+    with pytest.raises(UnreadableFileError, match=first.name):
+        import_survey(path, form)
+    first.write_bytes(content)
+    other = path / second.name.replace("X", "X9", 1)
+    other.write_bytes(second.read_bytes())
+    with pytest.raises(UnreadableFileError, match=other.name):
+        import_survey(path, form)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_changed_byte_in_the_file_of_checksums_is_refused(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    export_survey(random_survey(seed), tmp_path / "out", "group-csv")
+    sums = tmp_path / "out.sha256"
+    content = bytearray(sums.read_bytes())
+    content[rng.integers(len(content))] ^= 1 << rng.integers(7)
+    sums.write_bytes(content)
+    with pytest.raises(UnreadableFileError, match="out"):
+        import_survey(tmp_path / "out", "group-csv")
+
+
+@pytest.mark.parametrize(
+    ("form", "name"),
+    [
+        ("group-csv", "out"),
+        ("original-json", "out"),
+        ("touchstone", "out"),
+        ("csv", "out.csv"),
+        ("segy", "out.sgy"),
+    ],
+)
+def test_sha256sum_checks_an_export(tmp_path, form, name):
+    export_survey(random_survey(1, one_polarization=True), tmp_path / name, form)
+    (sums,) = tmp_path.glob("*.sha256")
+    command = ["sha256sum", "--strict", "--check", sums.name]
+    subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    exported = sums.with_suffix("")
+    victim = exported if exported.is_file() else sorted(exported.iterdir())[0]
+    victim.write_bytes(victim.read_bytes() + b"0")
+    done = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True)
+    assert done.returncode == 1 and victim.name in done.stdout.decode()
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_shifted_data_are_not_exported_to_formats_that_cannot_say_so(tmp_path, form):
+    shifted = process_survey(random_survey(2), "time_zero")
+    with pytest.raises(ExportError, match="time_zero has shifted"):
+        export_survey(shifted, tmp_path / FORMATS[form], form)
+
+
+def test_an_export_that_was_renamed_is_still_checked(tmp_path):
+    survey = random_survey(2)
+    export_survey(survey, tmp_path / "out", "group-csv")
+    (tmp_path / "out").rename(tmp_path / "other")
+    (tmp_path / "out.sha256").rename(tmp_path / "other.sha256")
+    same(import_survey(tmp_path / "other", "group-csv"), survey, 0.0)
+
+
+def test_an_export_replaces_its_checksums(tmp_path, capsys):
+    for seed in (3, 4):
+        write_dataset(random_survey(seed), tmp_path / f"{seed}.nc")
+    arguments = [str(tmp_path / "3.nc"), str(tmp_path / "out"), "--format", "group-csv"]
+    main(["export", *arguments])
+    arguments[0] = str(tmp_path / "4.nc")
+    assert main(["export", *arguments]) == 3
+    assert main(["export", *arguments, "--overwrite"]) in (0, 1)
+    same(import_survey(tmp_path / "out", "group-csv"), random_survey(4), 0.0)

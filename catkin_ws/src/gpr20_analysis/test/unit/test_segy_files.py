@@ -1,0 +1,121 @@
+"""SEG-Y files are read by ObsPy and segyio with the right counts, places, heights and times."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+import segyio
+from obspy.io.segy.segy import _read_segy
+from random_surveys import random_survey
+
+from gpr20_analysis.dataset import usable
+from gpr20_analysis.formats.conversion import export_survey
+from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.processing.sweep import Window
+
+SEEDS = range(4)
+WITHIN_M = 0.51e-4
+MOMENT = np.datetime64("2026-03-05T14:07:09", "ns")
+
+
+def scaled(value, scalar):
+    return value * scalar if scalar > 0 else value / -scalar
+
+
+@pytest.fixture(params=SEEDS)
+def written(request, tmp_path):
+    """Return a survey and the SEG-Y files of its polarizations."""
+    survey = random_survey(request.param)
+    survey.timestamp.values[:] = MOMENT
+    paths = list(export_survey(survey, tmp_path / "s.sgy", "segy"))
+    return survey, paths
+
+
+def test_obspy_reads_counts_units_places_and_heights(written):
+    survey, paths = written
+    for turn, path in enumerate(paths):
+        file = _read_segy(str(path))
+        binary = file.binary_file_header
+        present = usable(survey).values[turn]
+        rows, columns = present.shape
+        assert len(file.traces) == rows * columns
+        assert binary.seg_y_format_revision_number == 0x0100
+        assert binary.data_sample_format_code == 5
+        assert binary.measurement_system == 1 and binary.fixed_length_trace_flag == 1
+        assert binary.sample_interval_in_microseconds == 50
+        for number, trace in enumerate(file.traces):
+            header, (row, column) = trace.header, divmod(number, columns)
+            assert len(trace.data) == binary.number_of_samples_per_data_trace
+            assert header.number_of_samples_in_this_trace == len(trace.data)
+            assert header.sample_interval_in_ms_for_this_trace == 50
+            assert header.coordinate_units == 1
+            assert header.trace_sequence_number_within_segy_file == number + 1
+            assert header.for_3d_poststack_data_this_field_is_for_in_line_number == row + 1
+            assert header.for_3d_poststack_data_this_field_is_for_cross_line_number == column + 1
+            scalar = header.scalar_to_be_applied_to_all_coordinates
+            for place in ("source_coordinate", "group_coordinate"):
+                x_m = scaled(getattr(header, f"{place}_x"), scalar)
+                y_m = scaled(getattr(header, f"{place}_y"), scalar)
+                assert x_m == pytest.approx(float(survey.x[column]), abs=WITHIN_M)
+                assert y_m == pytest.approx(float(survey.y[row]), abs=WITHIN_M)
+            height_m = scaled(
+                header.receiver_group_elevation,
+                header.scalar_to_be_applied_to_all_elevations_and_depths,
+            )
+            true_m = np.nan_to_num(float(survey.height[turn, row, column]))
+            assert height_m == pytest.approx(true_m, abs=WITHIN_M)
+            live = header.trace_identification_code == 1
+            assert live == present[row, column] == bool(np.any(trace.data))
+            assert (header.year_data_recorded, header.day_of_year) == (2026, 64)
+            assert (header.hour_of_day, header.minute_of_hour) == (14, 7)
+            assert header.second_of_minute == 9 and header.time_basis_code == 4
+
+
+def test_segyio_and_obspy_read_the_same_numbers(written):
+    _survey, paths = written
+    for path in paths:
+        with segyio.open(str(path), strict=True) as file:
+            own = file.trace.raw[:]
+            assert list(file.samples) == pytest.approx(0.05 * np.arange(own.shape[1]))
+            assert segyio.tools.cube(file).shape[:2] == (len(file.ilines), len(file.xlines))
+        others = np.stack([trace.data for trace in _read_segy(str(path)).traces])
+        np.testing.assert_array_equal(own, others)
+
+
+def test_the_textual_header_says_what_the_numbers_mean(written):
+    survey, paths = written
+    for path in paths:
+        text = path.read_bytes()[:3200].decode("cp500")
+        lines = [text[start : start + 80] for start in range(0, 3200, 80)]
+        assert all(line.startswith(f"C{number:2d} ") for number, line in enumerate(lines, 1))
+        assert lines[38].split() == ["C39", "SEG", "Y", "REV1"]
+        assert f"SURVEY {survey.attrs['survey_id']}" in lines[0]
+        assert ("SIMULATED" in text) is bool(survey.attrs["simulated"])
+        assert "1 MICROSECOND IN THIS FILE MEANS 1 PICOSECOND" in text
+
+
+def test_the_bytes_are_where_revision_1_has_them(written):
+    _survey, paths = written
+    content = paths[0].read_bytes()
+    (interval, _, samples, _, code) = struct.unpack_from(">5h", content, 3216)
+    assert (interval, code) == (50, 5)
+    assert struct.unpack_from(">hhh", content, 3500) == (0x0100, 1, 0)
+    length = 240 + 4 * samples
+    assert (len(content) - 3600) % length == 0
+    for start in range(3600, len(content), length):
+        assert struct.unpack_from(">hh", content, start + 114) == (samples, 50)
+        assert struct.unpack_from(">h", content, start + 88) == (1,)
+
+
+def test_a_scans_over_time_are_written_unchanged(tmp_path):
+    survey = random_survey(7, one_polarization=True)
+    step_s = 100e-12
+    survey = survey.isel(frequency=slice(0, 3))
+    survey = survey.assign_coords(frequency=1e9 + np.arange(3) / (3 * step_s))
+    in_time = to_time(survey, Window.NONE, 1.0)
+    (path,) = export_survey(in_time, tmp_path / "s.sgy", "segy")
+    found = np.stack([trace.data for trace in _read_segy(str(path)).traces])
+    own = np.nan_to_num(in_time.a_scan.values.real.astype(np.float32)).reshape(found.shape)
+    np.testing.assert_array_equal(found, own)

@@ -1,0 +1,240 @@
+"""The candidates of a stored survey: search, progress and the list."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, List
+
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import (
+    QAbstractItemView,
+    QGridLayout,
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QProgressBar,
+    QTableWidget,
+    QTableWidgetItem,
+    QWidget,
+)
+
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_user_interface.mid.candidate_list import ShownCandidate
+from gpr20_user_interface.mid.candidate_search import (
+    PERMITTIVITY_RANGE,
+    CandidateSearch,
+    SearchState,
+    check_permittivity,
+)
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.parameter_form_view import TouchEdit
+from gpr20_user_interface.views.style import TOUCH_PX, new_button
+from gpr20_user_interface.views.translation import shown_text
+
+MM_PER_M = 1e3
+SMALLEST_ALARM = 1e-6
+NONE = "—"
+LONGEST_REMARK = 400
+
+
+class CandidatesSheet(Overlay):
+    """Shows a CandidateSearch; the sentence that it is no clearance is always visible.
+
+    Args:
+        window: The window that it covers.
+        search: The search.
+        language: Returns the code of the window's language.
+    """
+
+    def __init__(
+        self, window: QWidget, search: CandidateSearch, language: Callable[[], str]
+    ) -> None:
+        super().__init__(window)
+        self.search = search
+        self._language = language
+        self.title = QLabel()
+        self.title.setObjectName("title")
+        self.simulated = QLabel()
+        self.simulated.setObjectName("simulated")
+        self.no_clearance = QLabel()
+        self.no_clearance.setObjectName("alarm")
+        self.no_clearance.setWordWrap(True)
+        self.table = QTableWidget(0, 6)
+        self.details = QLabel()
+        self.details.setTextFormat(Qt.TextFormat.PlainText)
+        self.details.setWordWrap(True)
+        self.progress = QProgressBar()
+        self.progress.setRange(0, 0)  # it is not known how long it takes
+        self.permittivity_label = QLabel()
+        self.permittivity = TouchEdit("permittivity")
+        self.number_pad = KeyPad(window, DIGITS)
+        self.find_button = new_button(self._on_find)
+        self.cancel = new_button(self._on_cancel)
+        self.close_button = new_button(self.hide)
+        self.permittivity.tapped.connect(self._on_tap)
+        self.permittivity.textChanged.connect(self._show)
+        self._lay_out()
+        self.retranslate()
+
+    def show_survey(self, survey: PastSurvey, data: str) -> None:
+        """Open for a survey.
+
+        Args:
+            survey: The survey.
+            data: Folder of the surveys on the computer of the storage; empty if it is not known.
+        """
+        self.search.choose(survey, data)
+        self.retranslate()
+        self.open()
+
+    def on_event(self, event: object) -> None:
+        """Take the end of the search; other events change nothing."""
+        state = self.search.state
+        self.search.on_event(event)
+        if self.search.state is not state:
+            self._show()
+
+    def refresh(self, survey_runs: bool) -> None:
+        """Show how long the search has been running; end it when a survey begins.
+
+        Args:
+            survey_runs: Whether a survey is running.
+        """
+        before = self.search.state, self.search.problem, self.search.can_start
+        self.search.set_survey_runs(survey_runs)
+        after = self.search.state, self.search.problem, self.search.can_start
+        if before != after or self.search.state is SearchState.RUNNING:
+            self._show()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        survey = self.search.survey
+        self.title.setText(
+            self.tr("Candidates of {survey}").format(survey=survey.folder if survey else "")
+        )
+        self.simulated.setText(self.tr("SIMULATED"))
+        self.no_clearance.setText(shown_text(NO_CLEARANCE))
+        self.permittivity_label.setText(self.tr("permittivity"))
+        self.find_button.setText(self.tr("FIND"))
+        self.cancel.setText(self.tr("CANCEL"))
+        self.close_button.setText(self.tr("CLOSE"))
+        self.table.setHorizontalHeaderLabels(
+            [
+                self.tr("id"),
+                self.tr("x mm"),
+                self.tr("y mm"),
+                self.tr("depth mm"),
+                self.tr("false alarm"),
+                self.tr("flags"),
+            ]
+        )
+        self._show()
+
+    def _show(self) -> None:
+        search = self.search
+        found, survey = search.found, search.survey
+        running = search.state is SearchState.RUNNING
+        wrong = check_permittivity(self.permittivity.text())
+        self.permittivity.show_problem("" if wrong is None else shown_text(wrong))
+        self.find_button.setEnabled(search.can_start and wrong is None)
+        self.cancel.setEnabled(running)
+        self.progress.setVisible(running)
+        self.table.setVisible(not running)
+        self.simulated.setVisible(
+            (survey is not None and survey.simulated) or (found is not None and found.simulated)
+        )
+        rows = found.candidates if found is not None else ()
+        self.table.setRowCount(len(rows))
+        for row, one in enumerate(rows):
+            for column, text in enumerate(self._cells(one)):
+                self.table.setItem(row, column, QTableWidgetItem(text))
+        self.details.setText(self._sentence())
+
+    def _cells(self, one: ShownCandidate) -> List[str]:
+        alarm = one.false_alarm_probability
+        places = (
+            (one.x_m, one.x_uncertainty_m),
+            (one.y_m, one.y_uncertainty_m),
+            (one.depth_m, one.depth_uncertainty_m),
+        )
+        return [
+            one.id,
+            *(f"{at * MM_PER_M:.0f} ±{math.ceil(about * MM_PER_M)}" for at, about in places),
+            NONE if alarm is None else _percent(alarm),
+            ", ".join(shown_text(flag) for flag in one.flags) or NONE,
+        ]
+
+    def _sentence(self) -> str:
+        search = self.search
+        if search.state is SearchState.RUNNING:
+            text = self.tr("Searching for {seconds} s.")
+            return text.format(seconds=int(search.running_s))
+        if search.problem is not None:
+            return shown_text(search.problem)[-LONGEST_REMARK:]
+        found = search.found
+        if found is None:
+            return self.tr("FIND searches the stored data. It takes up to some minutes.")
+        listed = self.tr("{count} candidates with permittivity {permittivity}.").format(
+            count=len(found.candidates), permittivity=f"{found.permittivity:.3g}"
+        )
+        more = self.tr("{count} more are NOT listed.").format(count=found.omitted)
+        parts = [listed, *([more] if found.omitted else []), search.remarks]
+        return " ".join(parts)[:LONGEST_REMARK]
+
+    def _on_find(self) -> None:
+        self.search.start(self.permittivity.text(), self._language())
+        self._show()
+
+    def _on_cancel(self) -> None:
+        self.search.cancel()
+        self._show()
+
+    def _on_tap(self) -> None:
+        def judge(text: str) -> str:
+            wrong = check_permittivity(text)
+            return "" if wrong is None else shown_text(wrong)
+
+        self.number_pad.ask(
+            self.permittivity.setText,
+            self.permittivity_label.text(),
+            shown_text(PERMITTIVITY_RANGE),
+            self.permittivity.text(),
+            judge,
+            strict=False,
+        )
+
+    def _lay_out(self) -> None:
+        table = self.table
+        table.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
+        table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        table.verticalHeader().hide()
+        table.verticalHeader().setDefaultSectionSize(TOUCH_PX)
+        header = table.horizontalHeader()
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setStretchLastSection(True)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(8, 4, 8, 4)
+        grid.setSpacing(4)
+        grid.addWidget(self.title, 0, 0)
+        grid.addWidget(self.simulated, 0, 1)
+        grid.addWidget(self.no_clearance, 1, 0, 1, 2)
+        grid.addWidget(table, 2, 0, 1, 2)
+        grid.addWidget(self.progress, 3, 0, 1, 2)
+        grid.addWidget(self.details, 4, 0, 1, 2)
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.permittivity_label)
+        buttons.addWidget(self.permittivity, 1)
+        for button in (self.find_button, self.cancel, self.close_button):
+            buttons.addWidget(button, 1)
+        grid.addLayout(buttons, 5, 0, 1, 2)
+        grid.setRowStretch(2, 1)
+        grid.setColumnStretch(0, 1)
+
+
+def _percent(probability: float) -> str:
+    if probability < SMALLEST_ALARM:
+        return f"< {100.0 * SMALLEST_ALARM:g} %"
+    return f"{100.0 * probability:.1g} %"

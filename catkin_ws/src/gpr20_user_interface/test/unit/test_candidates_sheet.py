@@ -1,0 +1,227 @@
+"""Candidates of a stored survey in the window: search, cancel, list, and what they are not."""
+
+import dataclasses
+import json
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from PyQt5.QtTest import QTest
+from test_candidate_list import LIST
+from test_nothing_cut_off import assert_fits
+from view_kit import SURVEY
+from window_helpers import Program, application, close, new_window, show, snapshot
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.low.analysis_program import ProgramEnded
+from gpr20_user_interface.mid.candidate_search import SearchState
+from gpr20_user_interface.mid.events import ControlState, RobotDefaults
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.trace_events import SurveysListed
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Languages, shown_text
+
+__all__ = ["application"]
+
+FOLDER = "20261121T051000_7c9e6679"
+LISTED = PastSurvey(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 40, 40, None, True, True, None)
+RUNS = ControlState(SurveyState.SURVEYING, verbatim(""), "other", True)
+ALL_FLAGS = ["surface-residue", "edge", "one-polarization", "clutter", "sidelobe", "unrated"]
+MANY = {
+    **LIST,
+    "listed": 50,
+    "omitted": 12345,
+    "candidates": [
+        {**LIST["candidates"][0], "id": f"C{number}", "flags": ALL_FLAGS[: number % 7]}
+        for number in range(50)
+    ],
+}
+
+
+@pytest.fixture
+def program():
+    return Program()
+
+
+@pytest.fixture(params=list(Language))
+def window(request, application, program, tmp_path):
+    (tmp_path / FOLDER).mkdir()
+    (tmp_path / FOLDER / "survey.json").write_text("{}")
+    languages = Languages(application, request.param)
+    window = new_window(languages, program=program)
+    window.data = str(tmp_path)
+    window.show()
+    idle(window)
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (LISTED,), False))
+    window.past.table.selectRow(0)
+    yield window
+    close(window)
+
+
+def idle(window, **other):
+    show(window, snapshot(defaults=RobotDefaults("127.0.0.1", Site(), window.data), **other))
+
+
+def ended(window, text=None, status=0, errors="", number=None):
+    number = len(window.candidates.search._program.started) if number is None else number
+    window.on_event(ProgramEnded(number, status, text or json.dumps(LIST), errors))
+
+
+def search(window):
+    window.past.candidates.click()
+    window.candidates.find_button.click()
+    return window.candidates
+
+
+def cells(table):
+    return [
+        [table.item(row, column).text() for column in range(table.columnCount())]
+        for row in range(table.rowCount())
+    ]
+
+
+def test_the_list_is_shown_with_what_it_is_not(window, program):
+    sheet = search(window)
+    (arguments,) = program.started
+    assert arguments[:2] == ["candidates", f"{window.data}/{FOLDER}"]
+    assert "--json" in arguments and window.languages.language.value in arguments
+    assert not any(one.startswith("--permittivity") for one in arguments)
+    assert sheet.progress.isVisible() and sheet.cancel.isEnabled()
+    ended(window, errors="a remark\n")
+    assert not sheet.progress.isVisible()
+    first, second = cells(sheet.table)
+    assert first[:4] == ["C01", "174 ±4", "182 ±4", "113 ±6"]
+    assert second[-1] == "—"
+    assert "a remark" in sheet.details.text() and "3" in sheet.details.text()
+    for seen in (sheet.no_clearance, sheet.simulated):
+        assert seen.isVisible()
+    assert sheet.no_clearance.text() == shown_text(NO_CLEARANCE)
+    assert_fits(window)
+
+
+def test_nothing_is_cut_off_in_any_state(window):
+    window.past.candidates.click()
+    assert_fits(window)
+    sheet = window.candidates
+    sheet.permittivity.tapped.emit()
+    assert_fits(window)
+    sheet.number_pad.hide()
+    sheet.find_button.click()
+    assert_fits(window)
+    ended(window, json.dumps(MANY), errors="note: something about the survey. " * 30)
+    assert_fits(window)
+    assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
+    assert sheet.table.rowCount() == 50
+    assert sheet.table.height() >= 100
+    sheet.find_button.click()
+    ended(window, status=3, errors="gpr20 candidates: the reason of the refusal. " * 30)
+    assert_fits(window)
+
+
+def test_the_sentence_is_visible_in_every_state(window):
+    window.past.candidates.click()
+    sheet = window.candidates
+    for act in (
+        lambda: None,
+        sheet.find_button.click,
+        sheet.cancel.click,
+        sheet.find_button.click,
+        lambda: ended(window, status=3, errors="refused"),
+    ):
+        act()
+        assert sheet.no_clearance.isVisible() and sheet.no_clearance.text()
+
+
+def test_a_permittivity_is_passed_on_and_a_wrong_one_locks_the_search(window, program):
+    window.past.candidates.click()
+    sheet = window.candidates
+    for text in ("0.5", "x", "nan", "101"):
+        sheet.permittivity.setText(text)
+        assert not sheet.find_button.isEnabled()
+    sheet.permittivity.setText("4,5")
+    sheet.find_button.click()
+    assert "--permittivity=4.5" in program.started[0]
+
+
+def test_cancelling_ends_the_program_and_its_late_end_changes_nothing(window, program):
+    sheet = search(window)
+    sheet.cancel.click()
+    assert program.cancelled == 1
+    ended(window)
+    assert sheet.search.state is SearchState.READY and sheet.table.rowCount() == 0
+    sheet.find_button.click()
+    ended(window, number=1)
+    assert sheet.search.state is SearchState.RUNNING
+
+
+def test_never_during_a_survey(window, program):
+    sheet = search(window)
+    idle(window, state=RUNS)
+    assert program.cancelled == 1 and not sheet.find_button.isEnabled()
+    assert not window.past.candidates.isEnabled()
+    ended(window)
+    assert sheet.table.rowCount() == 0
+    sheet.find_button.click()
+    assert len(program.started) == 1
+    idle(window)
+    assert sheet.find_button.isEnabled() and window.past.candidates.isEnabled()
+
+
+@pytest.mark.parametrize("status, text", [(3, ""), (2, ""), (0, "{}"), (0, "no JSON"), (-15, "")])
+def test_a_failure_shows_its_reason_and_no_list(window, status, text):
+    sheet = search(window)
+    ended(window, text or " ", status=status, errors="the reason")
+    assert sheet.search.state is SearchState.FAILED and sheet.table.rowCount() == 0
+    if status:
+        assert sheet.details.text() == "the reason"
+    else:
+        assert sheet.details.text()
+
+
+def test_data_or_analysis_that_are_elsewhere_are_said(window, program):
+    window.past.candidates.click()
+    sheet = window.candidates
+    program.installed = False
+    sheet.find_button.click()
+    not_installed = sheet.details.text()
+    window.on_event(
+        SurveysListed("", (dataclasses.replace(LISTED, folder="20260101T000000_00000000"),), False)
+    )
+    window.past.table.selectRow(0)
+    program.installed = True
+    sheet.hide()
+    window.past.candidates.click()
+    sheet.find_button.click()
+    assert sheet.details.text() not in ("", not_installed)
+    assert not program.started
+
+
+def test_what_was_found_in_another_survey_is_forgotten(window):
+    search(window)
+    ended(window)
+    assert window.candidates.table.rowCount() == 2
+    other = dataclasses.replace(LISTED, folder="20260101T000000_00000000", survey_id="other")
+    window.candidates.show_survey(other, window.data)
+    assert window.candidates.table.rowCount() == 0
+
+
+def test_the_language_changes_at_once(window):
+    search(window)
+    ended(window, json.dumps(MANY))
+    before = cells(window.candidates.table)[1][-1], window.candidates.no_clearance.text()
+    window.languages.use_next()
+    QTest.qWait(1)
+    after = cells(window.candidates.table)[1][-1], window.candidates.no_clearance.text()
+    assert after[1] != before[1] and after[0] != before[0]
+
+
+def test_closing_the_window_ends_a_search(window, program):
+    search(window)
+    window.end()
+    assert program.cancelled == 1

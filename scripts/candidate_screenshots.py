@@ -1,0 +1,72 @@
+"""Pictures of the candidates of a stored survey in the window; started by screenshots.sh."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+from PyQt5.QtWidgets import QApplication, QVBoxLayout, QWidget
+from window_kit import run_until, virtual_screen
+
+from gpr20_common.catalogue import Language
+from gpr20_user_interface.low.analysis_program import AnalysisProgram
+from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
+from gpr20_user_interface.views.main_window import HEIGHT_PX, WIDTH_PX
+from gpr20_user_interface.views.style import STYLE_SHEET
+from gpr20_user_interface.views.top_bar import TopBar
+from gpr20_user_interface.views.translation import Languages
+
+LIMIT_S = 300.0
+PERMITTIVITY = "5"
+
+
+def take_pictures(folder: Path, survey: Path, application: QApplication) -> None:
+    """Search for candidates and take a picture in each language."""
+    languages = Languages(application, Language.ENGLISH)
+    described = json.loads((survey / "survey.json").read_text(encoding="utf-8"))
+    chosen = PastSurvey(
+        survey.name, described["survey_id"], described["started"], "", 0, 0, None, True,
+        described["simulated"], None,
+    )  # fmt: skip
+    window = QWidget()
+    window.setStyleSheet(STYLE_SHEET)
+    window.resize(WIDTH_PX, HEIGHT_PX)
+    column = QVBoxLayout(window)
+    column.setContentsMargins(0, 0, 0, 0)
+    column.addWidget(TopBar())
+    column.addStretch(1)
+    ended: list = []
+    search = CandidateSearch(AnalysisProgram(ended.append), time.monotonic)
+    sheet = CandidatesSheet(window, search, lambda: languages.language.value)
+    sheet.permittivity.setText(PERMITTIVITY)
+    window.show()
+    sheet.show_survey(chosen, str(survey.parent))
+    for language in Language:
+        languages.use(language)
+        sheet.find_button.click()
+        run_until(lambda: bool(ended), "the search ends", LIMIT_S)
+        sheet.on_event(ended.pop())
+        if search.state is not SearchState.DONE:
+            raise SystemExit(sheet.details.text())
+        run_until(lambda: sheet.table.rowCount() > 0, "the list is shown", LIMIT_S)
+        path = folder / f"candidates_{language.value}.png"
+        if not window.grab().save(str(path)):
+            raise SystemExit(f"{path} cannot be written")
+        print(path)
+    languages.close()
+
+
+def main() -> None:
+    """Take the pictures of the survey that is named into the folder that is named."""
+    survey, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
+    folder.mkdir(parents=True, exist_ok=True)
+    with virtual_screen():
+        take_pictures(folder, survey, QApplication([]))
+
+
+if __name__ == "__main__":
+    main()
