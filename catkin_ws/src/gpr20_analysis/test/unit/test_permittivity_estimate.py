@@ -91,7 +91,8 @@ def test_small_deep_bodies_tell_the_permittivity(permittivity):
 
 
 def test_one_line_is_enough_and_says_what_it_assumes():
-    line = survey_over([Buried(Body.POINT, 0.22, 0.2, 0.2)], 6.0, setup(y_m=np.array([0.2])))
+    where = setup(np.arange(0.0, 0.6, 0.01), np.array([0.2]), 0.08)
+    line = survey_over([Buried(Body.POINT, 0.3, 0.2, 0.2)], 6.0, where)
     image = image_survey(remove_background(line), ImageOptions(Method.BACK_PROJECTION))
     assert image.attrs["permittivity_lowest"] < 6.0 < image.attrs["permittivity_highest"]
     assert "single line" in " ".join(str(one) for one in sentences_of(image, "notes"))

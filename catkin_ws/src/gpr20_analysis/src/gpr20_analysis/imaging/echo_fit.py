@@ -39,6 +39,7 @@ DISC_SPACING_M = 0.014
 # off by a phase.
 LEFT_OVER_FACTOR = 4.0
 PARTS_OF_APERTURE = 8
+PARTS_OF_A_LINE = 3
 PHASE_ERROR_RAD = np.radians(4.0)
 
 
@@ -115,7 +116,8 @@ def fit_echo(cells: Cells, apex: Apex, noise: float) -> Optional[EchoFit]:
     free = max(len(cells.count) - UNKNOWNS, 1)
     # The fewer cells, the less is known of what is left over.
     scatter = LEFT_OVER_FACTOR * (best.left_over / free) * (free + 4.0) / free
-    error = PHASE_ERROR_RAD**2 * float(explained.max()) / PARTS_OF_APERTURE
+    parts = PARTS_OF_A_LINE if cells.one_line else PARTS_OF_APERTURE
+    error = PHASE_ERROR_RAD**2 * float(explained.max()) / parts
     return EchoFit(
         float(best.place_m[0]),
         float(best.place_m[1]),
@@ -154,6 +156,9 @@ def _best_body(
             cells.stops, (place_m[0], place_m[1]), place_m[2],
             permittivity[:, None], radius_m[:, None],
         )  # fmt: skip
+        if cells.one_line:
+            # How far the body is from the line is given: the data hardly depend on it.
+            front.slopes[_across(cells)] = 0.0
         if not weights.size:
             weights = cells.count * front.cosine[0] ** 4
         moved_m = sums.best_move_m(front, weights, np.zeros((len(permittivity), 3)))
@@ -221,9 +226,13 @@ def _best_of_all(by_radius: np.ndarray) -> np.ndarray:
 
 def _beside(cells: Cells, place_m: np.ndarray) -> List[np.ndarray]:
     """Return places beside a line."""
-    along_x = np.ptp(cells.stops.x_m) > np.ptp(cells.stops.y_m)
-    aside = np.array([0.0, 1.0, 0.0] if along_x else [1.0, 0.0, 0.0])
+    aside = np.eye(3)[_across(cells)]
     return [place_m + away_m * aside for away_m in BESIDE_LINE_M]
+
+
+def _across(cells: Cells) -> int:
+    """Return the axis across a line: 0 for X, 1 for Y."""
+    return 1 if np.ptp(cells.stops.x_m) > np.ptp(cells.stops.y_m) else 0
 
 
 def _disc(cells: Cells, sphere: _Body, radius_m: float) -> np.ndarray:
