@@ -178,12 +178,7 @@ def test_wrong_arguments_are_refused_with_a_reason(survey_file, capsys, argument
 def test_the_commands_start_without_libraries_that_take_long_to_import():
     slow = ["scipy.signal", "scipy.stats", "distributed", "numba", "matplotlib"]
     code = (
-<<<<<<< HEAD
-        "import sys, gpr20_analysis.commands.image_command\n"
-        "import gpr20_analysis.commands.import_command\n"
-=======
         "import sys\nfrom gpr20_analysis.commands import image_command, import_command\n"
->>>>>>> bp
         f"print([name for name in {slow} if name in sys.modules])"
     )
     printed = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)

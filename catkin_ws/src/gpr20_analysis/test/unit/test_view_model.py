@@ -12,8 +12,8 @@ import gpr20_analysis.imaging.image as image_module
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError, TooLargeError
-from gpr20_analysis.imaging.focus_estimate import PermittivityEstimate
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.viewer.latest_worker import LatestWorker
 from gpr20_analysis.viewer.live_image import ImageRequest, PermittivitySource

@@ -49,13 +49,13 @@ def write_candidates(found: CandidateList, path: Path) -> None:
                 others=", ".join((CSV, JSON, GPKG)),
             )
         )
-    for one in output_paths(path)[1:]:
-        # A checksum of the former content must not stay if this is interrupted.
-        one.unlink() if one.exists() else None
+    checksum_path = output_paths(path)[1]
+    if checksum_path.exists():
+        checksum_path.unlink()  # that of the former content must not stay if this is interrupted
     with atomic_output(path) as place:
         WRITERS[path.suffix](found, place)
         checksum = sum_of_file(place).sha256
-    with atomic_output(output_paths(path)[1]) as place:
+    with atomic_output(checksum_path) as place:
         place.write_text(f"{checksum}  {path.name}\n", encoding="utf-8")
 
 
