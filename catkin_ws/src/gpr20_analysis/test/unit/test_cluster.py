@@ -112,6 +112,7 @@ def test_two_workers_draw_the_same(ground, tmp_path, cluster, kind):
     assert (tmp_path / "there.png").read_bytes() == (tmp_path / "here.png").read_bytes()
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_two_workers_make_the_same_report(ground, tmp_path, cluster):
     options = ["--permittivity", "4", "--depth", "0", "0.05", "0.01"]
     address = ["--scheduler", cluster.scheduler_address]

@@ -68,12 +68,12 @@ def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
     netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
     printed(
-        capsys, "image", survey_file, "--permittivity", 4, "--depth", 0, 0.2, 0.01,
+        capsys, "image", survey_file, "--permittivity", 4, "--depth", 0, 0.2, 0.05,
         "-o", netcdf, "-o", vtk, "--figures", pictures,
     )  # fmt: skip
     image = read_dataset(netcdf)
     assert image.image.dims == ("polarization", "depth", "y", "x")
-    assert image.image.dtype.kind == "c" and image.sizes["depth"] == 21
+    assert image.image.dtype.kind == "c" and image.sizes["depth"] == 5
     with h5py.File(netcdf) as stored:
         assert stored["image_real"].shape == image.image.shape
     assert b"RectilinearGrid" in vtk.read_bytes()[:400]
@@ -98,19 +98,10 @@ def test_processed_data_go_through_the_chain_and_keep_their_recipe(survey_file, 
 def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, capsys):
     answer = json.loads(
         printed(
-            capsys,
-            "image",
-            survey_file,
-            "--step",
-            "background",
-            "--step",
-            "combine",
-            "--permittivity",
-            4,
-            "--figures",
-            tmp_path / "pictures",
+            capsys, "image", survey_file, "--step", "background", "--step", "combine",
+            "--permittivity", 4, "--depth", 0, 0.2, 0.05, "--figures", tmp_path / "pictures",
             "--json",
-        )
+        )  # fmt: skip
     )
     assert answer["candidates"][0]["rotations_deg"] == [None]
     assert (tmp_path / "pictures" / "projections_combined.png").exists()
