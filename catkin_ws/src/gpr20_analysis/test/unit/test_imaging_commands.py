@@ -95,14 +95,13 @@ def test_processed_data_go_through_the_chain_and_keep_their_recipe(survey_file, 
     np.testing.assert_array_equal(read_dataset(result).s21, read_dataset(again).s21)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, capsys):
-    answer = json.loads(
-        printed(
-            capsys, "image", survey_file, "--step", "background", "--step", "combine",
-            "--permittivity", 4, "--depth", 0, 0.2, 0.05, "--figures", tmp_path / "pictures",
-            "--json",
-        )  # fmt: skip
-    )
+    text = printed(
+        capsys, "image", survey_file, "--step", "background", "--step", "combine",
+        "--permittivity", 4, "--depth", 0, 0.2, 0.01, "--figures", tmp_path / "pictures", "--json",
+    )  # fmt: skip
+    answer = json.loads(text)
     assert answer["candidates"][0]["rotations_deg"] == [None]
     assert (tmp_path / "pictures" / "projections_combined.png").exists()
 
