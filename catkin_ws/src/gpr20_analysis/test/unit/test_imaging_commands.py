@@ -65,6 +65,7 @@ def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
     assert "use a wider band" in told_why
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
     netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
     printed(
