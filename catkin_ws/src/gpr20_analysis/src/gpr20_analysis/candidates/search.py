@@ -16,11 +16,11 @@ from gpr20_analysis.candidates.candidate import (
     CandidateList,
     Flag,
 )
+from gpr20_analysis.candidates.peak_place import peak_places
 from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.echoes import peak_places
 from gpr20_analysis.read.annotation_attributes import HEADING, LATITUDE, LONGITUDE
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
