@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Flag
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, OMITTED, Flag
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import candidate_lines, candidate_row
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
@@ -98,6 +98,18 @@ def test_residue_of_the_surface_over_the_whole_area_is_clutter_and_hides_no_cand
     assert found.omitted > 10
     everything = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=10_000))
     assert len(everything.candidates) == found.omitted + 5 and everything.omitted == 0
+
+
+def test_only_doubtful_candidates_are_left_out_of_a_list_that_is_too_long():
+    random = np.random.default_rng(5)
+    places = random.permutation([(x, y) for x in (0.08, 0.15, 0.22) for y in (0.08, 0.15, 0.22)])
+    peaks = [(turn, *at, 0.2, 15.0 + turn) for at in places for turn in (0, 1)]
+    found = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=3))
+    assert len(found.candidates) == len(places) and found.omitted > 10
+    assert not any(OMITTED & set(one.flags) for one in found.candidates)
+    unrated = image_of(peaks).drop_vars([NOISE, "noise_over_y", "noise_over_x"])
+    found = find_candidates(unrated, CandidateOptions(most=12))
+    assert len(found.candidates) == 12 and found.omitted > 100
 
 
 @pytest.mark.parametrize(("lowest", "highest"), [(4.0, 4.0), (3.0, 6.0)])

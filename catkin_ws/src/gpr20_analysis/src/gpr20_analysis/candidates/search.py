@@ -11,6 +11,7 @@ import xarray as xr
 from scipy.ndimage import maximum_filter
 
 from gpr20_analysis.candidates.candidate import (
+    OMITTED,
     SECONDARY,
     AreaPosition,
     Candidate,
@@ -34,7 +35,8 @@ class CandidateOptions:
 
     Attributes:
         false_alarm_rate: Probability that noise alone leads to any candidate in an image, 0 to 1.
-        most: Most candidates to list.
+        most: Most candidates to list. All that are neither `SECONDARY` nor unrated are listed, even
+            if there are more.
         height_uncertainty_m: Standard deviation of the antenna height [m].
     """
 
@@ -95,9 +97,8 @@ def find_candidates(
     found = [_candidate(group, rating, axes, image, options) for group in groups]
     found = [replace(one, flags=_with_sidelobe(one, found, rating)) for one in found]
     found.sort(key=lambda one: bool(SECONDARY & set(one.flags)))
-    listed = tuple(
-        replace(one, id=f"C{number:02d}") for number, one in enumerate(found[: options.most], 1)
-    )
+    count = max(options.most, sum(not OMITTED & set(one.flags) for one in found))
+    listed = tuple(replace(one, id=f"C{number:02d}") for number, one in enumerate(found[:count], 1))
     permittivity = float(image.attrs["permittivity"])
     lowest, highest = _permittivity_range(image)
     return CandidateList(
