@@ -131,3 +131,24 @@ def test_with_too_few_frequencies_every_candidate_is_unrated_and_a_note_says_why
     assert found.candidates and all(Flag.UNRATED in one.flags for one in found.candidates)
     assert all(np.isnan(one.above_noise_db) for one in found.candidates)
     assert any("noise could not be measured" in str(note) for note in found.notes)
+
+
+@pytest.mark.parametrize("method", Method)
+def test_candidates_lie_where_they_are_within_their_uncertainties(method):
+    errors = []
+    for seed in range(2):
+        random = np.random.default_rng(seed)
+        target = (*random.uniform(0.07, 0.17, 2), random.uniform(0.08, 0.14))
+        data = survey(random, 0.1, [target], rotations=(0.0,))
+        found = find_candidates(imaged(data, method, tuple(np.arange(0.0, 0.2, 0.003)))).candidates
+        # The nearest, because products of the Kirchhoff methods can be brighter.
+        x_m, y_m, depth_m = target
+        one = min(found[:5], key=lambda one: abs(one.x_m - x_m) + abs(one.depth_m - depth_m))
+        errors.append(
+            (
+                (one.x_m - x_m) / one.x_uncertainty_m,
+                (one.y_m - y_m) / one.y_uncertainty_m,
+                (one.depth_m - depth_m) / one.depth_uncertainty_m,
+            )
+        )
+    assert np.sqrt(np.mean(np.square(errors), axis=0)).max() < 1.6

@@ -20,8 +20,12 @@ WIDTH = 2.0 * math.sqrt(math.log(2.0))
 SIDELOBE_DB = {Law.RAYLEIGH: 20.0, Law.PRODUCT: 8.0, Law.HALF_NORMAL: 8.0}
 # Clutter this much above noise over the whole area; a candidate must be brighter than it.
 CLUTTER, CLUTTER_ALARM = 2.0, 0.01
-# Errors of a peak between voxels, as a share of the step, where noise is negligible.
-SHARE_OF_STEP = 0.1
+# Errors of a peak between voxels, as a share of the step, where noise is negligible. The Kirchhoff
+# methods take the nearest samples and angles, and can lose the first sample.
+SHARE_OF_STEP = {Law.RAYLEIGH: 0.1, Law.PRODUCT: 0.5, Law.HALF_NORMAL: 0.5}
+# Errors of depth, y and x where each line along X is migrated alone: it shows targets beside it,
+# and shows them deeper.
+BESIDE_LINE_M = (0.015, 0.07, 0.0)
 # Resolution without a measurement, and the band for it.
 ACROSS_M, BAND_HZ = 0.03, 5.4e9
 
@@ -127,7 +131,9 @@ class Rating:
         Args:
             above_noise_db: Its level; NaN if it is not known.
         """
-        of_voxels_m = SHARE_OF_STEP * self._steps_m
+        of_voxels_m = SHARE_OF_STEP[self._law] * self._steps_m
+        if self._law is Law.HALF_NORMAL and self._steps_m[1] > 0.0:
+            of_voxels_m = np.maximum(of_voxels_m, BESIDE_LINE_M)
         if math.isnan(above_noise_db):
             return np.hypot(of_voxels_m, self.resolution_m / 2.0)
         curvature_m = self.resolution_m / WIDTH
