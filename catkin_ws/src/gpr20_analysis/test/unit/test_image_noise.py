@@ -152,3 +152,17 @@ def test_candidates_lie_where_they_are_within_their_uncertainties(method):
             )
         )
     assert np.sqrt(np.mean(np.square(errors), axis=0)).max() < 1.6
+
+
+@pytest.mark.parametrize("method", [Method.KIRCHHOFF, Method.KIRCHHOFF_2D])
+def test_the_noise_over_depth_follows_the_gain_of_the_group_in_wet_soil(method):
+    law, parts = law_of(method.value), []
+    for seed in range(3):
+        data = remove_background(survey(np.random.default_rng(seed), points=161))
+        image = image_survey(data, ImageOptions(method, 9.0, DEPTH_M))
+        over = image.noise_over_y.values[:, None] * image.noise_over_x.values
+        ratio = np.abs(image.image.values) / (image[NOISE].values[..., None, None] * over)
+        third = ratio.shape[1] // 3
+        parts.append([np.mean(np.log(ratio[:, part])) for part in np.s_[:third, -third:]])
+    shallow_db, deep_db = law.level_db(np.exp(np.mean(parts, axis=0) - law.mean_log))
+    assert abs(shallow_db - deep_db) < 1.2

@@ -110,8 +110,8 @@ class CandidateList:
         permittivity_range: Lowest and highest possible value; equal if it was given.
         area_m2: Surveyed area [m^2].
         false_alarm_rate: Largest false-alarm probability of a listed candidate.
-        omitted: Number of candidates beyond the longest list, the last ones; each of them has a flag
-            of `OMITTED`.
+        omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
+            `OMITTED`.
         candidates: The candidates.
         notes: What was left out or may be wrong.
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
