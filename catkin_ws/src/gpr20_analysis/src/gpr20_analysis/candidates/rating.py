@@ -18,6 +18,9 @@ WIDTH = 2.0 * math.sqrt(math.log(2.0))
 # Highest local maxima beside targets, measured: -33 dB for points, -20 dB for larger ones; products
 # of the Kirchhoff method: -9 dB.
 SIDELOBE_DB = {Law.RAYLEIGH: 20.0, Law.PRODUCT: 8.0, Law.HALF_NORMAL: 8.0}
+# The noise may be this much higher than measured, on small grids. Rare values of a product are so
+# large that this decides how often they seem to occur.
+NOISE_UP_TO = {Law.RAYLEIGH: 1.0, Law.PRODUCT: 1.15, Law.HALF_NORMAL: 1.0}
 # Clutter this much above noise over the whole area; a candidate must be brighter than it.
 CLUTTER, CLUTTER_ALARM = 2.0, 0.01
 # Errors of a peak between voxels, as a share of the step, where noise is negligible. The Kirchhoff
@@ -81,7 +84,8 @@ class Rating:
         """Return the level that noise exceeds anywhere with a probability; 0 if not known."""
         if not self.is_rated:
             return 0.0
-        return self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+        ratio = self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+        return ratio * NOISE_UP_TO[self._law]
 
     def above_noise_db(self, turn: int, place: Sequence[int]) -> float:
         """Return the level of a voxel above noise [dB]; NaN if the noise is not known."""
@@ -93,9 +97,8 @@ class Rating:
         """Return the probability that noise alone has a voxel as bright; 1 if not known."""
         if not self.is_rated:
             return 1.0
-        return self._alarms.probability(
-            float(self._law.log_tail(np.asarray(self._ratio(turn, place))))
-        )
+        ratio = self._ratio(turn, place) / NOISE_UP_TO[self._law]
+        return self._alarms.probability(float(self._law.log_tail(np.asarray(ratio))))
 
     def polarization_ratio_db(self, place: Sequence[int]) -> Optional[float]:
         """Return the level of the first polarization above the second around a voxel [dB]."""
