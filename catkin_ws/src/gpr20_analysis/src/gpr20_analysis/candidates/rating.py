@@ -20,7 +20,7 @@ WIDTH = 2.0 * math.sqrt(math.log(2.0))
 SIDELOBE_DB = {Law.RAYLEIGH: 20.0, Law.PRODUCT: 8.0, Law.HALF_NORMAL: 8.0}
 # The noise may be this much higher than measured, on small grids. Rare values of a product are so
 # large that this decides how often they seem to occur.
-NOISE_UP_TO = {Law.RAYLEIGH: 1.0, Law.PRODUCT: 1.15, Law.HALF_NORMAL: 1.0}
+NOISE_UP_TO = {Law.RAYLEIGH: 1.0, Law.PRODUCT: 1.1, Law.HALF_NORMAL: 1.0}
 # Clutter this much above noise over the whole area; a candidate must be brighter than it.
 CLUTTER, CLUTTER_ALARM = 2.0, 0.01
 # Errors of a peak between voxels, as a share of the step, where noise is negligible. The Kirchhoff
