@@ -8,7 +8,7 @@ import xarray as xr
 
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, OMITTED, Flag
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import candidate_lines, candidate_row
+from gpr20_analysis.candidates.table import candidate_lines, candidate_row, false_alarm_text
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.catalogue import Language
@@ -146,6 +146,14 @@ def test_lines_say_that_it_is_no_clearance_in_each_language():
     assert candidate_row(found.candidates[0])[0] == "C01"
     empty = candidate_lines(find_candidates(image_of([], seed=3), CandidateOptions(1e-6)))
     assert str(NO_CLEARANCE) in empty and "No candidate was found." in empty
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [(1.0, "100 %"), (0.5, "50 %"), (0.097, "10 %"), (0.003, "0.3 %"), (1e-9, "< 0.0001 %")],
+)
+def test_a_probability_is_readable(probability, text):
+    assert false_alarm_text(probability) == text
 
 
 @pytest.mark.parametrize(
