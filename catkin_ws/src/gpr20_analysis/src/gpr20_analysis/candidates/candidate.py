@@ -31,7 +31,9 @@ class Flag(enum.Enum):
 
 
 SECONDARY = frozenset({Flag.CLUTTER, Flag.SIDELOBE})
-"""Candidates with these flags come after all others, and are omitted first."""
+"""Candidates with these flags come after all others."""
+OMITTED = SECONDARY | {Flag.UNRATED}
+"""Only candidates with one of these flags are omitted from a list that would be too long."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,8 @@ class CandidateList:
         permittivity_range: Lowest and highest possible value; equal if it was given.
         area_m2: Surveyed area [m^2].
         false_alarm_rate: Largest false-alarm probability of a listed candidate.
-        omitted: Number of candidates beyond the longest list, the last ones.
+        omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
+            `OMITTED`.
         candidates: The candidates.
         notes: What was left out or may be wrong.
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey

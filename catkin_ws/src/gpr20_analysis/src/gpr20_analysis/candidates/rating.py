@@ -18,10 +18,17 @@ WIDTH = 2.0 * math.sqrt(math.log(2.0))
 # Highest local maxima beside targets, measured: -33 dB for points, -20 dB for larger ones; products
 # of the Kirchhoff method: -9 dB.
 SIDELOBE_DB = {Law.RAYLEIGH: 20.0, Law.PRODUCT: 8.0, Law.HALF_NORMAL: 8.0}
+# The noise may be this much higher than measured, on small grids. Rare values of a product are so
+# large that this decides how often they seem to occur.
+NOISE_UP_TO = {Law.RAYLEIGH: 1.0, Law.PRODUCT: 1.1, Law.HALF_NORMAL: 1.0}
 # Clutter this much above noise over the whole area; a candidate must be brighter than it.
 CLUTTER, CLUTTER_ALARM = 2.0, 0.01
-# Errors of a peak between voxels, as a share of the step, where noise is negligible.
-SHARE_OF_STEP = 0.1
+# Errors of a peak between voxels, as a share of the step, where noise is negligible. The Kirchhoff
+# methods take the nearest samples and angles, and can lose the first sample.
+SHARE_OF_STEP = {Law.RAYLEIGH: 0.1, Law.PRODUCT: 0.5, Law.HALF_NORMAL: 0.5}
+# Errors of depth, y and x where each line along X is migrated alone: it shows targets beside it,
+# and shows them deeper.
+BESIDE_LINE_M = (0.015, 0.07, 0.0)
 # Resolution without a measurement, and the band for it.
 ACROSS_M, BAND_HZ = 0.03, 5.4e9
 
@@ -77,7 +84,8 @@ class Rating:
         """Return the level that noise exceeds anywhere with a probability; 0 if not known."""
         if not self.is_rated:
             return 0.0
-        return self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+        ratio = self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+        return ratio * NOISE_UP_TO[self._law]
 
     def magnitudes_at(self, place: np.ndarray) -> np.ndarray:
         """Return the magnitudes of voxels (voxel, 4): polarization, depth, y, x."""
@@ -94,7 +102,8 @@ class Rating:
         """Return the probability that noise alone has a voxel of a level; 1 if not known."""
         if not self.is_rated:
             return 1.0
-        return self._alarms.probability(float(self._law.log_tail(np.asarray(level))))
+        ratio = np.asarray(level) / NOISE_UP_TO[self._law]
+        return self._alarms.probability(float(self._law.log_tail(ratio)))
 
     def polarization_ratio_db(self, place: Sequence[int]) -> Optional[float]:
         """Return the level of the first polarization above the second around a voxel [dB]."""
@@ -137,7 +146,9 @@ class Rating:
         Args:
             above_noise_db: Its level; NaN if it is not known.
         """
-        of_voxels_m = SHARE_OF_STEP * self._steps_m
+        of_voxels_m = SHARE_OF_STEP[self._law] * self._steps_m
+        if self._law is Law.HALF_NORMAL and self._steps_m[1] > 0.0:
+            of_voxels_m = np.maximum(of_voxels_m, BESIDE_LINE_M)
         if math.isnan(above_noise_db):
             return np.hypot(of_voxels_m, self.resolution_m / 2.0)
         curvature_m = self.resolution_m / WIDTH

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.candidates.candidate import (
+    OMITTED,
     SECONDARY,
     AreaPosition,
     Candidate,
@@ -34,7 +35,8 @@ class CandidateOptions:
 
     Attributes:
         false_alarm_rate: Probability that noise alone leads to any candidate in an image, 0 to 1.
-        most: Most candidates to list.
+        most: Most candidates to list. All that are neither `SECONDARY` nor unrated are listed, even
+            if there are more.
         height_uncertainty_m: Standard deviation of the antenna height [m].
     """
 
@@ -97,6 +99,8 @@ def find_candidates(
     # Those of lower rank last, otherwise the brightest first.
     secondary = np.any([flags[one] for one in SECONDARY], axis=0)
     order = np.argsort(secondary, kind="stable")
+    omissible = np.any([flags[one] for one in OMITTED], axis=0)
+    count = max(options.most, int(np.count_nonzero(~omissible)))
     listed = tuple(
         replace(
             _candidate(groups, one, place_m[one].tolist(), rating, image, options),
@@ -104,7 +108,7 @@ def find_candidates(
             rotations_deg=_rotations_deg(image, peaks.place[groups.members[one], 0]),
             flags=tuple(flag for flag, is_set in flags.items() if is_set[one]),
         )
-        for number, one in enumerate(order[: options.most].tolist(), 1)
+        for number, one in enumerate(order[:count].tolist(), 1)
     )
     permittivity = float(image.attrs["permittivity"])
     lowest, highest = _permittivity_range(image)

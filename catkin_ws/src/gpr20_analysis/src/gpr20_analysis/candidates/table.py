@@ -59,7 +59,8 @@ def false_alarm_text(probability: float) -> str:
     """Return the probability of a false alarm as text, such as "0.3 %"."""
     if probability < SMALLEST_ALARM:
         return f"< {100.0 * SMALLEST_ALARM:g} %"
-    return f"{100.0 * probability:.1g} %"
+    percent = 100.0 * probability
+    return f"{percent:.0f} %" if percent >= 9.5 else f"{percent:.1g} %"
 
 
 def head_sentences(found: CandidateList) -> List[Message]:

@@ -80,7 +80,8 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
         help="probability that noise alone leads to any candidate; default "
         f"{standard.false_alarm_rate:g}")  # fmt: skip
     add("--most", type=int, default=standard.most, metavar="N",
-        help=f"longest list; more candidates are counted; default {standard.most}")  # fmt: skip
+        help=f"longest list; default {standard.most}; more candidates are counted, and listed if "
+        "they are neither clutter nor sidelobe")  # fmt: skip
 
 
 def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:

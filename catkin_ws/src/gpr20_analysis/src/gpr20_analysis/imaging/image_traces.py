@@ -107,7 +107,17 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 )
             )
     notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
-    return traces, [*notes, *surface_notes(survey, options, delay_s)]
+    of_surface = surface_notes(survey, options, delay_s)
+    if of_surface and options.permittivity is None:
+        raise WrongDatasetError(
+            Message(
+                "{note}; with that the permittivity cannot be estimated either: give the delay "
+                "with --delay, the distance of the antennas with --separation, or the "
+                "permittivity with --permittivity",
+                note=of_surface[0],
+            )
+        )
+    return traces, [*notes, *of_surface]
 
 
 def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:
