@@ -8,7 +8,12 @@ import xarray as xr
 
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Flag
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import candidate_lines, candidate_row
+from gpr20_analysis.candidates.table import (
+    SECONDARY_TITLE,
+    candidate_lines,
+    candidate_row,
+    shown_candidates,
+)
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.catalogue import Language
@@ -98,6 +103,19 @@ def test_residue_of_the_surface_over_the_whole_area_is_clutter_and_hides_no_cand
     assert found.omitted > 10
     everything = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=10_000))
     assert len(everything.candidates) == found.omitted + 5 and everything.omitted == 0
+    shown = shown_candidates(everything)
+    assert shown == everything.candidates[:11] and not shown[0].is_secondary
+    lines = candidate_lines(everything)
+    assert lines[3] == str(SECONDARY_TITLE) and len(lines) == 3 + 11 + 3
+    assert f"--most {len(everything.candidates)}" in lines[-1]
+    assert not any("--most" in one for one in candidate_lines(everything, most_secondary=None))
+
+
+def test_a_candidate_that_is_not_doubtful_is_never_omitted_unseen():
+    peaks = [(0, 0.05 + 0.1 * at, 0.15, 0.15, 20.0) for at in range(3)]
+    found = find_candidates(image_of(peaks, rotations=(0.0,)), CandidateOptions(most=2))
+    assert (found.omitted, found.omitted_primary) == (1, 1)
+    assert any("NOT shown" in one and "--most 3" in one for one in candidate_lines(found))
 
 
 @pytest.mark.parametrize(("lowest", "highest"), [(4.0, 4.0), (3.0, 6.0)])

@@ -36,8 +36,9 @@ MANY = {
     **LIST,
     "listed": 50,
     "omitted": 12345,
+    "omitted_primary": 0,
     "candidates": [
-        {**LIST["candidates"][0], "id": f"C{number}", "flags": ALL_FLAGS[: number % 7]}
+        {**LIST["candidates"][0], "id": f"C{number}", "flags": ALL_FLAGS[: number // 8]}
         for number in range(50)
     ],
 }
@@ -117,7 +118,8 @@ def test_nothing_is_cut_off_in_any_state(window):
     ended(window, json.dumps(MANY), errors="note: something about the survey. " * 30)
     assert_fits(window)
     assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
-    assert sheet.table.rowCount() == 50
+    assert sheet.table.rowCount() == 32 + 10
+    assert "12353" in sheet.details.text()
     assert sheet.table.height() >= 100
     sheet.find_button.click()
     ended(window, status=3, errors="gpr20 candidates: the reason of the refusal. " * 30)

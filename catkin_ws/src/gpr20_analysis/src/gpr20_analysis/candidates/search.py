@@ -10,13 +10,7 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import maximum_filter
 
-from gpr20_analysis.candidates.candidate import (
-    SECONDARY,
-    AreaPosition,
-    Candidate,
-    CandidateList,
-    Flag,
-)
+from gpr20_analysis.candidates.candidate import AreaPosition, Candidate, CandidateList, Flag
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
@@ -94,7 +88,7 @@ def find_candidates(
     groups = _grouped(peaks, rating, axes)
     found = [_candidate(group, rating, axes, image, options) for group in groups]
     found = [replace(one, flags=_with_sidelobe(one, found, rating)) for one in found]
-    found.sort(key=lambda one: bool(SECONDARY & set(one.flags)))
+    found.sort(key=lambda one: one.is_secondary)
     listed = tuple(
         replace(one, id=f"C{number:02d}") for number, one in enumerate(found[: options.most], 1)
     )
@@ -112,6 +106,7 @@ def find_candidates(
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
         position=_position(image),
+        omitted_primary=sum(not one.is_secondary for one in found[options.most :]),
     )
 
 

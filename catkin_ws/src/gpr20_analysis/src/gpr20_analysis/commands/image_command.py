@@ -15,7 +15,7 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.candidate import CandidateList
 from gpr20_analysis.candidates.files import candidate_record, list_record
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import candidate_lines
+from gpr20_analysis.candidates.table import MOST_SECONDARY, candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
@@ -79,8 +79,9 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
     add("--false-alarm", type=float, default=standard.false_alarm_rate, metavar="P",
         help="probability that noise alone leads to any candidate; default "
         f"{standard.false_alarm_rate:g}")  # fmt: skip
-    add("--most", type=int, default=standard.most, metavar="N",
-        help=f"longest list; more candidates are counted; default {standard.most}")  # fmt: skip
+    add("--most", type=int, metavar="N",
+        help=f"longest list, in files too; default {standard.most}, of which at most "
+        f"{MOST_SECONDARY} doubtful ones are printed")  # fmt: skip
 
 
 def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
@@ -89,7 +90,8 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
     Raises:
         WrongDatasetError: An argument is not allowed.
     """
-    return CandidateOptions(chosen.false_alarm, chosen.most)
+    most = CandidateOptions().most if chosen.most is None else chosen.most
+    return CandidateOptions(chosen.false_alarm, most)
 
 
 def add_image_options(parser: argparse.ArgumentParser) -> None:
@@ -263,16 +265,20 @@ def _print(
         }
         print(json.dumps(answer, indent=2, allow_nan=False))
         return
-    print_candidates(image, found, catalogue)
+    print_candidates(image, found, chosen, catalogue)
 
 
-def print_candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> None:
+def print_candidates(
+    image: xr.Dataset, found: CandidateList, chosen: argparse.Namespace, catalogue: Catalogue
+) -> None:
     """Print the notes on an image, its permittivity and the table of candidates."""
     notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
     estimated = [permittivity_line(image)] if "permittivity_lowest" in image.attrs else []
     for line in [*notes, *estimated]:
         print(printable(shown(line, catalogue)))
-    print("\n".join(candidate_lines(found, catalogue)))
+    # Who asks for a number gets all of the list.
+    most_secondary = MOST_SECONDARY if chosen.most is None else None
+    print("\n".join(candidate_lines(found, catalogue, most_secondary)))
 
 
 COMMAND = Command(

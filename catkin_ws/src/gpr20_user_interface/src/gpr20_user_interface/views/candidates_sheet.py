@@ -19,7 +19,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_user_interface.mid.candidate_list import ShownCandidate
+from gpr20_user_interface.mid.candidate_list import ShownCandidate, ShownCandidates
 from gpr20_user_interface.mid.candidate_search import (
     PERMITTIVITY_RANGE,
     CandidateSearch,
@@ -145,7 +145,7 @@ class CandidatesSheet(Overlay):
         self.simulated.setVisible(
             (survey is not None and survey.simulated) or (found is not None and found.simulated)
         )
-        rows = found.candidates if found is not None else ()
+        rows = found.shown if found is not None else ()
         self.table.setRowCount(len(rows))
         for row, one in enumerate(rows):
             for column, text in enumerate(self._cells(one)):
@@ -176,12 +176,23 @@ class CandidatesSheet(Overlay):
         found = search.found
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")
-        listed = self.tr("{count} candidates with permittivity {permittivity}.").format(
-            count=len(found.candidates), permittivity=f"{found.permittivity:.3g}"
+        counted = self.tr(
+            "Candidates: {primary}. Doubtful: {secondary}. Permittivity: {permittivity}."
+        ).format(
+            primary=found.primary,
+            secondary=found.total - found.primary,
+            permittivity=f"{found.permittivity:.3g}",
         )
-        more = self.tr("{count} more are NOT listed.").format(count=found.omitted)
-        parts = [listed, *([more] if found.omitted else []), search.remarks]
+        parts = [counted, *self._hidden(found), search.remarks]
         return " ".join(parts)[:LONGEST_REMARK]
+
+    def _hidden(self, found: ShownCandidates) -> List[str]:
+        if found.omitted_primary:
+            text = self.tr("NOT shown, although NOT doubtful: {count}.")
+            return [text.format(count=found.omitted_primary)]
+        hidden = found.total - len(found.shown)
+        text = self.tr("More doubtful ones that are not shown: {count}.")
+        return [text.format(count=hidden)] if hidden else []
 
     def _on_find(self) -> None:
         self.search.start(self.permittivity.text(), self._language())
