@@ -46,7 +46,6 @@ DEFAULT_STEPS = ("background:method=surface",)
 # The GPR-20 group's program subtracts the mean.
 STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
-SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
 
@@ -238,15 +237,16 @@ def _write(
 
 
 def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.projections import projection_figure
+    from gpr20_analysis.plotting.projections import marked_of, projection_figure
     from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
         figure = projection_figure(image, turn, found.candidates, catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
-    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in found.candidates], method="nearest")
-    for depth_m in list(dict.fromkeys(depths_m.values.tolist()))[:SLICES]:
+    marked = marked_of(found.candidates)
+    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
+    for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
         figure = c_scan_figure(image, depth_m, catalogue)
         save_figure(figure, folder / f"slice_{round(depth_m * MM_PER_M):04d}mm.png")
 
