@@ -103,8 +103,9 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
     lowest, highest = found.permittivity_range
     sentences = [
         Message(
-            "candidates: {primary}, doubtful: {secondary}, area: {area_m2:.3g} m2; noise alone "
-            "gives a candidate in {false_alarm_percent:g} % of such images; method {method}",
+            "candidates: {primary}, doubtful (clutter or sidelobe): {secondary}, area: "
+            "{area_m2:.3g} m2; noise alone gives a candidate in {false_alarm_percent:g} % of such "
+            "images; method {method}",
             primary=primary,
             secondary=total - primary,
             area_m2=found.area_m2,
@@ -189,4 +190,6 @@ def candidate_lines(
 
 
 def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
-    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(uncertainty_m * MM_PER_M):d}"
+    # 2.00001 mm are 2 mm.
+    about_mm = math.ceil(round(uncertainty_m * MM_PER_M, 2))
+    return f"{value_m * MM_PER_M:.0f} ±{about_mm:d}"

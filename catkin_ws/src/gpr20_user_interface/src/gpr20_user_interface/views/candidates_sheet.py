@@ -161,7 +161,7 @@ class CandidatesSheet(Overlay):
         )
         return [
             one.id,
-            *(f"{at * MM_PER_M:.0f} ±{math.ceil(about * MM_PER_M)}" for at, about in places),
+            *(_with_uncertainty(*one_place) for one_place in places),
             NONE if alarm is None else _percent(alarm),
             ", ".join(shown_text(flag) for flag in one.flags) or NONE,
         ]
@@ -177,7 +177,8 @@ class CandidatesSheet(Overlay):
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")
         counted = self.tr(
-            "Candidates: {primary}. Doubtful: {secondary}. Permittivity: {permittivity}."
+            "Candidates: {primary}. Doubtful (clutter or sidelobe): {secondary}. "
+            "Permittivity: {permittivity}."
         ).format(
             primary=found.primary,
             secondary=found.total - found.primary,
@@ -243,6 +244,11 @@ class CandidatesSheet(Overlay):
         grid.addLayout(buttons, 5, 0, 1, 2)
         grid.setRowStretch(2, 1)
         grid.setColumnStretch(0, 1)
+
+
+def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
+    # 2.00001 mm are 2 mm.
+    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(round(uncertainty_m * MM_PER_M, 2))}"
 
 
 def _percent(probability: float) -> str:
