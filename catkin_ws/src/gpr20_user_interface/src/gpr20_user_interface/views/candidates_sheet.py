@@ -19,7 +19,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_user_interface.mid.candidate_list import ShownCandidate, ShownCandidates
+from gpr20_user_interface.mid.candidate_list import ShownCandidate
 from gpr20_user_interface.mid.candidate_search import (
     PERMITTIVITY_RANGE,
     CandidateSearch,
@@ -177,23 +177,17 @@ class CandidatesSheet(Overlay):
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")
         counted = self.tr(
-            "Candidates: {primary}. Doubtful (clutter or sidelobe): {secondary}. "
-            "Permittivity: {permittivity}."
+            "Candidates: {primary}. Doubtful: {secondary}, not shown: {hidden}. Permittivity: "
+            "{permittivity}."
         ).format(
             primary=found.primary,
             secondary=found.total - found.primary,
+            hidden=found.total - len(found.shown) - found.omitted_primary,
             permittivity=f"{found.permittivity:.3g}",
         )
-        parts = [counted, *self._hidden(found), search.remarks]
-        return " ".join(parts)[:LONGEST_REMARK]
-
-    def _hidden(self, found: ShownCandidates) -> List[str]:
-        if found.omitted_primary:
-            text = self.tr("NOT shown, although NOT doubtful: {count}.")
-            return [text.format(count=found.omitted_primary)]
-        hidden = found.total - len(found.shown)
-        text = self.tr("More doubtful ones that are not shown: {count}.")
-        return [text.format(count=hidden)] if hidden else []
+        missing = self.tr("NOT shown, although NOT doubtful: {count}.")
+        parts = [missing.format(count=found.omitted_primary)] if found.omitted_primary else []
+        return " ".join([*parts, counted, search.remarks])[:LONGEST_REMARK]
 
     def _on_find(self) -> None:
         self.search.start(self.permittivity.text(), self._language())
