@@ -124,6 +124,7 @@ def find_candidates(
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
         position=_position(image),
+        omitted_primary=int(np.count_nonzero(~secondary[order[count:]])),
     )
 
 

@@ -169,8 +169,8 @@ def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
     if first == 0 or last == len(worse) - 1 or highest > WIDEST_RATIO * lowest:
         raise WrongDatasetError(
             Message(
-                "echoes of {count} bodies agree with every permittivity from {lowest:.3g} to "
-                "{highest:.3g}, which is too wide a range for an image; {advice}",
+                "the echoes agree with every permittivity from {lowest:.3g} to {highest:.3g}, "
+                "which is too wide a range for an image (bodies: {count}); {advice}",
                 count=len(bodies),
                 lowest=lowest,
                 highest=highest,
