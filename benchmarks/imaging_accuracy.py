@@ -12,7 +12,8 @@ the same weights over the band, computed on a line through the target. In depth 
 from __future__ import annotations
 
 import argparse
-from typing import Dict, List, Tuple
+import math
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -21,7 +22,6 @@ from scipy.constants import speed_of_light
 from gpr20_analysis.candidates.candidate import Candidate
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
-from gpr20_analysis.imaging.echoes import half_power_widths
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.refraction import one_way_delay_s
@@ -86,6 +86,33 @@ def _width_mm(response: np.ndarray, away_m: np.ndarray) -> float:
     return float(fine_m[right] - fine_m[left]) * MM
 
 
+def half_power_widths_m(volume: np.ndarray, axes: Sequence[np.ndarray]) -> Tuple[float, ...]:
+    """Return the -3 dB widths of the brightest voxel along depth, y and x [m].
+
+    NaN where the image ends before.
+    """
+    place = tuple(int(one) for one in np.unravel_index(int(np.argmax(volume)), volume.shape))
+    lines = (
+        volume[tuple(slice(None) if other == axis else place[other] for other in range(3))]
+        for axis in range(3)
+    )
+    return tuple(_half_power_width_m(*one) for one in zip(lines, axes, place))
+
+
+def _half_power_width_m(line: np.ndarray, axis: np.ndarray, index: int) -> float:
+    """Return the -3 dB width of a maximum; NaN if the line ends above that level."""
+    level = float(line[index]) / math.sqrt(2.0)
+    below = np.flatnonzero(line <= level)
+    left, right = below[below < index], below[below > index]
+    if not left.size or not right.size:
+        return math.nan
+    ends = [
+        np.interp(level, line[[low, high]], axis[[low, high]])
+        for low, high in ((left[-1], left[-1] + 1), (right[0], right[0] - 1))
+    ]
+    return float(ends[1] - ends[0])
+
+
 def sidelobe_db(image: xr.Dataset, target: Place) -> float:
     """Return the highest voxel 50..150 mm away, below the target's [dB]."""
     x_m, y_m, depth_m = target
@@ -113,7 +140,7 @@ def main() -> None:
             image = image_survey(data, options)
             best = find_candidates(image).candidates[0]
             axes = [image[name].values for name in ("depth", "y", "x")]
-            widths = half_power_widths(abs(image.image[0].values), axes)
+            widths = half_power_widths_m(abs(image.image[0].values), axes)
             found[method].append((best, widths, target, sidelobe_db(image, target)))
     across, in_depth = np.mean(theory, axis=0)
     bound = 1.44 * speed_of_light / (2.0 * np.ptp(FREQUENCY_HZ)) * MM

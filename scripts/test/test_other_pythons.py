@@ -18,6 +18,13 @@ from user_shell import ROOT
 
 LIMIT_S = 900.0
 EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))
+# As few as the examples of hypothesis: what is random is drawn under Debian's Python.
+FEW_DRAWS = {
+    "GPR20_DAMAGES": "10",
+    "GPR20_NOISE_SURVEYS": "4",
+    "GPR20_ROUND_TRIPS": "2",
+    "GPR20_SCENES": "2",
+}
 
 
 @dataclass(frozen=True)
@@ -60,8 +67,7 @@ def test_the_unit_tests_pass_under(python, package, request, record_property):
     if not python.program.exists():
         pytest.skip(f"no Python {python.version} here ({python.venv})")
     environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
-    # As few as the examples of hypothesis: what is random is drawn under Debian's Python.
-    environment["GPR20_DAMAGES"] = "10"
+    environment.update(FEW_DRAWS)
     cache = request.config.cache.mkdir(f"python{python.version}-{package}")
     options = ["-q", "-p", "no:rerunfailures", "-p", "no:xdist", "-o", f"cache_dir={cache}"]
     options.append("--hypothesis-profile=few_examples")

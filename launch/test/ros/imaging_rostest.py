@@ -81,7 +81,8 @@ class Imaging(unittest.TestCase):
         """Return the candidate of a polarization that is nearest to a target, and its distances."""
         seen = [one for one in report["candidates"] if rotation_deg in one["rotations_deg"]]
         self.assertTrue(seen, f"no candidate at {rotation_deg} deg")
-        return min(((one, *off_mm(one, target)) for one in seen), key=lambda found: found[1])
+        found = [(one, *off_mm(one, target)) for one in seen]
+        return min(found, key=lambda one: math.hypot(one[1], one[2]))
 
     def check_point_targets(self, method):
         report = self.image_at_known_permittivity(method)

@@ -263,11 +263,12 @@ def test_the_command_prints_the_line_of_the_configuration(tmp_path, capsys):
     assert "gpr20 delay" not in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("blank_figures")
 @pytest.mark.parametrize(("delay_ns", "noted"), [("0", True), ("0.3", False)])
 def test_the_report_shows_the_note(tmp_path, delay_ns, noted):
     path, page = tmp_path / "survey.nc", tmp_path / "report.html"
     write_dataset(survey(), path)
-    chosen = ["--permittivity", "4", "--delay", delay_ns]
+    chosen = ["--permittivity", "4", "--depth", "0", "0.1", "0.01", "--delay", delay_ns]
     assert main(["report", str(path), "-o", str(page), *chosen]) == DONE
     assert ("surface echo is +45 mm" in page.read_text()) == noted
 

@@ -27,7 +27,7 @@ from gpr20_analysis.progress import in_stages, no_progress
 
 SWEEP = FrequencyGrid(600e6, 54e6, 101)
 DEPTH_M = np.array([0.0, 0.03, 0.08, 0.15])
-SEEDS = range(6)
+SEEDS = range(4)
 
 
 def traces_of_noise(seed):

@@ -8,7 +8,13 @@ import xarray as xr
 
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, OMITTED, Flag
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import candidate_lines, candidate_row, false_alarm_text
+from gpr20_analysis.candidates.table import (
+    SECONDARY_TITLE,
+    candidate_lines,
+    candidate_row,
+    false_alarm_text,
+    shown_candidates,
+)
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.catalogue import Language
@@ -98,6 +104,12 @@ def test_residue_of_the_surface_over_the_whole_area_is_clutter_and_hides_no_cand
     assert found.omitted > 10
     everything = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=10_000))
     assert len(everything.candidates) == found.omitted + 5 and everything.omitted == 0
+    shown = shown_candidates(everything)
+    assert shown == everything.candidates[:11] and not shown[0].is_secondary
+    lines = candidate_lines(everything)
+    assert lines[3] == str(SECONDARY_TITLE) and len(lines) == 3 + 11 + 3
+    assert f"--most {len(everything.candidates)}" in lines[-1]
+    assert not any("--most" in one for one in candidate_lines(everything, most_secondary=None))
 
 
 def test_only_doubtful_candidates_are_left_out_of_a_list_that_is_too_long():
@@ -109,7 +121,8 @@ def test_only_doubtful_candidates_are_left_out_of_a_list_that_is_too_long():
     assert not any(OMITTED & set(one.flags) for one in found.candidates)
     unrated = image_of(peaks).drop_vars([NOISE, "noise_over_y", "noise_over_x"])
     found = find_candidates(unrated, CandidateOptions(most=12))
-    assert len(found.candidates) == 12 and found.omitted > 100
+    assert len(found.candidates) == 12 and found.omitted == found.omitted_primary > 100
+    assert any("NOT shown" in one and "--most" in one for one in candidate_lines(found))
 
 
 @pytest.mark.parametrize(("lowest", "highest"), [(4.0, 4.0), (3.0, 6.0)])

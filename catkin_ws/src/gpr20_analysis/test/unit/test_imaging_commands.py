@@ -65,15 +65,16 @@ def test_a_band_too_narrow_to_tell_depths_apart_is_refused(survey_file, capsys):
     assert "use a wider band" in told_why
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_image_writes_netcdf_and_vtk_and_pictures(survey_file, tmp_path, capsys):
     netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
     printed(
-        capsys, "image", survey_file, "--permittivity", 4, "--depth", 0, 0.2, 0.01,
+        capsys, "image", survey_file, "--permittivity", 4, "--depth", 0, 0.2, 0.05,
         "-o", netcdf, "-o", vtk, "--figures", pictures,
     )  # fmt: skip
     image = read_dataset(netcdf)
     assert image.image.dims == ("polarization", "depth", "y", "x")
-    assert image.image.dtype.kind == "c" and image.sizes["depth"] == 21
+    assert image.image.dtype.kind == "c" and image.sizes["depth"] == 5
     with h5py.File(netcdf) as stored:
         assert stored["image_real"].shape == image.image.shape
     assert b"RectilinearGrid" in vtk.read_bytes()[:400]
@@ -95,23 +96,13 @@ def test_processed_data_go_through_the_chain_and_keep_their_recipe(survey_file, 
     np.testing.assert_array_equal(read_dataset(result).s21, read_dataset(again).s21)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_combination_is_imaged_under_a_name_of_its_own(survey_file, tmp_path, capsys):
-    answer = json.loads(
-        printed(
-            capsys,
-            "image",
-            survey_file,
-            "--step",
-            "background",
-            "--step",
-            "combine",
-            "--permittivity",
-            4,
-            "--figures",
-            tmp_path / "pictures",
-            "--json",
-        )
-    )
+    text = printed(
+        capsys, "image", survey_file, "--step", "background", "--step", "combine",
+        "--permittivity", 4, "--depth", 0, 0.2, 0.01, "--figures", tmp_path / "pictures", "--json",
+    )  # fmt: skip
+    answer = json.loads(text)
     assert answer["candidates"][0]["rotations_deg"] == [None]
     assert (tmp_path / "pictures" / "projections_combined.png").exists()
 

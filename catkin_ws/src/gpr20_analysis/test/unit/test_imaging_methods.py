@@ -107,9 +107,9 @@ def test_recorded_heights_undo_a_tilted_scanner(method):
         assert np.linalg.norm(error_mm(brightest_near(mean, target), target)) > 10.0
 
 
-@pytest.mark.parametrize("separation_m", [0.0, 0.06])
 @pytest.mark.parametrize(
-    "surface", [Surface(slope_x=0.03), Surface(slope_y=-0.03, wave_amplitude_m=0.003)]
+    ("surface", "separation_m"),
+    [(Surface(slope_x=0.03), 0.06), (Surface(slope_y=-0.03, wave_amplitude_m=0.003), 0.0)],
 )
 def test_targets_below_uneven_ground_are_found_where_they_are(surface, separation_m):
     uneven = replace(scene(TARGETS, separation_m=separation_m, **QUIET), surface=surface)

@@ -61,12 +61,14 @@ def published_line(a_scans, place_m, depths_m, height_m, permittivity, sample_s)
     pairs = [(math.asin(min(root * math.sin(soil), 1.0)), soil) for soil in grid]
     image = np.empty((len(depths_m), len(place_m)))
     for row, depth_m in enumerate(depths_m):
-        reach_m = [depth_m * math.tan(soil) + height_m * math.tan(air) for air, soil in pairs]
+        reach_m = np.array(
+            [depth_m * math.tan(soil) + height_m * math.tan(air) for air, soil in pairs]
+        )
         for column, x_m in enumerate(place_m):
             values = []
             for trace, antenna_m in enumerate(place_m):
                 across_m = abs(antenna_m - x_m)
-                best = min(range(256), key=lambda k: abs(across_m - reach_m[k]))
+                best = np.argmin(np.abs(across_m - reach_m))
                 air_m = height_m / math.cos(pairs[best][0])
                 soil_m = depth_m / math.cos(pairs[best][1])
                 delay_s = 2.0 * (air_m + root * soil_m) / SPEED_M_S

@@ -82,6 +82,7 @@ def test_json_for_programs_is_the_same_in_every_language(stopped, capsys):
     assert answers[0]["missing"][0].startswith("missing: x ")
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_report_is_written_in_the_language(stopped, tmp_path):
     output = tmp_path / "report.html"
     assert gpr20.main(["report", str(stopped), "-o", str(output), "--language", "es"]) == 1

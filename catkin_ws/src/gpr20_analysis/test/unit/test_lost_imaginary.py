@@ -17,6 +17,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
 
 FREQUENCY_HZ = np.linspace(600e6, 6e9, 201)
+PLACES_MM = np.linspace(120.0, 360.0, 13)
 OPTIONS = ImageOptions(permittivity=5.0, depth_m=tuple(np.arange(0.03, 0.18, 0.003)))
 
 
@@ -43,7 +44,7 @@ def written(survey, folder):
 @pytest.mark.parametrize("noise_db", [-110.0, -60.0])
 def test_the_image_of_recovered_data_is_that_of_the_measured_data(tmp_path, noise_db):
     ground = scene(IMAGING_SCENE.targets, 5.0, noise_db, height_m=0.2)
-    survey = survey_of(ground, frequency_hz=FREQUENCY_HZ, rotations_deg=(90.0,))
+    survey = survey_of(ground, PLACES_MM, PLACES_MM, FREQUENCY_HZ, (90.0,))
     found = original_json.read_original(written(survey, tmp_path / "old"))
     true, recovered = image_of(survey), image_of(found)
     norms = np.linalg.norm(true) * np.linalg.norm(recovered)

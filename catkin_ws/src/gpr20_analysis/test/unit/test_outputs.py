@@ -67,6 +67,7 @@ def occupy(output):
     return output / names[output.name]
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsys):
     arguments, output = call
     precious = occupy(output)

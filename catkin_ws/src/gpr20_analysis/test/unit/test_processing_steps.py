@@ -32,6 +32,11 @@ def survey(*targets, rotations_deg=(0.0, 90.0), noise_db=-140.0, **antennas):
     return survey_of(ground, PLACES_MM, PLACES_MM, rotations_deg=rotations_deg)
 
 
+@pytest.fixture(scope="module")
+def single_trace():
+    return survey(TARGET).isel(polarization=[0], x=[0], y=[0])
+
+
 def power(data):
     return float(np.mean(np.abs(data.s21.values) ** 2))
 
@@ -93,11 +98,13 @@ def test_the_survey_itself_is_no_reference():
     padding=st.floats(1.0, 12.0),
     window=st.sampled_from(list(Window)),
 )
-def test_an_echo_stands_at_its_delay_with_its_phase(delay_s, start_hz, padding, window):
+def test_an_echo_stands_at_its_delay_with_its_phase(
+    single_trace, delay_s, start_hz, padding, window
+):
     sweep = FrequencyGrid(start_hz, 54e6, 101)
-    one = survey(TARGET).isel(polarization=[0], x=[0], y=[0])
     echo = np.exp(-2j * np.pi * sweep.frequency_hz * delay_s).reshape(1, 1, 1, -1)
-    one = one.assign_coords(frequency=sweep.frequency_hz).assign(s21=(one.s21.dims, echo))
+    one = single_trace.assign_coords(frequency=sweep.frequency_hz)
+    one = one.assign(s21=(one.s21.dims, echo))
     in_time = to_time(one, window, padding)
     trace = in_time.a_scan.values[0, 0, 0]
     delays_s = in_time.delay.values

@@ -59,6 +59,18 @@ def test_a_text_of_several_lines_keeps_them_in_a_pdf():
     assert more.cells[0][0] == notes.cells[1][0] == size.cells[1][0]
 
 
+def test_each_page_of_a_table_has_its_titles_and_rows_stay_together():
+    rows = [(f"C{number}", "one line\nanother\na third") for number in range(100)]
+    pages = pdf_text.text_pages(Report("t", [Section("t", rows=rows, heading=("id", "flags"))]))
+    assert len(pages) > 3
+    for one_page in pages[1:]:
+        first, second, *_, last = [[text for _, text in line.cells] for line in one_page]
+        assert first == ["id", "flags"] and second[0].startswith("C") and last == ["a third"]
+    texts = [text for lines in pages for line in lines for _, text in line.cells]
+    assert [one for one in texts if one.startswith("C")] == [name for name, _ in rows]
+
+
+@pytest.mark.usefixtures("blank_figures")
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     status, text = report(tmp_path, ALL - 4, "stopped")
     assert status == 1
@@ -67,6 +79,7 @@ def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     assert "missing: x " in text
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path, capsys):
     message = {
         "template": "The computer's clock was set back by {step_s:.1f} s.",
@@ -91,6 +104,7 @@ def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path,
     assert len(json.loads(capsys.readouterr().out)["warnings"]) == 2
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_words_of_a_survey_are_never_markup(tmp_path):
     remark = "<script>alert(1)</script>"
     note = ["--operator", "Lucía Peña", "--notes", f"wet\n{remark}", "--position", "4.6,-74.1"]
@@ -117,6 +131,7 @@ def test_a_report_as_pdf_has_its_text_and_a_page_for_each_figure(whole, tmp_path
     assert len(re.findall(rb"/Type /Page\b", content)) >= 10
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_verdict_comes_first_and_how_it_was_measured_is_told(tmp_path):
     _, text = report(tmp_path, ALL, "finished")
     assert text.index("<h2>Verdict</h2>") < text.index("<h2>Survey</h2>")
@@ -134,6 +149,7 @@ def test_views_end_a_little_below_the_image(whole):
     assert shown_ns <= deepest_ns + 1.0
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_survey_without_heights_gets_a_report_that_says_so(tmp_path):
     changes = {index: {"antennae_height_m": math.nan} for index in range(ALL)}
     status, text = report(tmp_path, ALL, "finished", changes, more=())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 
 import numpy as np
@@ -74,9 +75,8 @@ def check(figure: NotedFigure) -> None:
     )
 
 
-@pytest.mark.parametrize("catalogue", LANGUAGES, ids=[one.value for one in Language])
-@pytest.mark.parametrize("name", FIGURES)
-def test_texts_are_apart_with_random_notes_in_each_language(name, catalogue):
+@pytest.mark.parametrize(("name", "catalogue"), zip(FIGURES, itertools.cycle(LANGUAGES)))
+def test_texts_are_apart_with_random_notes(name, catalogue):
     draw = random.Random(name)
     notes = [random_text(draw) for _ in range(draw.randint(0, 12))]
     figure = FIGURES[name]({"notes": notes}, catalogue)

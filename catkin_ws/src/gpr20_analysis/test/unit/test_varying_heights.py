@@ -50,9 +50,11 @@ def peaks_and_clutter_db(image):
     return min(peaks), float(shallow), float(elsewhere.where(image.depth >= SHALLOW_M).max())
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("method", [Method.PHASE_SHIFT, Method.BACK_PROJECTION])
-def test_heights_that_vary_by_40_mm_give_no_false_echoes(seed, method):
+@pytest.mark.parametrize(
+    ("method", "seed"),
+    [*((Method.PHASE_SHIFT, seed) for seed in SEEDS), (Method.BACK_PROJECTION, 0)],
+)
+def test_heights_that_vary_by_40_mm_give_no_false_echoes(method, seed):
     options = ImageOptions(method, 4.0, ground=Ground.LEVEL)
     level = peaks_and_clutter_db(image_survey(remove_background(lifted(seed, 0.0)), options))
     survey = lifted(seed, 0.02)

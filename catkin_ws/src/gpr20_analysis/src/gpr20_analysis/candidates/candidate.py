@@ -76,6 +76,11 @@ class Candidate:
     flags: Tuple[Flag, ...]
 
     @property
+    def is_secondary(self) -> bool:
+        """Whether it may be only clutter, or a sidelobe of a brighter candidate."""
+        return bool(SECONDARY & set(self.flags))
+
+    @property
     def confidence(self) -> float:
         """Probability that noise alone has no voxel as bright as this, 0 to 1."""
         return 1.0 - self.false_alarm_probability
@@ -116,6 +121,7 @@ class CandidateList:
         notes: What was left out or may be wrong.
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
+        omitted_primary: Number of omitted candidates that are not `SECONDARY`.
     """
 
     survey_id: str
@@ -129,3 +135,4 @@ class CandidateList:
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()
     position: Optional[AreaPosition] = None
+    omitted_primary: int = 0

@@ -87,18 +87,23 @@ class Rating:
         ratio = self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
         return ratio * NOISE_UP_TO[self._law]
 
-    def above_noise_db(self, turn: int, place: Sequence[int]) -> float:
-        """Return the level of a voxel above noise [dB]; NaN if the noise is not known."""
-        if not self.is_rated:
-            return math.nan
-        return float(self._law.level_db(np.asarray(self._ratio(turn, place))))
+    def magnitudes_at(self, place: np.ndarray) -> np.ndarray:
+        """Return the magnitudes of voxels (voxel, 4): polarization, depth, y, x."""
+        found: np.ndarray = self._magnitude[tuple(place.T)]
+        return found
 
-    def false_alarm_probability(self, turn: int, place: Sequence[int]) -> float:
-        """Return the probability that noise alone has a voxel as bright; 1 if not known."""
+    def above_noise_db(self, level: np.ndarray) -> np.ndarray:
+        """Return levels of voxels above noise [dB]; NaN if the noise is not known."""
+        if not self.is_rated:
+            return np.full(np.shape(level), np.nan)
+        return self._law.level_db(level)
+
+    def false_alarm_probability(self, level: float) -> float:
+        """Return the probability that noise alone has a voxel of a level; 1 if not known."""
         if not self.is_rated:
             return 1.0
-        ratio = self._ratio(turn, place) / NOISE_UP_TO[self._law]
-        return self._alarms.probability(float(self._law.log_tail(np.asarray(ratio))))
+        ratio = np.asarray(level) / NOISE_UP_TO[self._law]
+        return self._alarms.probability(float(self._law.log_tail(ratio)))
 
     def polarization_ratio_db(self, place: Sequence[int]) -> Optional[float]:
         """Return the level of the first polarization above the second around a voxel [dB]."""
@@ -113,20 +118,27 @@ class Rating:
             return None
         return float(self._law.level_db(np.asarray(first / second)))
 
-    def is_clutter(self, turn: int, place: Sequence[int]) -> bool:
-        """Return whether a voxel is no brighter than what the whole area shows at its depth.
+    def is_clutter(self, place: np.ndarray, level: np.ndarray) -> np.ndarray:
+        """Return whether voxels are no brighter than what the whole area shows at their depth.
 
-        The median of its plane is hardly moved by a target. If it is clearly above that of noise,
-        the plane shows clutter, and the voxel must be brighter than the brightest of such a plane.
+        The median of a plane is hardly moved by a target. If it is clearly above that of noise,
+        the plane shows clutter, and a voxel must be brighter than the brightest of such a plane.
+
+        Args:
+            place: Their indices (voxel, 4): polarization, depth, y, x.
+            level: Their levels above noise.
         """
+        found = np.zeros(len(place), dtype=bool)
         if not self.is_rated:
-            return False
-        plane = self._magnitude[turn, place[0]] / (self._noise[turn, place[0]] * self._over)
-        usual = float(np.median(plane)) / self._law.median
-        if usual < CLUTTER:
-            return False
-        tail = float(self._law.log_tail(np.asarray(self._ratio(turn, place) / usual)))
-        return self._plane_alarms.probability(tail) > CLUTTER_ALARM
+            return found
+        planes, of_plane = np.unique(place[:, :2], axis=0, return_inverse=True)
+        medians = [np.median(self._plane_level(turn, depth)) for turn, depth in planes]
+        usual = (np.array(medians) / self._law.median)[of_plane.ravel()]
+        doubtful = np.flatnonzero(usual >= CLUTTER)
+        tails = self._law.log_tail(level[doubtful] / usual[doubtful])
+        alarms = [self._plane_alarms.probability(tail) for tail in tails.tolist()]
+        found[doubtful] = np.array(alarms) > CLUTTER_ALARM
+        return found
 
     def picking_m(self, above_noise_db: float) -> np.ndarray:
         """Return standard deviations of depth, y and x of a peak by noise and voxels [m].
@@ -142,10 +154,9 @@ class Rating:
         curvature_m = self.resolution_m / WIDTH
         return np.hypot(of_voxels_m, curvature_m / math.sqrt(2.0) * 10 ** (-above_noise_db / 20))
 
-    def _ratio(self, turn: int, place: Sequence[int]) -> float:
-        depth, y, x = place
-        noise = self._noise[turn, depth] * self._over[y, x]
-        return float(self._magnitude[turn, depth, y, x] / noise)
+    def _plane_level(self, turn: int, depth: int) -> np.ndarray:
+        level: np.ndarray = self._magnitude[turn, depth] / (self._noise[turn, depth] * self._over)
+        return level
 
 
 def _step_m(axis_m: np.ndarray) -> float:

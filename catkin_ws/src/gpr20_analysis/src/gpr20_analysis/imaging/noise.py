@@ -213,9 +213,7 @@ def _quiet_s(
 def advanced(traces: Traces, late_s: float) -> Traces:
     """Return traces whose delay 0 was at a later delay."""
     shift = np.exp(2j * np.pi * traces.sweep.frequency_hz * late_s).astype(np.complex64)
-    spectra = traces.s21.astype(np.complex64)
-    spectra *= shift
-    return replace(traces, s21=spectra)
+    return replace(traces, s21=traces.s21 * shift)
 
 
 def _power_over_delay(traces: Traces, focus: Focus) -> np.ndarray:
