@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Any, Dict, Hashable, Optional, Sequence, Tuple
+from typing import Any, Dict, Hashable, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from gpr20_analysis.dataset import (
     ATTRIBUTES,
     DEPTH,
     IMAGE,
+    MM_PER_M,
     NOISE,
     NOISE_OVER_X,
     NOISE_OVER_Y,
@@ -37,6 +38,8 @@ from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 
+NOTED_DEPTH_M = 0.001
+"""Error of depths by antennas that are apart above which an image has a note [m]."""
 Positions = Tuple[Optional[np.ndarray], Optional[np.ndarray]]
 """Positions of the image along X and Y [m]; None: those of the traces."""
 Volume = Tuple[np.ndarray, np.ndarray]
@@ -85,6 +88,7 @@ def image_survey(
         # The group's program has its own window.
         focus = replace(focus, window=Window.HAMMING)
         notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
+    notes = [*notes, *_separation_notes(heights_m, focus, options.method)]
     _check_unambiguous(traces, focus)
     at = (None, None) if options.grid_step_m is None else (x.values, y.values)
     volumes = [
@@ -104,6 +108,27 @@ def image_survey(
     attributes["mean_height_m"] = heights_m
     delay_s = delay_to_remove_s(survey, options.delay_s)
     return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
+
+
+def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Message]:
+    """Return a note if the method ignores a separation that moves echoes."""
+    if method is Method.BACK_PROJECTION:
+        return []
+    longer_m = float(np.hypot(height_m, focus.separation_m / 2.0)) - height_m
+    deeper_m = longer_m / float(np.sqrt(focus.permittivity))
+    if deeper_m < NOTED_DEPTH_M:
+        return []
+    return [
+        Message(
+            "the method {method} takes the antennas as one, but they are {separation_mm:.0f} mm "
+            "apart: echoes appear up to {deeper_mm:.0f} mm too deep, which the uncertainty of "
+            "depths does not contain; use --method {other}",
+            method=method.value,
+            separation_mm=MM_PER_M * focus.separation_m,
+            deeper_mm=MM_PER_M * deeper_m,
+            other=Method.BACK_PROJECTION.value,
+        )
+    ]
 
 
 def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
