@@ -43,7 +43,7 @@ SURFACE, ROUGHNESS_M = 10.0 ** (30.0 / 20.0), 0.001
 ACROSS_M, DEEPER_M, APART_M = 0.03, 0.02, 0.06
 HEADING = (
     *("ground", "echo above noise dB", "false-alarm rate %", "found %", "found without flag %"),
-    *("false per m2", "flagged per m2"),
+    *("false per m2", "doubtful per m2"),
 )
 Place = Tuple[float, float, float]
 
@@ -101,9 +101,9 @@ def scene(
 def scored(found: CandidateList, there: Sequence[Place]) -> Tuple[int, int, int, int]:
     """Return the numbers of found targets, and false candidates, each without and with flags.
 
-    Found with flags counts all that are found; false with flags counts those that are flagged.
+    Found with flags counts all that are found; false with flags counts those that are doubtful.
     """
-    plain, hit, false, flagged = set(), set(), 0, 0
+    plain, hit, false, doubtful = set(), set(), 0, 0
     for one in found.candidates:
         near = [
             number
@@ -113,11 +113,11 @@ def scored(found: CandidateList, there: Sequence[Place]) -> Tuple[int, int, int,
         ]
         hit.update(near)
         if SECONDARY & set(one.flags):
-            flagged += not near
+            doubtful += not near
         else:
             plain.update(near)
             false += not near
-    return len(plain), len(hit), false, flagged
+    return len(plain), len(hit), false, doubtful
 
 
 def detections(scenes: int, method: Method) -> Dict[Tuple[bool, float, float], np.ndarray]:
@@ -194,10 +194,10 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     counts = detections(chosen.scenes, method)
     print(f"| {' | '.join(HEADING)} |\n| --- {'| ---: ' * (len(HEADING) - 1)}|")
     for (rough, level_db, rate), one in sorted(counts.items()):
-        there, plain, hit, false, flagged, scenes = one
+        there, plain, hit, false, doubtful, scenes = one
         area_m2 = scenes * AREA_M2
         shares = [f"{100.0 * count / there:.0f}" for count in (hit, plain)]
-        densities = [f"{count / area_m2:.1f}" for count in (false, flagged)]
+        densities = [f"{count / area_m2:.1f}" for count in (false, doubtful)]
         ground = "rough" if rough else "level"
         cells = [ground, f"{level_db:g}", f"{100.0 * rate:g}", *shares, *densities]
         print(f"| {' | '.join(cells)} |")

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from gpr20_analysis import ImageOptions, load_survey, sample_survey
+from gpr20_analysis.commands.image_command import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import step_from_text
 from gpr20_analysis.report.build import report_of
 from gpr20_analysis.report.pdf_pages import pages_of
@@ -24,7 +25,7 @@ def main() -> None:
     """Write report_en.png and report_es.png into the folder that is named."""
     folder = Path(sys.argv[1])
     survey = load_survey(sample_survey())
-    steps = [step_from_text("background:method=mean")]
+    steps = [step_from_text(DEFAULT_STEPS[0])]
     for language in Language:
         catalogue = read_catalogue(language)
         options = ImageOptions(permittivity=PERMITTIVITY)

@@ -11,7 +11,6 @@ from PyQt5.QtCore import QEventLoop, Qt, QTimer
 from PyQt5.QtWidgets import QApplication
 from window_kit import virtual_screen
 
-from gpr20_analysis.candidates.candidate import SECONDARY
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
@@ -54,7 +53,7 @@ def take_picture(survey: Path, language: Language, path: Path) -> None:
         window.show()
         window.candidates.searched.setChecked(True)
         wait_for_image(window)
-        listed = [one for one in window.scene.candidates if not SECONDARY & set(one.flags)]
+        listed = [one for one in window.scene.candidates if not one.is_secondary]
         for one in reversed(listed[:MOST_PICKS]):
             window.move_to(Place(one.x_m, one.y_m, one.depth_m))
             window.pick()

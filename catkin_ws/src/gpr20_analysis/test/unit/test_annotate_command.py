@@ -113,7 +113,7 @@ def test_what_is_no_survey_is_refused(tmp_path, capsys, name):
 
 
 def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
-    annotate(folder, *OPTIONS, *POSITION)
+    annotate(folder, *OPTIONS, *POSITION, "--heading", "37.5")
     expected = {
         "operator": "Lucía Peña",
         "site": "El Carmen",
@@ -127,6 +127,7 @@ def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
     assert printed["operator"] == "Lucía Peña"
     assert printed["survey notes"] == "wet\nsoil"
     assert printed["WGS 84 position"] == "4.60283, -74.06514"
+    assert printed["heading of Y"] == "37.5 deg"
     output = tmp_path / "s.nc"
     assert main(["export", str(folder), str(output), "--format", "netcdf"]) == 0
     attributes = read_dataset(output).attrs

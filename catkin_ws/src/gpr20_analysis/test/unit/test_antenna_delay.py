@@ -59,6 +59,14 @@ def test_a_delay_is_fitted_noted_and_corrected():
     assert json.loads(seen.attrs["imaging"])["delay_s"] == fit.delay_s
 
 
+def test_the_permittivity_is_not_estimated_while_the_surface_is_not_where_it_should_be():
+    delayed = process_survey(survey(), "background")
+    with pytest.raises(WrongDatasetError, match=r"surface echo is \+45 mm.*--permittivity"):
+        image_survey(delayed, ImageOptions())
+    with pytest.raises(WrongDatasetError, match="surface echo is"):
+        image_survey(process_survey(survey(0.0), "background"), ImageOptions(height_m=0.25))
+
+
 def test_a_survey_without_delay_has_no_note():
     cleaned = process_survey(survey(0.0), "background")
     assert not surface_notes(image_survey(cleaned, ImageOptions(permittivity=4.0)))

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Flag
+from gpr20_analysis.candidates.candidate import NO_CLEARANCE, OMITTED, Flag
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import candidate_lines, candidate_row
+from gpr20_analysis.candidates.table import (
+    SECONDARY_TITLE,
+    candidate_lines,
+    candidate_row,
+    false_alarm_text,
+    shown_candidates,
+)
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.catalogue import Language
@@ -98,6 +104,25 @@ def test_residue_of_the_surface_over_the_whole_area_is_clutter_and_hides_no_cand
     assert found.omitted > 10
     everything = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=10_000))
     assert len(everything.candidates) == found.omitted + 5 and everything.omitted == 0
+    shown = shown_candidates(everything)
+    assert shown == everything.candidates[:11] and not shown[0].is_secondary
+    lines = candidate_lines(everything)
+    assert lines[3] == str(SECONDARY_TITLE) and len(lines) == 3 + 11 + 3
+    assert f"--most {len(everything.candidates)}" in lines[-1]
+    assert not any("--most" in one for one in candidate_lines(everything, most_secondary=None))
+
+
+def test_only_doubtful_candidates_are_left_out_of_a_list_that_is_too_long():
+    random = np.random.default_rng(5)
+    places = random.permutation([(x, y) for x in (0.08, 0.15, 0.22) for y in (0.08, 0.15, 0.22)])
+    peaks = [(turn, *at, 0.2, 15.0 + turn) for at in places for turn in (0, 1)]
+    found = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=3))
+    assert len(found.candidates) == len(places) and found.omitted > 10
+    assert not any(OMITTED & set(one.flags) for one in found.candidates)
+    unrated = image_of(peaks).drop_vars([NOISE, "noise_over_y", "noise_over_x"])
+    found = find_candidates(unrated, CandidateOptions(most=12))
+    assert len(found.candidates) == 12 and found.omitted == found.omitted_primary > 100
+    assert any("NOT shown" in one and "--most" in one for one in candidate_lines(found))
 
 
 @pytest.mark.parametrize(("lowest", "highest"), [(4.0, 4.0), (3.0, 6.0)])
@@ -134,6 +159,14 @@ def test_lines_say_that_it_is_no_clearance_in_each_language():
     assert candidate_row(found.candidates[0])[0] == "C01"
     empty = candidate_lines(find_candidates(image_of([], seed=3), CandidateOptions(1e-6)))
     assert str(NO_CLEARANCE) in empty and "No candidate was found." in empty
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [(1.0, "100 %"), (0.5, "50 %"), (0.097, "10 %"), (0.003, "0.3 %"), (1e-9, "< 0.0001 %")],
+)
+def test_a_probability_is_readable(probability, text):
+    assert false_alarm_text(probability) == text
 
 
 @pytest.mark.parametrize(

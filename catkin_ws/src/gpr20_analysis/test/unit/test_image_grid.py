@@ -76,7 +76,9 @@ def test_positions_that_are_not_regular_are_imaged_on_a_regular_grid_by_back_pro
 
 @pytest.mark.parametrize("step_m", [0.0009, 0.0, -0.01, 1.1, float("nan")])
 def test_steps_out_of_range_are_refused(step_m):
-    with pytest.raises(WrongDatasetError, match="the step of the image"):
+    with pytest.raises(
+        WrongDatasetError, match="the step of the image is .* mm; it must lie between 1 and 1000 mm"
+    ):
         ImageOptions(Method.PHASE_SHIFT, 4.0, grid_step_m=step_m)
 
 

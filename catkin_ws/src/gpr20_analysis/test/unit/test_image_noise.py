@@ -130,3 +130,38 @@ def test_with_too_few_frequencies_every_candidate_is_unrated_and_a_note_says_why
     assert found.candidates and all(Flag.UNRATED in one.flags for one in found.candidates)
     assert all(np.isnan(one.above_noise_db) for one in found.candidates)
     assert any("noise could not be measured" in str(note) for note in found.notes)
+
+
+@pytest.mark.parametrize("method", Method)
+def test_candidates_lie_where_they_are_within_their_uncertainties(method):
+    errors = []
+    for seed in range(2):
+        random = np.random.default_rng(seed)
+        target = (*random.uniform(0.07, 0.17, 2), random.uniform(0.08, 0.14))
+        data = survey(random, 0.1, [target], rotations=(0.0,))
+        found = find_candidates(imaged(data, method, tuple(np.arange(0.0, 0.2, 0.003)))).candidates
+        # The nearest, because products of the Kirchhoff methods can be brighter.
+        x_m, y_m, depth_m = target
+        one = min(found[:5], key=lambda one: abs(one.x_m - x_m) + abs(one.depth_m - depth_m))
+        errors.append(
+            (
+                (one.x_m - x_m) / one.x_uncertainty_m,
+                (one.y_m - y_m) / one.y_uncertainty_m,
+                (one.depth_m - depth_m) / one.depth_uncertainty_m,
+            )
+        )
+    assert np.sqrt(np.mean(np.square(errors), axis=0)).max() < 1.6
+
+
+@pytest.mark.parametrize("method", [Method.KIRCHHOFF, Method.KIRCHHOFF_2D])
+def test_the_noise_over_depth_follows_the_gain_of_the_group_in_wet_soil(method):
+    law, parts = law_of(method.value), []
+    for seed in range(3):
+        data = remove_background(survey(np.random.default_rng(seed), points=161))
+        image = image_survey(data, ImageOptions(method, 9.0, DEPTH_M))
+        over = image.noise_over_y.values[:, None] * image.noise_over_x.values
+        ratio = np.abs(image.image.values) / (image[NOISE].values[..., None, None] * over)
+        third = ratio.shape[1] // 3
+        parts.append([np.mean(np.log(ratio[:, part])) for part in np.s_[:third, -third:]])
+    shallow_db, deep_db = law.level_db(np.exp(np.mean(parts, axis=0) - law.mean_log))
+    assert abs(shallow_db - deep_db) < 1.2

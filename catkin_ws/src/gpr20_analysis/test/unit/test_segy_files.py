@@ -11,6 +11,7 @@ from obspy.io.segy.segy import _read_segy
 from random_surveys import random_survey
 
 from gpr20_analysis.dataset import usable
+from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.conversion import export_survey
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import Window
@@ -119,3 +120,12 @@ def test_a_scans_over_time_are_written_unchanged(tmp_path):
     found = np.stack([trace.data for trace in _read_segy(str(path)).traces])
     own = np.nan_to_num(in_time.a_scan.values.real.astype(np.float32)).reshape(found.shape)
     np.testing.assert_array_equal(found, own)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_positions_that_do_not_fit_are_refused_before_anything_is_written(tmp_path, axis):
+    survey = random_survey(1, one_polarization=True)
+    far = survey.assign_coords({axis: survey[axis] - 5e6})
+    with pytest.raises(ExportError, match=f"{axis} reaches .* up to 200000 m"):
+        export_survey(far, tmp_path / "far.sgy", "segy")
+    assert not list(tmp_path.iterdir())

@@ -59,6 +59,17 @@ def test_a_text_of_several_lines_keeps_them_in_a_pdf():
     assert more.cells[0][0] == notes.cells[1][0] == size.cells[1][0]
 
 
+def test_each_page_of_a_table_has_its_titles_and_rows_stay_together():
+    rows = [(f"C{number}", "one line\nanother\na third") for number in range(100)]
+    pages = pdf_text.text_pages(Report("t", [Section("t", rows=rows, heading=("id", "flags"))]))
+    assert len(pages) > 3
+    for one_page in pages[1:]:
+        first, second, *_, last = [[text for _, text in line.cells] for line in one_page]
+        assert first == ["id", "flags"] and second[0].startswith("C") and last == ["a third"]
+    texts = [text for lines in pages for line in lines for _, text in line.cells]
+    assert [one for one in texts if one.startswith("C")] == [name for name, _ in rows]
+
+
 @pytest.mark.usefixtures("blank_figures")
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     status, text = report(tmp_path, ALL - 4, "stopped")

@@ -34,12 +34,14 @@ LIST = {
     "permittivity": 5.0,
     "listed": 2,
     "omitted": 3,
+    "omitted_primary": 1,
     "candidates": [CANDIDATE, {**CANDIDATE, "id": "C02", "flags": [], "above_noise_db": None}],
 }
 NEEDED = (
     *("format", "warning", "simulated", "survey_id", "permittivity", "listed", "omitted"),
-    "candidates",
+    *("omitted_primary", "candidates"),
 )
+OMITTED = ("omitted", "omitted_primary")
 NEEDED_OF_EACH = (
     *("id", "x_m", "y_m", "depth_m", "x_uncertainty_m", "y_uncertainty_m", "depth_uncertainty_m"),
     *("above_noise_db", "false_alarm_probability", "flags"),
@@ -62,6 +64,15 @@ def test_a_list_is_taken():
     assert second.above_noise_db is None and not second.flags
 
 
+def test_all_that_are_not_doubtful_are_shown_and_ten_of_the_others():
+    flags = [[]] * 15 + [["edge"]] + [["sidelobe"]] * 8 + [["edge", "clutter"]] * 26
+    candidates = [{**CANDIDATE, "id": str(n), "flags": one} for n, one in enumerate(flags)]
+    values = {**LIST, "listed": 50, "omitted": 4, "omitted_primary": 0, "candidates": candidates}
+    found = candidates_from(json.dumps(values), SURVEY)
+    assert [one.id for one in found.shown] == [str(number) for number in range(26)]
+    assert (found.primary, found.total) == (16, 54)
+
+
 @pytest.mark.parametrize("name", NEEDED)
 def test_a_list_without_something_is_refused(name):
     values = {key: value for key, value in LIST.items() if key != name}
@@ -80,10 +91,10 @@ def test_a_candidate_without_something_is_refused(name):
 @pytest.mark.parametrize(
     "name, right",
     [
-        *((name, ()) for name in NEEDED if name not in ("warning", "permittivity", "omitted")),
+        *((name, ()) for name in NEEDED if name not in ("warning", "permittivity", *OMITTED)),
         ("warning", ("x",)),
         ("permittivity", (7,)),
-        ("omitted", (7,)),
+        *((name, (7,)) for name in OMITTED),
     ],
 )
 def test_a_wrong_value_is_refused(name, right):

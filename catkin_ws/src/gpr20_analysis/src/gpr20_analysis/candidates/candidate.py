@@ -31,7 +31,9 @@ class Flag(enum.Enum):
 
 
 SECONDARY = frozenset({Flag.CLUTTER, Flag.SIDELOBE})
-"""Candidates with these flags come after all others, and are omitted first."""
+"""Candidates with these flags come after all others."""
+OMITTED = SECONDARY | {Flag.UNRATED}
+"""Only candidates with one of these flags are omitted from a list that would be too long."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,11 @@ class Candidate:
     flags: Tuple[Flag, ...]
 
     @property
+    def is_secondary(self) -> bool:
+        """Whether it may be only clutter, or a sidelobe of a brighter candidate."""
+        return bool(SECONDARY & set(self.flags))
+
+    @property
     def confidence(self) -> float:
         """Probability that noise alone has no voxel as bright as this, 0 to 1."""
         return 1.0 - self.false_alarm_probability
@@ -108,11 +115,13 @@ class CandidateList:
         permittivity_range: Lowest and highest possible value; equal if it was given.
         area_m2: Surveyed area [m^2].
         false_alarm_rate: Largest false-alarm probability of a listed candidate.
-        omitted: Number of candidates beyond the longest list, the last ones.
+        omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
+            `OMITTED`.
         candidates: The candidates.
         notes: What was left out or may be wrong.
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
+        omitted_primary: Number of omitted candidates that are not `SECONDARY`.
     """
 
     survey_id: str
@@ -126,3 +135,4 @@ class CandidateList:
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()
     position: Optional[AreaPosition] = None
+    omitted_primary: int = 0

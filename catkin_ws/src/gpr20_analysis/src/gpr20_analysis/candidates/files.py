@@ -90,6 +90,7 @@ def list_record(found: CandidateList) -> Dict[str, Any]:
         "false_alarm_rate": found.false_alarm_rate,
         "listed": len(found.candidates),
         "omitted": found.omitted,
+        "omitted_primary": found.omitted_primary,
         "coordinates": "X, Y and depth in metres, in the survey's area",
         "position": asdict(found.position) if found.position else None,
         "notes": [str(note) for note in found.notes],

@@ -18,10 +18,17 @@ WIDTH = 2.0 * math.sqrt(math.log(2.0))
 # Highest local maxima beside targets, measured: -33 dB for points, -20 dB for larger ones; products
 # of the Kirchhoff method: -9 dB.
 SIDELOBE_DB = {Law.RAYLEIGH: 20.0, Law.PRODUCT: 8.0, Law.HALF_NORMAL: 8.0}
+# The noise may be this much higher than measured, on small grids. Rare values of a product are so
+# large that this decides how often they seem to occur.
+NOISE_UP_TO = {Law.RAYLEIGH: 1.0, Law.PRODUCT: 1.1, Law.HALF_NORMAL: 1.0}
 # Clutter this much above noise over the whole area; a candidate must be brighter than it.
 CLUTTER, CLUTTER_ALARM = 2.0, 0.01
-# Errors of a peak between voxels, as a share of the step, where noise is negligible.
-SHARE_OF_STEP = 0.1
+# Errors of a peak between voxels, as a share of the step, where noise is negligible. The Kirchhoff
+# methods take the nearest samples and angles, and can lose the first sample.
+SHARE_OF_STEP = {Law.RAYLEIGH: 0.1, Law.PRODUCT: 0.5, Law.HALF_NORMAL: 0.5}
+# Errors of depth, y and x where each line along X is migrated alone: it shows targets beside it,
+# and shows them deeper.
+BESIDE_LINE_M = (0.015, 0.07, 0.0)
 # Resolution without a measurement, and the band for it.
 ACROSS_M, BAND_HZ = 0.03, 5.4e9
 
@@ -77,21 +84,26 @@ class Rating:
         """Return the level that noise exceeds anywhere with a probability; 0 if not known."""
         if not self.is_rated:
             return 0.0
-        return self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+        ratio = self._law.ratio_at(self._alarms.log_tail_at(false_alarm_rate))
+        return ratio * NOISE_UP_TO[self._law]
 
-    def above_noise_db(self, turn: int, place: Sequence[int]) -> float:
-        """Return the level of a voxel above noise [dB]; NaN if the noise is not known."""
+    def magnitudes_at(self, place: np.ndarray) -> np.ndarray:
+        """Return the magnitudes of voxels (voxel, 4): polarization, depth, y, x."""
+        found: np.ndarray = self._magnitude[tuple(place.T)]
+        return found
+
+    def above_noise_db(self, level: np.ndarray) -> np.ndarray:
+        """Return levels of voxels above noise [dB]; NaN if the noise is not known."""
         if not self.is_rated:
-            return math.nan
-        return float(self._law.level_db(np.asarray(self._ratio(turn, place))))
+            return np.full(np.shape(level), np.nan)
+        return self._law.level_db(level)
 
-    def false_alarm_probability(self, turn: int, place: Sequence[int]) -> float:
-        """Return the probability that noise alone has a voxel as bright; 1 if not known."""
+    def false_alarm_probability(self, level: float) -> float:
+        """Return the probability that noise alone has a voxel of a level; 1 if not known."""
         if not self.is_rated:
             return 1.0
-        return self._alarms.probability(
-            float(self._law.log_tail(np.asarray(self._ratio(turn, place))))
-        )
+        ratio = np.asarray(level) / NOISE_UP_TO[self._law]
+        return self._alarms.probability(float(self._law.log_tail(ratio)))
 
     def polarization_ratio_db(self, place: Sequence[int]) -> Optional[float]:
         """Return the level of the first polarization above the second around a voxel [dB]."""
@@ -106,20 +118,27 @@ class Rating:
             return None
         return float(self._law.level_db(np.asarray(first / second)))
 
-    def is_clutter(self, turn: int, place: Sequence[int]) -> bool:
-        """Return whether a voxel is no brighter than what the whole area shows at its depth.
+    def is_clutter(self, place: np.ndarray, level: np.ndarray) -> np.ndarray:
+        """Return whether voxels are no brighter than what the whole area shows at their depth.
 
-        The median of its plane is hardly moved by a target. If it is clearly above that of noise,
-        the plane shows clutter, and the voxel must be brighter than the brightest of such a plane.
+        The median of a plane is hardly moved by a target. If it is clearly above that of noise,
+        the plane shows clutter, and a voxel must be brighter than the brightest of such a plane.
+
+        Args:
+            place: Their indices (voxel, 4): polarization, depth, y, x.
+            level: Their levels above noise.
         """
+        found = np.zeros(len(place), dtype=bool)
         if not self.is_rated:
-            return False
-        plane = self._magnitude[turn, place[0]] / (self._noise[turn, place[0]] * self._over)
-        usual = float(np.median(plane)) / self._law.median
-        if usual < CLUTTER:
-            return False
-        tail = float(self._law.log_tail(np.asarray(self._ratio(turn, place) / usual)))
-        return self._plane_alarms.probability(tail) > CLUTTER_ALARM
+            return found
+        planes, of_plane = np.unique(place[:, :2], axis=0, return_inverse=True)
+        medians = [np.median(self._plane_level(turn, depth)) for turn, depth in planes]
+        usual = (np.array(medians) / self._law.median)[of_plane.ravel()]
+        doubtful = np.flatnonzero(usual >= CLUTTER)
+        tails = self._law.log_tail(level[doubtful] / usual[doubtful])
+        alarms = [self._plane_alarms.probability(tail) for tail in tails.tolist()]
+        found[doubtful] = np.array(alarms) > CLUTTER_ALARM
+        return found
 
     def picking_m(self, above_noise_db: float) -> np.ndarray:
         """Return standard deviations of depth, y and x of a peak by noise and voxels [m].
@@ -127,16 +146,17 @@ class Rating:
         Args:
             above_noise_db: Its level; NaN if it is not known.
         """
-        of_voxels_m = SHARE_OF_STEP * self._steps_m
+        of_voxels_m = SHARE_OF_STEP[self._law] * self._steps_m
+        if self._law is Law.HALF_NORMAL and self._steps_m[1] > 0.0:
+            of_voxels_m = np.maximum(of_voxels_m, BESIDE_LINE_M)
         if math.isnan(above_noise_db):
             return np.hypot(of_voxels_m, self.resolution_m / 2.0)
         curvature_m = self.resolution_m / WIDTH
         return np.hypot(of_voxels_m, curvature_m / math.sqrt(2.0) * 10 ** (-above_noise_db / 20))
 
-    def _ratio(self, turn: int, place: Sequence[int]) -> float:
-        depth, y, x = place
-        noise = self._noise[turn, depth] * self._over[y, x]
-        return float(self._magnitude[turn, depth, y, x] / noise)
+    def _plane_level(self, turn: int, depth: int) -> np.ndarray:
+        level: np.ndarray = self._magnitude[turn, depth] / (self._noise[turn, depth] * self._over)
+        return level
 
 
 def _step_m(axis_m: np.ndarray) -> float:

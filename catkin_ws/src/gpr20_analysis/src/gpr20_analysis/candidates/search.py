@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from scipy.ndimage import maximum_filter
 
 from gpr20_analysis.candidates.candidate import (
+    OMITTED,
     SECONDARY,
     AreaPosition,
     Candidate,
     CandidateList,
     Flag,
 )
-from gpr20_analysis.candidates.peak_place import peak_place
+from gpr20_analysis.candidates.peak_place import peak_places
+from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
@@ -34,7 +35,8 @@ class CandidateOptions:
 
     Attributes:
         false_alarm_rate: Probability that noise alone leads to any candidate in an image, 0 to 1.
-        most: Most candidates to list.
+        most: Most candidates to list. All that are neither `SECONDARY` nor unrated are listed, even
+            if there are more.
         height_uncertainty_m: Standard deviation of the antenna height [m].
     """
 
@@ -90,13 +92,23 @@ def find_candidates(
     volume = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)).values)
     rating = Rating(image, volume)
     axes = tuple(np.asarray(image[name].values, dtype=np.float64) for name in (DEPTH, Y, X))
-    peaks = _peaks(rating, options)
-    groups = _grouped(peaks, rating, axes)
-    found = [_candidate(group, rating, axes, image, options) for group in groups]
-    found = [replace(one, flags=_with_sidelobe(one, found, rating)) for one in found]
-    found.sort(key=lambda one: bool(SECONDARY & set(one.flags)))
+    peaks = find_peaks(rating, options.false_alarm_rate)
+    groups = grouped(peaks, rating, axes)
+    place_m = _places_m(groups, rating, axes)
+    flags = _flags(groups, peaks, place_m, rating, axes)
+    # Those of lower rank last, otherwise the brightest first.
+    secondary = np.any([flags[one] for one in SECONDARY], axis=0)
+    order = np.argsort(secondary, kind="stable")
+    omissible = np.any([flags[one] for one in OMITTED], axis=0)
+    count = max(options.most, int(np.count_nonzero(~omissible)))
     listed = tuple(
-        replace(one, id=f"C{number:02d}") for number, one in enumerate(found[: options.most], 1)
+        replace(
+            _candidate(groups, one, place_m[one].tolist(), rating, image, options),
+            id=f"C{number:02d}",
+            rotations_deg=_rotations_deg(image, peaks.place[groups.members[one], 0]),
+            flags=tuple(flag for flag, is_set in flags.items() if is_set[one]),
+        )
+        for number, one in enumerate(order[:count].tolist(), 1)
     )
     permittivity = float(image.attrs["permittivity"])
     lowest, highest = _permittivity_range(image)
@@ -108,10 +120,11 @@ def find_candidates(
         permittivity_range=(lowest, highest),
         area_m2=float(np.ptp(axes[1]) * np.ptp(axes[2])),
         false_alarm_rate=options.false_alarm_rate,
-        omitted=len(found) - len(listed),
+        omitted=len(order) - len(listed),
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
         position=_position(image),
+        omitted_primary=int(np.count_nonzero(~secondary[order[count:]])),
     )
 
 
@@ -134,64 +147,32 @@ def _notes(rating: Rating) -> List[Message]:
     ]
 
 
-@dataclass(frozen=True)
-class _Peaks:
-    """Local maxima, the brightest first.
-
-    Attributes:
-        place: Indices (peak, 4): polarization, depth, y, x.
-        level: Magnitudes above noise.
-    """
-
-    place: np.ndarray
-    level: np.ndarray
-
-
-def _peaks(rating: Rating, options: CandidateOptions) -> _Peaks:
-    places = []
+def _places_m(groups: Groups, rating: Rating, axes: Sequence[np.ndarray]) -> np.ndarray:
+    """Return depth, y and x of each group (group, 3) [m]."""
+    found_m = np.empty((len(groups.top), 3))
     for turn in range(rating.polarizations):
-        level, magnitude = rating.level(turn), rating.magnitude(turn)
-        highest = maximum_filter(magnitude, size=3, mode="nearest")
-        threshold = rating.threshold(options.false_alarm_rate)
-        chosen = np.argwhere((magnitude == highest) & (magnitude > 0.0) & (level >= threshold))
-        places.append(np.insert(chosen, 0, turn, axis=1))
-    place = np.concatenate(places)
-    levels = np.array([rating.level(turn)[depth, y, x] for turn, depth, y, x in place])
-    order = np.argsort(-levels, kind="stable")
-    return _Peaks(place[order], levels[order])
+        own = groups.top[:, 0] == turn
+        found_m[own] = peak_places(rating.magnitude(turn), axes, groups.top[own, 1:])
+    return found_m
 
 
-def _grouped(peaks: _Peaks, rating: Rating, axes: Sequence[np.ndarray]) -> List[np.ndarray]:
-    """Return the peaks of each place (peak, 4), the brightest of each first."""
-    if len(peaks.place) == 0:
-        return []
-    where_m = np.stack(
-        [axis[peaks.place[:, number]] for number, axis in enumerate(axes, 1)], axis=1
-    )
-    scaled = where_m / rating.resolution_m
-    left = np.ones(len(scaled), dtype=bool)
-    groups = []
-    for first in range(len(scaled)):
-        if not left[first]:
-            continue
-        own = left & (np.sum((scaled - scaled[first]) ** 2, axis=1) <= 1.0)
-        left &= ~own
-        groups.append(peaks.place[own])
-    return groups
+def _rotations_deg(image: xr.Dataset, turns: np.ndarray) -> Tuple[float, ...]:
+    rotations_deg = image[POLARIZATION].values
+    return tuple(float(rotations_deg[one]) for one in dict.fromkeys(turns.tolist()))
 
 
 def _candidate(
-    group: np.ndarray,
+    groups: Groups,
+    which: int,
+    place_m: Sequence[float],
     rating: Rating,
-    axes: Sequence[np.ndarray],
     image: xr.Dataset,
     options: CandidateOptions,
 ) -> Candidate:
-    turn, *place = (int(one) for one in group[0])
-    # The noise varies over the image, so the voxel that is furthest above it is not the peak.
-    top_turn, *top = max(group.tolist(), key=lambda one: rating.magnitude(one[0])[tuple(one[1:])])
-    depth_m, y_m, x_m = peak_place(rating.magnitude(top_turn), axes, tuple(top))
-    picked_m = rating.picking_m(rating.above_noise_db(turn, place))
+    """Return a candidate without its flags and rotations."""
+    depth_m, y_m, x_m = place_m
+    above_noise_db = float(rating.above_noise_db(groups.level[which]))
+    picked_m = rating.picking_m(above_noise_db)
     lowest, highest = _permittivity_range(image)
     permittivity = float(image.attrs["permittivity"])
     of_permittivity_m = depth_m * max(
@@ -206,45 +187,52 @@ def _candidate(
         x_uncertainty_m=float(picked_m[2]),
         y_uncertainty_m=float(picked_m[1]),
         depth_uncertainty_m=math.hypot(picked_m[0], of_height_m) + max(of_permittivity_m, 0.0),
-        above_noise_db=rating.above_noise_db(turn, place),
-        false_alarm_probability=rating.false_alarm_probability(turn, place),
-        rotations_deg=tuple(
-            float(image[POLARIZATION][one]) for one in dict.fromkeys(group[:, 0].tolist())
-        ),
-        polarization_ratio_db=rating.polarization_ratio_db(place),
-        flags=_flags(group, (depth_m, y_m, x_m), rating, axes),
+        above_noise_db=above_noise_db,
+        false_alarm_probability=rating.false_alarm_probability(float(groups.level[which])),
+        rotations_deg=(),
+        polarization_ratio_db=rating.polarization_ratio_db(groups.first[which, 1:].tolist()),
+        flags=(),
     )
 
 
 def _flags(
-    group: np.ndarray, place_m: Sequence[float], rating: Rating, axes: Sequence[np.ndarray]
-) -> Tuple[Flag, ...]:
-    turn, *place = (int(one) for one in group[0])
-    resolution_m = rating.resolution_m
-    at_edge = [
-        len(axis) > 1 and min(at - axis[0], axis[-1] - at) < resolution_m[number] / 2.0
-        for number, (at, axis) in enumerate(zip(place_m, axes))
-        if number > 0
-    ]
-    flags = {
-        Flag.SURFACE_RESIDUE: place_m[0] < resolution_m[0],
-        # It may be brighter beyond the last depth.
-        Flag.EDGE: any(at_edge) or place[0] in (0, len(axes[0]) - 1),
-        Flag.ONE_POLARIZATION: rating.polarizations > 1 and len(set(group[:, 0])) == 1,
-        Flag.CLUTTER: rating.is_clutter(turn, place),
-        Flag.UNRATED: not rating.is_rated,
+    groups: Groups,
+    peaks: Peaks,
+    place_m: np.ndarray,
+    rating: Rating,
+    axes: Sequence[np.ndarray],
+) -> Dict[Flag, np.ndarray]:
+    """Return for each flag whether the groups have it."""
+    # It may be brighter beyond the last depth.
+    at_edge = np.isin(groups.first[:, 1], (0, len(axes[0]) - 1))
+    for at_m, axis, resolution_m in list(zip(place_m.T, axes, rating.resolution_m))[1:]:
+        if len(axis) > 1:
+            at_edge |= np.minimum(at_m - axis[0], axis[-1] - at_m) < resolution_m / 2.0
+    turns = [np.unique(peaks.place[own, 0]).size for own in groups.members]
+    return {
+        Flag.SURFACE_RESIDUE: place_m[:, 0] < rating.resolution_m[0],
+        Flag.EDGE: at_edge,
+        Flag.ONE_POLARIZATION: (np.array(turns) == 1) & (rating.polarizations > 1),
+        Flag.CLUTTER: rating.is_clutter(groups.first, groups.level),
+        Flag.UNRATED: np.full(len(turns), not rating.is_rated),
+        Flag.SIDELOBE: _sidelobes(groups, place_m, rating),
     }
-    return tuple(flag for flag, is_set in flags.items() if is_set)
 
 
-def _with_sidelobe(one: Candidate, others: Sequence[Candidate], rating: Rating) -> Tuple[Flag, ...]:
-    for other in others:
-        apart_m = math.hypot(one.x_m - other.x_m, one.y_m - other.y_m)
-        if apart_m <= SIDELOBE_REACH_M and (
-            other.above_noise_db - one.above_noise_db >= rating.sidelobe_db
-        ):
-            return (*one.flags, Flag.SIDELOBE)
-    return one.flags
+def _sidelobes(groups: Groups, place_m: np.ndarray, rating: Rating) -> np.ndarray:
+    """Return whether the brightest group near each is so much brighter that it may cause it."""
+    above_noise_db = rating.above_noise_db(groups.level)
+    brightest_db = np.copy(above_noise_db)
+    left = np.arange(len(brightest_db))
+    for one in range(len(brightest_db)):
+        apart_m = np.hypot(*(place_m[left, 1:] - place_m[one, 1:]).T)
+        near = apart_m <= SIDELOBE_REACH_M
+        brightest_db[left[near]] = above_noise_db[one]
+        left = left[~near]
+        if left.size == 0:
+            break
+    found: np.ndarray = brightest_db - above_noise_db >= rating.sidelobe_db
+    return found
 
 
 def _permittivity_range(image: xr.Dataset) -> Tuple[float, float]:

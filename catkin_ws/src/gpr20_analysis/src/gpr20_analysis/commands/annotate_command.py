@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Tuple
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.commands.rows import print_rows
 from gpr20_analysis.errors import AnalysisError, not_there
-from gpr20_analysis.report.summary import POSITION, RECORDED
+from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, heading_text
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
@@ -24,7 +24,6 @@ from gpr20_survey.plan.annotation import (
 )
 
 NONE = verbatim("-")
-HEADING_ROW = Message("heading of Y")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -97,9 +96,10 @@ def _rows(annotation: Annotation) -> List[Tuple[Message, Message]]:
         RECORDED["site"]: annotation.site,
         RECORDED["survey_notes"]: annotation.notes,
         POSITION: "" if position is None else str(position),
-        HEADING_ROW: "" if annotation.heading_deg is None else f"{annotation.heading_deg!r}",
     }
-    return [(title, verbatim(text) if text else NONE) for title, text in texts.items()]
+    heading = NONE if annotation.heading_deg is None else heading_text(annotation.heading_deg)
+    rows = [(title, verbatim(text) if text else NONE) for title, text in texts.items()]
+    return [*rows, (HEADING_OF_Y, heading)]
 
 
 def _position(text: str) -> Wgs84Position:

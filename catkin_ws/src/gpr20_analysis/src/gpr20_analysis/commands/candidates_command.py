@@ -57,7 +57,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.json:
         print(json_text(found))
     else:
-        image_command.print_candidates(image, found, catalogue)
+        image_command.print_candidates(image, found, chosen, catalogue)
     if chosen.publish:
         sys.stdout.flush()
         _publish(found)

@@ -15,7 +15,7 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.candidate import CandidateList
 from gpr20_analysis.candidates.files import candidate_record, list_record
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import candidate_lines
+from gpr20_analysis.candidates.table import MOST_SECONDARY, candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
@@ -46,7 +46,6 @@ DEFAULT_STEPS = ("background:method=surface",)
 # The GPR-20 group's program subtracts the mean.
 STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
-SLICES = 20
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
 
@@ -79,8 +78,9 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
     add("--false-alarm", type=float, default=standard.false_alarm_rate, metavar="P",
         help="probability that noise alone leads to any candidate; default "
         f"{standard.false_alarm_rate:g}")  # fmt: skip
-    add("--most", type=int, default=standard.most, metavar="N",
-        help=f"longest list; more candidates are counted; default {standard.most}")  # fmt: skip
+    add("--most", type=int, metavar="N",
+        help=f"longest list, in files too; default {standard.most}, of which at most "
+        f"{MOST_SECONDARY} doubtful ones are printed")  # fmt: skip
 
 
 def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
@@ -89,7 +89,8 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
     Raises:
         WrongDatasetError: An argument is not allowed.
     """
-    return CandidateOptions(chosen.false_alarm, chosen.most)
+    most = CandidateOptions().most if chosen.most is None else chosen.most
+    return CandidateOptions(chosen.false_alarm, most)
 
 
 def add_image_options(parser: argparse.ArgumentParser) -> None:
@@ -236,15 +237,16 @@ def _write(
 
 
 def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.projections import projection_figure
+    from gpr20_analysis.plotting.projections import marked_of, projection_figure
     from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
         figure = projection_figure(image, turn, found.candidates, catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
-    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in found.candidates], method="nearest")
-    for depth_m in list(dict.fromkeys(depths_m.values.tolist()))[:SLICES]:
+    marked = marked_of(found.candidates)
+    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
+    for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
         figure = c_scan_figure(image, depth_m, catalogue)
         save_figure(figure, folder / f"slice_{round(depth_m * MM_PER_M):04d}mm.png")
 
@@ -263,16 +265,20 @@ def _print(
         }
         print(json.dumps(answer, indent=2, allow_nan=False))
         return
-    print_candidates(image, found, catalogue)
+    print_candidates(image, found, chosen, catalogue)
 
 
-def print_candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> None:
+def print_candidates(
+    image: xr.Dataset, found: CandidateList, chosen: argparse.Namespace, catalogue: Catalogue
+) -> None:
     """Print the notes on an image, its permittivity and the table of candidates."""
     notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
     estimated = [permittivity_line(image)] if "permittivity_lowest" in image.attrs else []
     for line in [*notes, *estimated]:
         print(printable(shown(line, catalogue)))
-    print("\n".join(candidate_lines(found, catalogue)))
+    # Who asks for a number gets all of the list.
+    most_secondary = MOST_SECONDARY if chosen.most is None else None
+    print("\n".join(candidate_lines(found, catalogue, most_secondary)))
 
 
 COMMAND = Command(

@@ -11,7 +11,6 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
-import dask.array
 import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
@@ -213,6 +212,8 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
         if real.chunks is None:
             values = _joined(real.values, imaginary.values)
         else:
+            import dask.array  # its import takes 0.3 s
+
             kind = _kind(real.dtype)
             values = dask.array.map_blocks(_joined, real.data, imaginary.data, dtype=kind)
         kept = {key: value for key, value in real.attrs.items() if key != PART_OF}

@@ -29,6 +29,7 @@ MOST_SAMPLES = 32767  # a signed 16-bit field
 IEEE_FLOAT = 5
 INLINE_SORTING = 2  # the crosslines of the first inline, then those of the second
 SCALAR = 10_000  # per metre
+FURTHEST_M = 200_000  # a signed 32-bit field
 LENGTH_UNITS, METRES, UTC = 1, 1, 4
 LIVE, DEAD = 1, 2
 REVISION_BYTES = (3500, b"\x01\x00")  # place and content: revision 1.0
@@ -50,8 +51,8 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
 
     Raises:
         MissingLibraryError: segyio is not installed.
-        ExportError: The time step is not a whole number of picoseconds, or there is more than one
-            polarization.
+        ExportError: The time step is not a whole number of picoseconds, there is more than one
+            polarization, or a position does not fit.
         OSError: It cannot be written.
     """
     segyio = _segyio()
@@ -80,6 +81,7 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
                 step_ps=interval_ps,
             )
         )
+    _check_places(survey)
     spec = segyio.spec()
     spec.format, spec.sorting = IEEE_FLOAT, INLINE_SORTING
     spec.samples = np.arange(len(delay_s)) * round(interval_ps) / 1000.0
@@ -95,6 +97,21 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
         stream.seek(REVISION_BYTES[0])
         stream.write(REVISION_BYTES[1])
     return survey.sizes[dataset.Y] * survey.sizes[dataset.X]
+
+
+def _check_places(survey: xr.Dataset) -> None:
+    for axis in (dataset.X, dataset.Y):
+        furthest_m = float(np.abs(survey[axis].values).max())
+        if not furthest_m <= FURTHEST_M:
+            raise ExportError(
+                Message(
+                    "{axis} reaches {furthest_m:.10g} m, but SEG-Y holds positions up to {most_m} "
+                    "m; use positions from a corner of the area",
+                    axis=axis,
+                    furthest_m=furthest_m,
+                    most_m=FURTHEST_M,
+                )
+            )
 
 
 def _segyio() -> Any:

@@ -58,7 +58,7 @@ class Transform:
         Args:
             spectra: Spectra (trace, frequency).
         """
-        gated = spectra.astype(np.complex64) @ self.matrix
+        gated = spectra.astype(np.complex64, copy=False) @ self.matrix
         # ifft divides by the count; the true frequency of the first value is put back as a phase.
         samples = scipy.fft.ifft(gated, self.count, axis=1, workers=2)
         delay_s = self.sample_s * np.arange(self.count)

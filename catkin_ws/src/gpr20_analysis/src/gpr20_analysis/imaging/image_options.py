@@ -8,6 +8,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_delay import check_delay
@@ -83,7 +84,9 @@ class ImageOptions:
         _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
         if self.delay_s is not None:
             check_delay(self.delay_s)
-        _check(Message("the step of the image"), self.grid_step_m, 0.001, 1.0, "m")
+        # As the command line gives it.
+        step_mm = None if self.grid_step_m is None else MM_PER_M * self.grid_step_m
+        _check(Message("the step of the image"), step_mm, 1.0, 1000.0, "mm")
         if self.grid_step_m is not None and self.method.of_the_group:
             raise WrongDatasetError(
                 Message(

@@ -62,7 +62,10 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     recorded = require(survey, S21, S21_DIMS)
     lazy.require_room(recorded, COPIES, Message("an image"))
     measured = recorded.values
-    present = usable(survey).transpose(*SAMPLE_DIMS).values & np.all(np.isfinite(measured), -1)
+    with np.errstate(invalid="ignore"):
+        # A sum is finite only if all of its values are.
+        finite = np.isfinite(np.sum(measured, axis=-1))
+    present = usable(survey).transpose(*SAMPLE_DIMS).values & finite
     if not options.leave_out_missing:
         require_complete(survey, Message("an image without --leave-out-missing"))
         if not np.all(present):
@@ -76,13 +79,18 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     height_m = _heights(survey, options, present)
     _check_relief(height_m, options)
     sweep = FrequencyGrid.of(survey)
-    spectra = np.where(present[..., None], measured, 0.0)
     delay_s = delay_to_remove_s(survey, options.delay_s)
     if ADVANCE in survey:
         advance_s = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
-        spectra *= np.exp(2j * np.pi * sweep.frequency_hz * (delay_s - advance_s[..., None]))
+        measured = measured * np.exp(
+            2j * np.pi * sweep.frequency_hz * (delay_s - advance_s[..., None])
+        )
     elif delay_s:
-        spectra *= np.exp(2j * np.pi * sweep.frequency_hz * delay_s)
+        measured = measured * np.exp(2j * np.pi * sweep.frequency_hz * delay_s)
+    # Single precision is 140 dB below the strongest echo that the steps have left.
+    spectra = measured.astype(np.complex64)
+    if not np.all(present):
+        spectra[~present] = 0.0
     turns = survey[POLARIZATION].values
     x_m, y_m = (np.asarray(survey[name].values, dtype=np.float64) for name in (X, Y))
     traces = [
@@ -99,7 +107,17 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 )
             )
     notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
-    return traces, [*notes, *surface_notes(survey, options, delay_s)]
+    of_surface = surface_notes(survey, options, delay_s)
+    if of_surface and options.permittivity is None:
+        raise WrongDatasetError(
+            Message(
+                "{note}; with that the permittivity cannot be estimated either: give the delay "
+                "with --delay, the distance of the antennas with --separation, or the "
+                "permittivity with --permittivity",
+                note=of_surface[0],
+            )
+        )
+    return traces, [*notes, *of_surface]
 
 
 def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:

@@ -66,6 +66,11 @@ class Law(enum.Enum):
     def _factors(self) -> int:
         return 2 if self is Law.PRODUCT else 1
 
+    @property
+    def depth_degree(self) -> int:
+        """Degree of the logarithm of the noise over depth: the group's gain is no exponential."""
+        return 1 if self is Law.RAYLEIGH else 3
+
     def log_tail(self, ratio: np.ndarray) -> np.ndarray:
         """Return the logarithm of the probability that noise exceeds a magnitude.
 
@@ -165,7 +170,7 @@ def measured_noise(
     logarithm = np.stack([np.mean([one.over_depth for one in ones], axis=0) for ones in per_trace])
     found_m = every[0].depth_m
     return NoiseReference(
-        np.exp(np.stack([_curve(found_m, one, depth_m) for one in logarithm])),
+        np.exp(np.stack([_curve(found_m, one, depth_m, law) for one in logarithm])),
         np.exp(np.mean([one.over_y for one in every], axis=0)),
         np.exp(np.mean([one.over_x for one in every], axis=0)),
         tuple(float(one) for one in np.mean([one.correlation for one in every], axis=0)),
@@ -208,9 +213,7 @@ def _quiet_s(
 def advanced(traces: Traces, late_s: float) -> Traces:
     """Return traces whose delay 0 was at a later delay."""
     shift = np.exp(2j * np.pi * traces.sweep.frequency_hz * late_s).astype(np.complex64)
-    spectra = traces.s21.astype(np.complex64)
-    spectra *= shift
-    return replace(traces, s21=spectra)
+    return replace(traces, s21=traces.s21 * shift)
 
 
 def _power_over_delay(traces: Traces, focus: Focus) -> np.ndarray:
@@ -270,7 +273,7 @@ def _fit(
         return nothing, np.zeros(magnitude.shape[1]), np.zeros(magnitude.shape[2])
     over_y, over_x = (_profile(np.mean(logarithm, axis=axes)) for axes in ((0, 2), (0, 1)))
     flat = logarithm - over_y[:, None] - over_x
-    return _curve(depth_m, np.mean(flat, axis=(1, 2)), depth_m), over_y, over_x
+    return _curve(depth_m, np.mean(flat, axis=(1, 2)), depth_m, law), over_y, over_x
 
 
 def _profile(mean: np.ndarray) -> np.ndarray:
@@ -283,9 +286,9 @@ def _profile(mean: np.ndarray) -> np.ndarray:
     return curve - np.mean(curve)
 
 
-def _curve(depth_m: np.ndarray, values: np.ndarray, wanted_m: np.ndarray) -> np.ndarray:
-    """Return a straight line through values over depth, or a constant through few, at depths."""
-    degree = 1 if len(depth_m) >= 6 else 0
+def _curve(depth_m: np.ndarray, values: np.ndarray, wanted_m: np.ndarray, law: Law) -> np.ndarray:
+    """Return a smooth curve through values over depth, or a constant through few, at depths."""
+    degree = min(law.depth_degree, max(0, len(depth_m) // 3 - 1))
     middle, half = np.mean(depth_m), np.ptp(depth_m) / 2.0
     found = np.polynomial.polynomial.polyfit((depth_m - middle) / half, values, degree)
     return np.polynomial.polynomial.polyval((wanted_m - middle) / half, found)

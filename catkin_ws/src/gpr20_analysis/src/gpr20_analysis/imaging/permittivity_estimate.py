@@ -16,7 +16,6 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.constants import speed_of_light
-from scipy.interpolate import PchipInterpolator
 
 from gpr20_analysis import cluster
 from gpr20_analysis.errors import WrongDatasetError
@@ -152,6 +151,8 @@ def _of_same_body(fits: Sequence[EchoFit]) -> List[np.ndarray]:
 
 
 def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
+    from scipy.interpolate import PchipInterpolator  # its import takes 0.2 s
+
     # Monotonic between the trial values: a spline would be below them beside a steep rise.
     logarithm = np.log(PERMITTIVITIES)
     fine = np.linspace(logarithm[0], logarithm[-1], BETWEEN * (len(logarithm) - 1) + 1)
@@ -168,8 +169,8 @@ def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
     if first == 0 or last == len(worse) - 1 or highest > WIDEST_RATIO * lowest:
         raise WrongDatasetError(
             Message(
-                "echoes of {count} bodies agree with every permittivity from {lowest:.3g} to "
-                "{highest:.3g}, which is too wide a range for an image; {advice}",
+                "the echoes agree with every permittivity from {lowest:.3g} to {highest:.3g}, "
+                "which is too wide a range for an image (bodies: {count}); {advice}",
                 count=len(bodies),
                 lowest=lowest,
                 highest=highest,

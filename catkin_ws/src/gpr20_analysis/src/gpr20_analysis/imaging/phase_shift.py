@@ -138,13 +138,13 @@ class PlaneWaves:
         down_soil = np.sqrt(focus.permittivity * air_rad_m**2 - across_rad_m**2)
         start_rad = down_air * self._height_m + down_soil * focus.depth_m[0]
         field = self._spectra[:, part].T[taken] * unit_phasor(start_rad)
-        step_m, shift = None, None
-        for row, depth_m in enumerate(focus.depth_m):
-            if row > 0:
-                if step_m is None or abs(depth_m - focus.depth_m[row - 1] - step_m) > 1e-9:
-                    step_m = depth_m - focus.depth_m[row - 1]
-                    shift = unit_phasor(down_soil * step_m)
-                field *= shift
+        shifts = {0.0: np.ones(1, dtype=np.complex64)}
+        for row, step_m in enumerate(np.round(np.diff(focus.depth_m, prepend=focus.depth_m[0]), 9)):
+            if step_m not in shifts:
+                # The latest two are kept: depths may come in pairs.
+                shifts = {key: shifts[key] for key in list(shifts)[-1:]}
+                shifts[step_m] = unit_phasor(down_soil * step_m)
+            field *= shifts[step_m]
             image[row, part] = np.add.reduceat(field, runs)
 
     def _taken(self, focus: Focus, part: Union[slice, np.ndarray]) -> np.ndarray:

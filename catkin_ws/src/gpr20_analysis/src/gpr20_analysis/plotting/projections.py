@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from gpr20_analysis.candidates.candidate import SECONDARY, Candidate
+from gpr20_analysis.candidates.candidate import Candidate
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.plotting.style import (
     PANEL_TITLE_PT,
@@ -136,7 +136,7 @@ def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
     Returns:
         Those that figures mark: at most `MOST_MARKED`.
     """
-    first = [one for one in candidates if not SECONDARY & set(one.flags)]
+    first = [one for one in candidates if not one.is_secondary]
     return (first or candidates)[:MOST_MARKED]
 
 

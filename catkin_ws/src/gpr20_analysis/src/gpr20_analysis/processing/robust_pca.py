@@ -7,7 +7,6 @@ from typing import Tuple
 import numpy as np
 import scipy.fft
 import xarray as xr
-from scipy.linalg import eigh
 
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import S21, S21_DIMS, require, require_complete
@@ -110,6 +109,8 @@ def _shrunk_rank(matrix: np.ndarray, by: float) -> np.ndarray:
         return _shrunk_rank(matrix.conj().T, by).conj().T
     # Of a tall matrix only the few components that are left are needed.
     products = matrix.conj().T @ matrix
+    from scipy.linalg import eigh  # its import takes 0.1 s
+
     squares, components = eigh(products, subset_by_value=(by**2, np.inf))
     shrunk: np.ndarray = ((matrix @ components) * (1.0 - by / np.sqrt(squares))) @ (
         components.conj().T

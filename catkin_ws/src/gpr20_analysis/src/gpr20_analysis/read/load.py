@@ -7,7 +7,6 @@ import tempfile
 from pathlib import Path
 from typing import Any, Dict, List, Tuple, Union
 
-import dask.array
 import numpy as np
 import xarray as xr
 
@@ -77,6 +76,8 @@ def load_survey(
     s21 = survey[dataset.S21]
     if s21.nbytes <= lazy_bytes:
         return survey
+    import dask.array  # its import takes 0.3 s
+
     row_bytes = s21.nbytes // (s21.shape[0] * s21.shape[1])
     chunks = (1, max(1, CHUNK_BYTES // row_bytes), -1, -1)
     lazy = dask.array.from_array(made[-1].finished(s21.shape), chunks=chunks, name=False)

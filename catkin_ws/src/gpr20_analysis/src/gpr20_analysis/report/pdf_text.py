@@ -14,6 +14,8 @@ LEFT_PT, TOP_PT, BOTTOM_PT = 48.0, 56.0, 64.0
 TEXT_WIDTH_PT = PAGE_PT[0] - 2.0 * LEFT_PT
 TITLE_PT, HEADING_PT, TEXT_PT, SMALL_PT = 14.0, 10.5, 8.0, 7.0
 LINE_SPACING, BETWEEN_COLUMNS_PT, NARROWEST_PT = 1.4, 12.0, 36.0
+# A longer row may continue on the next page.
+MOST_TOGETHER = 10
 # Bold letters are wider than those that are measured.
 BOLD_PART = 0.85
 
@@ -27,12 +29,16 @@ class Line:
         size_pt: Size of the letters [points].
         colour: Colour of the letters.
         weight: "normal" or "bold".
+        titles: Titles of the table that it is part of; a page that begins with it repeats them.
+        row_lines: Number of lines from this one on that stay together.
     """
 
     cells: Tuple[Tuple[float, str], ...]
     size_pt: float = TEXT_PT
     colour: str = "black"
     weight: str = "normal"
+    titles: Tuple[Line, ...] = ()
+    row_lines: int = 1
 
     @property
     def height_pt(self) -> float:
@@ -49,10 +55,10 @@ def text_pages(report: Report) -> List[List[Line]]:
     left_pt = full_pt = PAGE_PT[1] - TOP_PT - BOTTOM_PT
     for line in lines:
         # A heading is not the last line of a page.
-        needed_pt = line.height_pt * (3.0 if line.size_pt == HEADING_PT else 1.0)
-        if needed_pt > left_pt:
-            pages.append([])
-            left_pt = full_pt
+        needed_pt = line.height_pt * (3.0 if line.size_pt == HEADING_PT else line.row_lines)
+        if needed_pt > left_pt and left_pt < full_pt:
+            pages.append(list(line.titles))
+            left_pt = full_pt - sum(title.height_pt for title in line.titles)
         if line.cells or pages[-1]:
             pages[-1].append(line)
             left_pt -= line.height_pt
@@ -83,21 +89,28 @@ def _table(section: Section) -> List[Line]:
     if not rows:
         return []
     widths_pt = _column_widths(section.heading, section.rows)
-    lines = []
+    titles: List[Line] = []
+    lines: List[Line] = []
     for row in rows:
-        titles = row is section.heading
+        is_heading = row is section.heading
         cells = [
             wrapped([cell], column_pt / POINTS_PER_IN, TEXT_PT)
             for cell, column_pt in zip(row, widths_pt)
         ]
-        for number in range(max(len(one) for one in cells)):
+        height = max(len(one) for one in cells)
+        for number in range(height):
             right_pt, parts = 0.0, []
             for one, column_pt in zip(cells, widths_pt):
                 if number < len(one):
                     parts.append((right_pt, one[number]))
                 right_pt += column_pt + BETWEEN_COLUMNS_PT
-            lines.append(Line(tuple(parts), colour="dimgrey" if titles else "black"))
-    return lines
+            if is_heading:
+                together = height - number + 1
+                titles.append(Line(tuple(parts), colour="dimgrey", row_lines=together))
+            else:
+                row_lines = 1 if number else min(height, MOST_TOGETHER)
+                lines.append(Line(tuple(parts), titles=tuple(titles), row_lines=row_lines))
+    return [*titles, *lines]
 
 
 def _column_widths(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> List[float]:

@@ -11,7 +11,12 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
+from gpr20_analysis.candidates.table import (
+    candidate_heading,
+    candidate_row,
+    shown_candidates,
+    tail_sentences,
+)
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
@@ -142,11 +147,12 @@ def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
 
 def _candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> Section:
     figure = projections.candidate_map_figure(image, found.candidates, catalogue)
+    listed = shown_candidates(found)
     return Section(
         catalogue.text(CANDIDATES_TITLE),
         catalogue.text(NO_CLEARANCE),
-        lines=[shown(one, catalogue) for one in [*tail_sentences(found), *found.notes]],
-        rows=[candidate_row(one, catalogue) for one in found.candidates],
+        lines=[shown(one, catalogue) for one in [*tail_sentences(found, listed), *found.notes]],
+        rows=[candidate_row(one, catalogue) for one in listed],
         heading=candidate_heading(catalogue),
         figures=[(catalogue.tr("Map of the candidates"), figure)],
     )

@@ -10,7 +10,13 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.read.analyzer_attributes import AVERAGES, IF_BANDWIDTH, OUTPUT_POWER
-from gpr20_analysis.read.annotation_attributes import NOTES, OPERATOR, SITE, position_text
+from gpr20_analysis.read.annotation_attributes import (
+    HEADING,
+    NOTES,
+    OPERATOR,
+    SITE,
+    position_text,
+)
 from gpr20_common.message import Message, received_message, verbatim
 from gpr20_survey.trace.calibration import MEANINGS
 
@@ -29,6 +35,7 @@ RECORDED = {
     NOTES: Message("survey notes"),
 }
 POSITION = Message("WGS 84 position")
+HEADING_OF_Y = Message("heading of Y")
 CALIBRATIONS = {str(one): one for one in MEANINGS.values()}
 OUTCOMES = {
     "finished": Message("finished"),
@@ -53,6 +60,11 @@ def summarize(survey: xr.Dataset) -> Dict[str, str]:
     return {str(title): str(text) for title, text in summary_of(survey)}
 
 
+def heading_text(heading_deg: float) -> Message:
+    """Return a heading with its unit."""
+    return Message("{angle_deg:g} deg", angle_deg=heading_deg)
+
+
 def summary_of(survey: xr.Dataset) -> List[Row]:
     """Return the lines of a survey's summary."""
     described = _description(survey)
@@ -65,6 +77,8 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     position = position_text(survey.attrs)
     if position:
         rows.append((POSITION, verbatim(position)))
+    if HEADING in survey.attrs:
+        rows.append((HEADING_OF_Y, heading_text(float(survey.attrs[HEADING]))))
     if "simulated" in survey.attrs:
         ground = SIMULATED if survey.attrs["simulated"] else Message("measured")
         rows.append((Message("ground"), ground))

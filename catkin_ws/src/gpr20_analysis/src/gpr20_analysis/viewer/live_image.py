@@ -31,7 +31,7 @@ class PermittivitySource(enum.Enum):
         """What people read."""
         return {
             PermittivitySource.GIVEN: Message("as given"),
-            PermittivitySource.ESTIMATED: Message("ESTIMATED by focus"),
+            PermittivitySource.ESTIMATED: Message("ESTIMATED from echoes"),
             PermittivitySource.ASSUMED: Message("ASSUMED, not measured"),
             PermittivitySource.SLIDER: Message("set with the slider"),
         }[self]

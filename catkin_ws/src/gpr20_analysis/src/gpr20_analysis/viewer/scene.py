@@ -8,7 +8,8 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_analysis.candidates.candidate import SECONDARY, Candidate
+from gpr20_analysis.candidates.candidate import Candidate
+from gpr20_analysis.candidates.table import shown_candidates
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.viewer.live_image import NS_PER_S, LiveImage
 from gpr20_analysis.viewer.picks import Pick
@@ -177,11 +178,14 @@ class Scene:
         return in_traces, in_section, in_slice
 
     def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
-        """Return the marks of candidates in section and slice; secondary ones have no name."""
+        """Return the marks of candidates in section and slice.
+
+        All primary ones, and those secondary ones that tables show; these have no name.
+        """
         near_m = self._step_m(Y if self.display.along == X else X)
         places = [
-            (Place(one.x_m, one.y_m, one.depth_m), "" if SECONDARY & set(one.flags) else one.id)
-            for one in self.candidates
+            (Place(one.x_m, one.y_m, one.depth_m), "" if one.is_secondary else one.id)
+            for one in self._marked()
         ]
         in_section = [
             Mark(self.along_of(place) * MM_PER_M, place.depth_m * MM_PER_M, name)
@@ -199,6 +203,11 @@ class Scene:
         if self.image is None or self.image.candidates is None:
             return ()
         return self.image.candidates.candidates
+
+    def _marked(self) -> Tuple[Candidate, ...]:
+        if self.image is None or self.image.candidates is None:
+            return ()
+        return shown_candidates(self.image.candidates)
 
     def _step_m(self, axis: str) -> float:
         places_m = self.session.axis_m(axis)

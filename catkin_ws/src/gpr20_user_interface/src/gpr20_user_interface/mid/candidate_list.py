@@ -19,6 +19,8 @@ FLAGS: Dict[str, Message] = {
     "sidelobe": Message("sidelobe"),
     "unrated": Message("not rated"),
 }
+SECONDARY = (FLAGS["clutter"], FLAGS["sidelobe"])
+MOST_SECONDARY = 10
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,11 @@ class ShownCandidate:
     false_alarm_probability: Optional[float]
     flags: Tuple[Message, ...]
 
+    @property
+    def is_secondary(self) -> bool:
+        """Whether it may be only clutter, or a sidelobe of a brighter candidate."""
+        return any(flag in SECONDARY for flag in self.flags)
+
 
 @dataclass(frozen=True)
 class ShownCandidates:
@@ -59,14 +66,35 @@ class ShownCandidates:
         simulated: Whether the survey shows no real ground.
         permittivity: Relative permittivity with which depths were computed.
         omitted: Number of candidates that are not in the list.
-        candidates: The candidates, the brightest first.
+        omitted_primary: Number of those that are not doubtful.
+        candidates: The candidates, the brightest first; doubtful ones come last.
     """
 
     survey_id: str
     simulated: bool
     permittivity: float
     omitted: int
+    omitted_primary: int
     candidates: Tuple[ShownCandidate, ...]
+
+    @property
+    def shown(self) -> Tuple[ShownCandidate, ...]:
+        """All candidates that are not doubtful, then the brightest doubtful ones."""
+        return self.candidates[: self._listed_primary + MOST_SECONDARY]
+
+    @property
+    def primary(self) -> int:
+        """Number of all candidates that are not doubtful."""
+        return self._listed_primary + self.omitted_primary
+
+    @property
+    def total(self) -> int:
+        """Number of all candidates."""
+        return len(self.candidates) + self.omitted
+
+    @property
+    def _listed_primary(self) -> int:
+        return sum(not one.is_secondary for one in self.candidates)
 
 
 def candidates_from(text: str, survey_id: str) -> ShownCandidates:
@@ -97,6 +125,7 @@ def candidates_from(text: str, survey_id: str) -> ShownCandidates:
             simulated=values["simulated"],
             permittivity=_number(values["permittivity"], 1.0),
             omitted=_count(values["omitted"]),
+            omitted_primary=_count(values["omitted_primary"]),
             candidates=candidates,
         )
     except (ValueError, KeyError, TypeError, RecursionError) as error:

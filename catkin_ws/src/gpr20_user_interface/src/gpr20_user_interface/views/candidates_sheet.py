@@ -145,7 +145,7 @@ class CandidatesSheet(Overlay):
         self.simulated.setVisible(
             (survey is not None and survey.simulated) or (found is not None and found.simulated)
         )
-        rows = found.candidates if found is not None else ()
+        rows = found.shown if found is not None else ()
         self.table.setRowCount(len(rows))
         for row, one in enumerate(rows):
             for column, text in enumerate(self._cells(one)):
@@ -161,7 +161,7 @@ class CandidatesSheet(Overlay):
         )
         return [
             one.id,
-            *(f"{at * MM_PER_M:.0f} ±{math.ceil(about * MM_PER_M)}" for at, about in places),
+            *(_with_uncertainty(*one_place) for one_place in places),
             NONE if alarm is None else _percent(alarm),
             ", ".join(shown_text(flag) for flag in one.flags) or NONE,
         ]
@@ -176,12 +176,18 @@ class CandidatesSheet(Overlay):
         found = search.found
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")
-        listed = self.tr("{count} candidates with permittivity {permittivity}.").format(
-            count=len(found.candidates), permittivity=f"{found.permittivity:.3g}"
+        counted = self.tr(
+            "Candidates: {primary}. Doubtful: {secondary}, not shown: {hidden}. Permittivity: "
+            "{permittivity}."
+        ).format(
+            primary=found.primary,
+            secondary=found.total - found.primary,
+            hidden=found.total - len(found.shown) - found.omitted_primary,
+            permittivity=f"{found.permittivity:.3g}",
         )
-        more = self.tr("{count} more are NOT listed.").format(count=found.omitted)
-        parts = [listed, *([more] if found.omitted else []), search.remarks]
-        return " ".join(parts)[:LONGEST_REMARK]
+        missing = self.tr("NOT shown, although NOT doubtful: {count}.")
+        parts = [missing.format(count=found.omitted_primary)] if found.omitted_primary else []
+        return " ".join([*parts, counted, search.remarks])[:LONGEST_REMARK]
 
     def _on_find(self) -> None:
         self.search.start(self.permittivity.text(), self._language())
@@ -232,6 +238,11 @@ class CandidatesSheet(Overlay):
         grid.addLayout(buttons, 5, 0, 1, 2)
         grid.setRowStretch(2, 1)
         grid.setColumnStretch(0, 1)
+
+
+def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
+    # 2.00001 mm are 2 mm.
+    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(round(uncertainty_m * MM_PER_M, 2))}"
 
 
 def _percent(probability: float) -> str:

@@ -79,7 +79,7 @@ class CandidatesTable(QWidget):
     def _notes(self, found: Optional[CandidateList], source: PermittivitySource) -> List[str]:
         if found is None:
             return [self._catalogue.tr("No search was made for the image that is shown.")]
-        messages = [*tail_sentences(found), *found.notes]
+        messages = [*tail_sentences(found, found.candidates), *found.notes]
         if source is not PermittivitySource.ESTIMATED:
             messages.append(
                 Message(
