@@ -52,7 +52,7 @@ def survey():
 
 
 @pytest.mark.parametrize("method", EXACT)
-@pytest.mark.parametrize("permittivity", [2.0, 4.0, 9.0])
+@pytest.mark.parametrize("permittivity", [2.0, 9.0])
 def test_point_targets_are_where_the_scene_has_them(method, permittivity):
     survey = survey_of(scene(TARGETS, permittivity), rotations_deg=(0.0,))
     cleaned = remove_background(survey)
