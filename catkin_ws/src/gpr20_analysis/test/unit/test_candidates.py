@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Flag
+from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import candidate_lines, candidate_row
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
@@ -142,3 +143,16 @@ def test_lines_say_that_it_is_no_clearance_in_each_language():
 def test_wrong_options_are_refused(options):
     with pytest.raises(WrongDatasetError):
         CandidateOptions(**options)
+
+
+def test_the_levels_of_the_image_are_computed_once_however_many_peaks_it_has(monkeypatch):
+    image = image_of([])
+    image[IMAGE] *= 30.0
+    computed, level = [], Rating.level
+    monkeypatch.setattr(
+        Rating, "level", lambda self, turn: computed.append(turn) or level(self, turn)
+    )
+    found = find_candidates(image)
+    assert computed == [0, 1]
+    assert len(found.candidates) == 50
+    assert found.omitted > 500
