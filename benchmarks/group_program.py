@@ -20,7 +20,7 @@ import time
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import numpy as np
 
@@ -77,9 +77,9 @@ def group_work(module: ModuleType, size: int) -> Callable[[], object]:
 
     def run() -> None:
         before = module.mp.Pool
-        pools: List[object] = []
+        pools: List[Any] = []
 
-        def pool(*arguments: object, **named: object) -> object:
+        def pool(*arguments: object, **named: object) -> Any:
             pools.append(before(*arguments, **named))
             return pools[-1]
 
