@@ -9,9 +9,10 @@ time, which counts all threads, says more than the time. Data: two point targets
 frequencies from 0.6 to 6 GHz, 10 mm step, 100 depths. --commands times `gpr20 import` and `gpr20
 image` of 4,489 of the group's CSV files with noise 30 dB below the echoes, in new processes.
 
-The group's program does not run here. Its figures were measured once, on another machine, with
-numpy 1.26.4 and numba 0.68.1: 101 s for the migration of 67 x 67 positions to 32 depths, 127 s from
-files to image. So the ratios are of different runs and tell the order of magnitude only.
+The figures of the group's program were measured once, on another machine, with numpy 1.26.4 and
+numba 0.68.1: 101 s for the migration of 67 x 67 positions to 32 depths, 127 s from files to image.
+So the ratios are of different runs and tell the order of magnitude only; scripts/bench.sh
+group_program runs both on the same data.
 """
 
 from __future__ import annotations

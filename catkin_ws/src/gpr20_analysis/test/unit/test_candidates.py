@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from gpr20_analysis.candidates.candidate import NO_CLEARANCE, OMITTED, Flag
+from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import (
     SECONDARY_TITLE,
@@ -175,3 +176,16 @@ def test_a_probability_is_readable(probability, text):
 def test_wrong_options_are_refused(options):
     with pytest.raises(WrongDatasetError):
         CandidateOptions(**options)
+
+
+def test_the_levels_of_the_image_are_computed_once_however_many_peaks_it_has(monkeypatch):
+    image = image_of([])
+    image[IMAGE] *= 30.0
+    computed, level = [], Rating.level
+    monkeypatch.setattr(
+        Rating, "level", lambda self, turn: computed.append(turn) or level(self, turn)
+    )
+    found = find_candidates(image)
+    assert computed == [0, 1]
+    assert len(found.candidates) == 50
+    assert found.omitted > 500

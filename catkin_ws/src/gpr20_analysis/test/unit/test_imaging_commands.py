@@ -167,7 +167,8 @@ def test_wrong_arguments_are_refused_with_a_reason(survey_file, capsys, argument
 
 
 def test_the_commands_start_without_libraries_that_take_long_to_import():
-    slow = ["scipy.signal", "scipy.stats", "distributed", "numba", "matplotlib"]
+    slow = ["scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.stats", "scipy.spatial"]
+    slow += ["dask.array", "distributed", "numba", "matplotlib"]
     code = (
         "import sys\nfrom gpr20_analysis.commands import image_command, import_command\n"
         f"print([name for name in {slow} if name in sys.modules])"

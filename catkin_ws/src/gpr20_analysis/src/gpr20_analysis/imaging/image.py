@@ -47,7 +47,10 @@ Volume = Tuple[np.ndarray, np.ndarray]
 
 
 def image_survey(
-    survey: xr.Dataset, options: ImageOptions, progress: Progress = no_progress
+    survey: xr.Dataset,
+    options: ImageOptions,
+    progress: Progress = no_progress,
+    with_noise: bool = True,
 ) -> xr.Dataset:
     """Return the image of a survey.
 
@@ -55,6 +58,7 @@ def image_survey(
         survey: Dataset with `s21`, without coupling and surface echo.
         options: How the image is made.
         progress: Shows the progress over all polarizations.
+        with_noise: Measure the noise, without which no candidate can be rated.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
@@ -103,7 +107,8 @@ def image_survey(
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
-    image = image.assign(_noise(traces, focus, options.method, volumes[0], at))
+    if with_noise:
+        image = image.assign(_noise(traces, focus, options.method, volumes[0], at))
     described = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
     delay_s = delay_to_remove_s(survey, options.delay_s)
