@@ -209,30 +209,52 @@ def _flags(
         if len(axis) > 1:
             at_edge |= np.minimum(at_m - axis[0], axis[-1] - at_m) < resolution_m / 2.0
     turns = [np.unique(peaks.place[own, 0]).size for own in groups.members]
+    residue = place_m[:, 0] < rating.resolution_m[0]
     return {
-        Flag.SURFACE_RESIDUE: place_m[:, 0] < rating.resolution_m[0],
+        Flag.SURFACE_RESIDUE: residue,
         Flag.EDGE: at_edge,
         Flag.ONE_POLARIZATION: (np.array(turns) == 1) & (rating.polarizations > 1),
         Flag.CLUTTER: rating.is_clutter(groups.first, groups.level),
         Flag.UNRATED: np.full(len(turns), not rating.is_rated),
-        Flag.SIDELOBE: _sidelobes(groups, place_m, rating),
+        Flag.SIDELOBE: _sidelobes(groups, place_m, residue, rating),
     }
 
 
-def _sidelobes(groups: Groups, place_m: np.ndarray, rating: Rating) -> np.ndarray:
-    """Return whether the brightest group near each is so much brighter that it may cause it."""
+def _sidelobes(
+    groups: Groups, place_m: np.ndarray, residue: np.ndarray, rating: Rating
+) -> np.ndarray:
+    """Return whether the brightest group near each is so much brighter that it may cause it.
+
+    Residue of the surface hides no deeper body that way: it is no body with sidelobes around it.
+    """
     above_noise_db = rating.above_noise_db(groups.level)
-    brightest_db = np.copy(above_noise_db)
-    left = np.arange(len(brightest_db))
-    for one in range(len(brightest_db)):
-        apart_m = np.hypot(*(place_m[left, 1:] - place_m[one, 1:]).T)
-        near = apart_m <= SIDELOBE_REACH_M
-        brightest_db[left[near]] = above_noise_db[one]
+    bodies, everything = np.flatnonzero(~residue), np.arange(len(residue))
+    brightest_db = np.where(
+        residue,
+        _brightest_near(above_noise_db, place_m, everything),
+        _brightest_near(above_noise_db, place_m, bodies),
+    )
+    found: np.ndarray = brightest_db - above_noise_db >= rating.sidelobe_db
+    return found
+
+
+def _brightest_near(level_db: np.ndarray, place_m: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """Return the highest level of some groups within the reach of sidelobes around each [dB].
+
+    Args:
+        level_db: Levels, the highest first.
+        place_m: Depth, y and x (group, 3).
+        among: Indices of those groups, ascending.
+    """
+    found_db = np.copy(level_db)
+    left = np.arange(len(level_db))
+    for one in among:
+        near = np.hypot(*(place_m[left, 1:] - place_m[one, 1:]).T) <= SIDELOBE_REACH_M
+        found_db[left[near]] = np.maximum(found_db[left[near]], level_db[one])
         left = left[~near]
         if left.size == 0:
             break
-    found: np.ndarray = brightest_db - above_noise_db >= rating.sidelobe_db
-    return found
+    return found_db
 
 
 def _permittivity_range(image: xr.Dataset) -> Tuple[float, float]:
