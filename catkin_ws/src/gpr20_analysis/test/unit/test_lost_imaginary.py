@@ -11,6 +11,7 @@ from ground_kit import IMAGING_SCENE, point, scene, survey_of
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.formats import original_json
+from gpr20_analysis.formats.conversion import export_survey, import_survey
 from gpr20_analysis.formats.lost_imaginary import recover
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
@@ -94,6 +95,24 @@ def test_samples_that_have_an_imaginary_part_are_unchanged():
     np.testing.assert_allclose(found.spectra[1].imag[inside], echo.imag[inside], atol=0.05)
     assert "in 1 of 2 samples" in str(found.notes[0])
     assert recover([whole], FREQUENCY_HZ, [0.2]).notes == []
+
+
+@pytest.mark.parametrize("form, name", [("group-csv", "old"), ("merged-hdf5", "old.h5")])
+def test_copies_in_files_of_the_group_are_recovered_too(tmp_path, form, name):
+    ground = scene([point(240.0, 240.0, 0.1)], 5.0, -60.0, height_m=0.2)
+    survey = survey_of(ground, PLACES_MM[:4], PLACES_MM[:3], FREQUENCY_HZ, (0.0,))
+    old = survey.assign(s21=(survey.s21.dims, copied(survey.s21.values)))
+    export_survey(old, tmp_path / name, form)
+    found = import_survey(tmp_path / name, form)
+    expected = recover(list(old.s21.values.reshape(-1, 201)), FREQUENCY_HZ, [0.2]).spectra
+    error = found.s21.values.reshape(-1, 201) - expected
+    assert np.abs(error).max() < 1e-6 * np.abs(expected).max()
+    assert any("12 of 12 samples the imaginary part was a copy" in one for one in found.notes)
+
+
+def test_a_trace_of_zeros_is_no_copy():
+    zeros = np.zeros(201, dtype=complex)
+    assert recover([zeros], FREQUENCY_HZ, [0.2]).notes == []
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -21,6 +21,7 @@ from gpr20_analysis.formats import (
     touchstone,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.formats.lost_imaginary import with_imaginary_parts
 from gpr20_analysis.formats.sums_beside import (
     checked_facts,
     remove_sums,
@@ -212,9 +213,9 @@ def import_survey(
     """
     path = Path(path).expanduser()
     if form == "group-csv":
-        return group_csv.read_group_csv(path, progress, checked_facts(path))
+        return with_imaginary_parts(group_csv.read_group_csv(path, progress, checked_facts(path)))
     if form == "merged-hdf5":
-        return merged_hdf5.read_merged(path)
+        return with_imaginary_parts(merged_hdf5.read_merged(path))
     if form == "original-json":
         return original_json.read_original(path, progress, checked_facts(path))
     if form == "gprmax":

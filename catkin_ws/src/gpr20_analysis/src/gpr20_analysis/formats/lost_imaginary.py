@@ -16,9 +16,11 @@ import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.dataset import FREQUENCY
+from gpr20_analysis.dataset import FREQUENCY, HEIGHT, S21, S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.message import Message
 
 NS_PER_S = 1e9
@@ -46,6 +48,29 @@ class Recovery:
     refusal: Optional[Message] = None
 
 
+def with_imaginary_parts(survey: xr.Dataset) -> xr.Dataset:
+    """Return a survey with lost imaginary parts recovered, or marked as no data for an image.
+
+    Args:
+        survey: Dataset; without `s21`, such as A-scans, it is returned as it is.
+    """
+    if S21 not in survey:
+        return survey
+    measured = survey[S21].transpose(*S21_DIMS)
+    present = np.all(np.isfinite(measured.values), axis=-1)
+    heights_m = survey[HEIGHT].transpose(*SAMPLE_DIMS).values[present]
+    found = recover(list(measured.values[present]), survey[FREQUENCY].values, heights_m)
+    if not found.notes:
+        return survey
+    values = measured.values.copy()
+    values[present] = found.spectra
+    survey = survey.assign({S21: (S21_DIMS, values, measured.attrs)})
+    survey = survey.assign_attrs(with_notes(survey, found.notes))
+    if found.refusal is None:
+        return survey
+    return survey.assign_attrs(with_sentence(survey.attrs, DISPLAY_ONLY, found.refusal))
+
+
 def recover(
     spectra: Sequence[np.ndarray], frequency_hz: np.ndarray, heights_m: Sequence[float]
 ) -> Recovery:
@@ -56,7 +81,11 @@ def recover(
         frequency_hz: Their frequencies [Hz].
         heights_m: Antenna height of each sample; NaN where unknown [m].
     """
-    copies = [number for number, one in enumerate(spectra) if np.array_equal(one.real, one.imag)]
+    copies = [
+        number
+        for number, one in enumerate(spectra)
+        if np.any(one) and np.array_equal(one.real, one.imag)
+    ]
     if not copies:
         return Recovery(list(spectra), [])
     try:

@@ -16,11 +16,9 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
-from gpr20_analysis.formats.lost_imaginary import recover
+from gpr20_analysis.formats.lost_imaginary import with_imaginary_parts
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.sentences import with_sentence
 from gpr20_common.message import Message
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
@@ -106,21 +104,17 @@ def read_original(
                     first=paths[0].name,
                 )
             )
-    heights_m = [sample["height_m"] for sample in samples]
-    found = recover([sample["s21"] for sample in samples], frequency_hz, heights_m)
     data = on_grid(
         folder.name,
         np.array([sample["position"] for sample in samples]),
-        found.spectra,
-        heights_m,
+        [sample["s21"] for sample in samples],
+        [sample["height_m"] for sample in samples],
         frequency_hz,
-        found.notes,
+        [],
         simulated=True if any(sample["simulated"] for sample in samples) else None,
         facts=facts,
     )
-    if found.refusal is None:
-        return data
-    return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, found.refusal))
+    return with_imaginary_parts(data)
 
 
 def _read(path: Path) -> Dict[str, Any]:
