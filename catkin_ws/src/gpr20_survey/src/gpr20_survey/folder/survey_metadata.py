@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import Any, Dict, NoReturn
@@ -57,16 +58,7 @@ def parse_object(text: str, name: str, max_bytes: int = MAX_BYTES) -> Dict[str, 
         SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no
             object.
     """
-    size = len(text.encode("utf-8", "surrogatepass"))
-    if size > max_bytes:
-        raise SurveyRefusedError(
-            Message(
-                "{name} has {size} bytes; at most {most} are allowed",
-                name=name,
-                size=size,
-                most=max_bytes,
-            )
-        )
+    _check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
     _check_depth(text, name)
     try:
         values = json.loads(text, parse_constant=_refuse_constant)
@@ -144,6 +136,18 @@ def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str
     return {**copy, **later}
 
 
+def _check_size(size: int, name: str, max_bytes: int) -> None:
+    if size > max_bytes:
+        raise SurveyRefusedError(
+            Message(
+                "{name} has {size} bytes; at most {most} are allowed",
+                name=name,
+                size=size,
+                most=max_bytes,
+            )
+        )
+
+
 def read_description(path: Path) -> Dict[str, Any]:
     """Return the content of a survey.json.
 
@@ -152,6 +156,8 @@ def read_description(path: Path) -> Dict[str, Any]:
     """
     try:
         with open(open_regular(path, follow_link=True), "rb") as stream:
+            # Before it is read, so that a huge file takes no memory.
+            _check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
             text = stream.read(MAX_FILE_BYTES + 1).decode("ascii")
         values = parse_object(text, path.name, MAX_FILE_BYTES)
     except OSError as error:
