@@ -46,7 +46,7 @@ def random_scene(seed: int, grid: str = "", bodies: Tuple[Body, ...] = tuple(Bod
         seed: Start of the random numbers.
         grid: "grid", "line" or "uneven"; empty: drawn too.
         bodies: Shapes to draw from. Under one line there are no cylinders: one that the line
-            crosses obliquely cannot be told from another permittivity.
+            crosses obliquely looks like another permittivity.
     """
     random = np.random.default_rng(seed)
     permittivity = float(random.uniform(3.0, 12.0))

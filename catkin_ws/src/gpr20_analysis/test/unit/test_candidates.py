@@ -139,15 +139,15 @@ def test_the_depth_has_the_uncertainty_of_permittivity_height_and_picking(lowest
 
 
 def test_the_scatter_of_places_is_what_the_uncertainty_says():
-    errors, told = [], []
+    errors, stated = [], []
     for seed in range(60):
         at = 0.15 + 0.004 * np.sin(seed)
         image = image_of([(0, at, 0.15, 0.15, 12.0)], seed, rotations=(0.0,))
         one = find_candidates(image).candidates[0]
         errors.append(one.x_m - at)
-        told.append(one.x_uncertainty_m)
+        stated.append(one.x_uncertainty_m)
     # The noise of this image is independent from voxel to voxel, so it scatters more.
-    assert 0.5 < np.std(errors) / np.mean(told) < 2.5
+    assert 0.5 < np.std(errors) / np.mean(stated) < 2.5
 
 
 def test_lines_say_that_it_is_no_clearance_in_each_language():

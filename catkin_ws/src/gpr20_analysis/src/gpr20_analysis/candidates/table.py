@@ -21,7 +21,7 @@ FLAGS = {
     Flag.UNRATED: Message("not rated"),
 }
 SIMULATED = Message("SIMULATED: these are no measurements of real ground.")
-# Smaller ones are not told apart: the model of the noise is not that good.
+# The model of the noise is not good enough to distinguish smaller ones.
 SMALLEST_ALARM = 1e-6
 MOST_SECONDARY = 10
 SECONDARY_TITLE = Message(

@@ -25,7 +25,7 @@ SPHERE_RADII_M = np.linspace(0.0, 0.06, 7)
 # Between 0, which is a point, and these the best is found in finer steps.
 DISC_RADII_M = (0.012, 0.024, 0.036, 0.048, 0.060)
 FINER_M = 0.004 * np.arange(-2, 3)
-# A body beside a single line cannot be told from a deeper one below it.
+# A body beside a single line cannot be distinguished from a deeper one below it.
 BESIDE_LINE_M = (0.03, 0.06)
 FEWEST_CELLS = 8
 # Unknown of each fit: place, depth, amplitude and phase.

@@ -16,6 +16,7 @@ import lz4.frame
 
 from gpr20_survey.recording import bag_format
 from gpr20_survey.recording.bag_format import BagFormatError, Connection, Record
+from gpr20_survey.recording.bag_reader import message_of
 from gpr20_survey.recording.recording import RecordedMessage
 
 Content = Union[bytes, mmap.mmap]
@@ -88,7 +89,7 @@ def _messages(
                 found = bag_format.read_connection(one)
                 connections[found.number] = found
             elif kind == bag_format.MESSAGE:
-                yield _message(one, connections)
+                yield message_of(one, connections)
             elif kind == bag_format.CHUNK:
                 yield from _messages(_chunk(one), 0, connections)
         except BagFormatError:
@@ -124,18 +125,3 @@ def _chunk(chunk: Record) -> bytes:
     except (OSError, ValueError, RuntimeError) as error:
         raise BagFormatError("a compressed chunk is damaged") from error
     raise BagFormatError("a chunk has an unknown compression")
-
-
-def _message(one: Record, connections: Dict[int, Connection]) -> RecordedMessage:
-    connection = connections.get(one.number("conn"))
-    if connection is None:
-        raise BagFormatError("a message belongs to no connection")
-    return RecordedMessage(
-        connection.topic,
-        connection.datatype,
-        connection.md5sum,
-        connection.definition,
-        one.data,
-        one.time_ns("time"),
-        connection.latching,
-    )

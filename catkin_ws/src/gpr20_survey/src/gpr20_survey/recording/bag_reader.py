@@ -118,7 +118,7 @@ class StoredBag:
                 if connections.setdefault(connection.number, connection) != connection:
                     raise BagFormatError("a connection has two types")
             elif one.kind == bag_format.MESSAGE:
-                messages.append(_message(one, connections))
+                messages.append(message_of(one, connections))
                 indexes.setdefault(one.number("conn"), []).append((messages[-1].time_ns, place))
             else:
                 raise BagFormatError("a chunk holds a record of an unknown kind")
@@ -147,7 +147,12 @@ def _is_chunk(content: bytes, place: int) -> bool:
         return False
 
 
-def _message(one: Record, connections: Dict[int, Connection]) -> RecordedMessage:
+def message_of(one: Record, connections: Dict[int, Connection]) -> RecordedMessage:
+    """Return the message of a record.
+
+    Raises:
+        BagFormatError: It belongs to no connection.
+    """
     connection = connections.get(one.number("conn"))
     if connection is None:
         raise BagFormatError("a message belongs to no connection")
