@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 pytest.importorskip("PyQt5")
@@ -72,6 +74,7 @@ def write(sheet, name, text):
 
 
 def write_example(sheet):
+    write(sheet, "name", EXAMPLE.name)
     write(sheet, "operator", EXAMPLE.operator)
     write(sheet, "site", EXAMPLE.site)
     write(sheet, "notes", EXAMPLE.notes)
@@ -173,7 +176,7 @@ def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, s
     assert sheet.fields["notes"].text() == EXAMPLE.notes
     write(sheet, "notes", "!")
     click(sheet.save)
-    changed = Annotation(EXAMPLE.operator, EXAMPLE.site, EXAMPLE.notes + "!", EXAMPLE.position)
+    changed = replace(EXAMPLE, notes=EXAMPLE.notes + "!")
     assert storage.asked[-1] == ("annotate", SURVEY, changed)
     assert sheet.isVisible()
     window.on_event(AnnotationStored(SURVEY))

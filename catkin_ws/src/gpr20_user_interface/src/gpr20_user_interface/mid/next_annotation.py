@@ -8,7 +8,7 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 
 
 class NextAnnotation:
-    """Operator and site stay for the surveys that follow; notes and position are for one.
+    """Operator and site stay for the surveys that follow; name, notes and position are for one.
 
     Attributes:
         value: The annotation.
@@ -23,4 +23,4 @@ class NextAnnotation:
 
     def note_started(self) -> None:
         """Note that a survey has started with this annotation."""
-        self.value = replace(self.value, notes="", position=None)
+        self.value = replace(self.value, name="", notes="", position=None)

@@ -1,4 +1,4 @@
-"""Operator, site, position and notes of the next survey, or of one that is stored."""
+"""Name, operator, site, position and notes of the next survey, or of one that is stored."""
 
 from __future__ import annotations
 
@@ -158,17 +158,17 @@ class AnnotationSheet(Overlay):
         grid.setSpacing(6)
         grid.addWidget(self.title, 0, 0, 1, 4)
         self._labels["notes"].setAlignment(Qt.AlignmentFlag.AlignTop)
-        for row, name in ((1, "operator"), (2, "site"), (4, "notes")):
+        for row, name in ((1, "name"), (2, "operator"), (3, "site"), (5, "notes")):
             grid.addWidget(self._labels[name], row, 0)
             grid.addWidget(self.fields[name], row, 1, 1, 3)
         for column, name in ((0, "latitude"), (2, "longitude")):
-            grid.addWidget(self._labels[name], 3, column)
-            grid.addWidget(self.fields[name], 3, column + 1)
-        grid.addWidget(self.problem, 5, 0, 1, 4)
+            grid.addWidget(self._labels[name], 4, column)
+            grid.addWidget(self.fields[name], 4, column + 1)
+        grid.addWidget(self.problem, 6, 0, 1, 4)
         buttons = QHBoxLayout()
         buttons.addWidget(self.save, 1)
         buttons.addWidget(self.close_button, 1)
-        grid.addLayout(buttons, 6, 0, 1, 4)
-        grid.setRowStretch(4, 1)
+        grid.addLayout(buttons, 7, 0, 1, 4)
+        grid.setRowStretch(5, 1)
         grid.setColumnStretch(1, 1)
         grid.setColumnStretch(3, 1)
