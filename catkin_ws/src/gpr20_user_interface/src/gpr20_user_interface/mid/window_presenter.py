@@ -90,7 +90,7 @@ class WindowPresenter:
     def set_parameters(self, parameters: Optional[SurveyParameters]) -> None:
         """Preview other parameters; None: those in the fields are wrong."""
         self._parameters = parameters
-        self.preview = None if parameters is None else preview(parameters)
+        self.preview = None if parameters is None else preview(parameters, self._permittivity)
         if parameters is not None and self.snapshot.figures is not None:
             self._estimator.ask(parameters, self.snapshot.figures)
 
