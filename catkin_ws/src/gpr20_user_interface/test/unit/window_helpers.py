@@ -18,8 +18,11 @@ from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
+from gpr20_user_interface.mid.plan_memory import PlanMemory
+from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -50,8 +53,8 @@ class Survey:
     def pause_replay(self):
         self.asked.append("pause replay")
 
-    def set_parameters(self, parameters):
-        pass
+    def set_plan(self, parameters, permittivity):
+        self.plan = (parameters, permittivity)
 
     def check_master(self):
         pass
@@ -117,6 +120,21 @@ class Program:
         self.cancelled += 1
 
 
+class NoSettings:
+    """Settings that are not kept."""
+
+    def read(self):
+        return {}
+
+    def write(self, values):
+        pass
+
+
+def settings_in(folder):
+    """Return the settings below a folder; without one they are not kept."""
+    return NoSettings() if folder is None else SettingsFile(folder / "window" / "plan.yaml")
+
+
 @pytest.fixture(scope="session")
 def application():
     yield QApplication.instance() or QApplication([])
@@ -140,6 +158,7 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         Profiles(ProfileFolder(profiles)),
         languages,
         CandidateSearch(program or Program(), time.monotonic),
+        PlanMemory(settings_in(profiles), problems.append),
     )
     window.problems, window.languages = problems, languages
     return window
@@ -180,10 +199,25 @@ def wishes(window):
     return window.survey.asked
 
 
+def tile_of(name):
+    """Return the tile on whose sheet a field is."""
+    return next(tile for tile in VALUE_TILES if name in TILE_FIELDS[tile])
+
+
+def open_field(window, name):
+    """Touch the tile of a field, and the field; return its edit."""
+    click(window.control.tiles[tile_of(name)])
+    window.values.choose(name)
+    return window.values.fields[name]
+
+
 def enter(window, name, text):
-    edit = window.control.form.edit(name)
-    edit.clear()
+    """Write a value with a keyboard in the sheet of its tile."""
+    edit = open_field(window, name)
+    edit.selectAll()
+    QTest.keyClick(edit, Qt.Key_Delete)
     QTest.keyClicks(edit, text)
+    click(window.values.done)
 
 
 def click(button):

@@ -23,9 +23,11 @@ from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.message_source import MessageSources
+from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import SurveyModel
@@ -37,6 +39,9 @@ from gpr20_user_interface.views.translation import Languages
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
+PLAN_FILE = "plan.yaml"
+# A disk that does not answer must not keep the window open.
+WRITE_LIMIT_S = 3.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_BY_SIGNAL = 130
@@ -63,10 +68,13 @@ class EventSignal(QObject):
 class UserInterface:
     """The window and its clients of the graph, connected."""
 
-    def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
+    def __init__(
+        self, model: SurveyModel, languages: Languages, profiles: Profiles, settings: Path
+    ) -> None:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
+        self.memory = PlanMemory(SettingsFile(settings / PLAN_FILE), self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
         self.window = MainWindow(
             WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
@@ -74,6 +82,7 @@ class UserInterface:
             profiles,
             languages,
             CandidateSearch(AnalysisProgram(self.signal.emit_event), time.monotonic),
+            self.memory,
         )
         _connect_queued(self.signal.event_came, self.window.on_event)
 
@@ -89,6 +98,7 @@ class UserInterface:
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
+        self.memory.wait(WRITE_LIMIT_S)
         self.storage.close()
         self.control.close()
 
@@ -130,7 +140,9 @@ def _show(application: QApplication) -> int:
     code = rospy.get_param("~language", Language.ENGLISH.value)
     languages = Languages(application, language_from_code(code))
     folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
-    interface = UserInterface(SurveyModel(Clock()), languages, Profiles(ProfileFolder(folder)))
+    profiles = Profiles(ProfileFolder(folder))
+    # Beside the profiles.
+    interface = UserInterface(SurveyModel(Clock()), languages, profiles, folder.parent)
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)

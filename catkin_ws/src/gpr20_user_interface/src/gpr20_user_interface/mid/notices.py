@@ -39,6 +39,7 @@ class Refused(enum.Enum):
     RESUME = "resume"
     PROFILE = "profile"
     NOTES = "notes"
+    PLAN = "plan"
 
 
 _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
@@ -65,6 +66,10 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.NOTES: (
         Message("The notes of the survey cannot be read or stored."),
         Message("Next: remove the cause, then press SAVE again."),
+    ),
+    Refused.PLAN: (
+        Message("The values of the last survey are not remembered."),
+        Message("Next: check all values in CONTROL before START."),
     ),
 }
 

@@ -37,6 +37,15 @@ TITLES: Mapping[str, Message] = {
     Y_SPACING: Message("Y spacing (mm)"),
     PERMITTIVITY: Message("Relative permittivity"),
 }
+_ABOVE_0 = Message("a number of millimetres above 0")
+_PERMITTIVITIES = Message(
+    "from {lower:g} to {upper:g}", lower=MIN_PERMITTIVITY, upper=MAX_PERMITTIVITY
+)
+FIELD_HINTS: Mapping[str, Message] = {
+    X_SPACING: _ABOVE_0,
+    Y_SPACING: _ABOVE_0,
+    PERMITTIVITY: _PERMITTIVITIES,
+}
 # The arrows change a spacing within these bounds [mm].
 SPACING_BOUNDS_MM = (1.0, 800.0)
 
@@ -207,12 +216,10 @@ def check_plan(
     problems: Dict[str, Message] = dict(corrections(form, travel))
     for axis in following:
         if spacing_from_text(texts[f"{axis}_spacing_mm"]) is None:
-            problems[f"{axis}_spacing_mm"] = Message("a number of millimetres above 0")
+            problems[f"{axis}_spacing_mm"] = _ABOVE_0
     permittivity = _permittivity(texts[PERMITTIVITY])
     if permittivity is None:
-        problems[PERMITTIVITY] = Message(
-            "from {lower:g} to {upper:g}", lower=MIN_PERMITTIVITY, upper=MAX_PERMITTIVITY
-        )
+        problems[PERMITTIVITY] = _PERMITTIVITIES
     return PlanCheck(form, permittivity, problems)
 
 

@@ -96,17 +96,24 @@ def values_of(plan: RememberedPlan) -> Dict[str, Any]:
     }
 
 
+@dataclass(frozen=True)
+class PlanMemoryFailed:
+    """The plan could not be stored."""
+
+    reason: Message
+
+
 class PlanMemory:
     """Reads the plan once, and writes it beside the window's thread: a slow disk never delays it.
 
     Args:
         settings: The file.
-        failed: Called with the reason if the plan cannot be written, from a thread of this class.
+        listener: Called with PlanMemoryFailed from a thread of this class.
     """
 
-    def __init__(self, settings: Settings, failed: Callable[[Message], None]) -> None:
+    def __init__(self, settings: Settings, listener: Callable[[PlanMemoryFailed], None]) -> None:
         self._settings = settings
-        self._failed = failed
+        self._listener = listener
         self._changed = threading.Condition()
         self._wanted: Optional[RememberedPlan] = None
         self._stored: Optional[RememberedPlan] = None
@@ -132,7 +139,7 @@ class PlanMemory:
             if self._writing:
                 return
             self._writing = True
-        threading.Thread(target=self._write, name="plan_memory").start()
+        threading.Thread(target=self._write, name="plan_memory", daemon=True).start()
 
     def wait(self, timeout_s: float) -> bool:
         """Return whether everything is written within a time [s]."""
@@ -151,7 +158,7 @@ class PlanMemory:
             try:
                 self._settings.write(values_of(plan))
             except SettingsError as error:
-                self._failed(error.message)
+                self._listener(PlanMemoryFailed(error.message))
 
 
 def _texts(values: Mapping[str, Any], key: str, names: Any) -> Dict[str, str]:

@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QV
 
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
+from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
@@ -66,6 +67,7 @@ class MainWindow(TranslatedWidget):
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
         search: The search for candidates in a stored survey.
+        memory: What the operator planned last.
         look: Theme of the window; the scale follows its size.
 
     Attributes:
@@ -79,6 +81,7 @@ class MainWindow(TranslatedWidget):
         profiles: Profiles,
         languages: Languages,
         search: CandidateSearch,
+        memory: PlanMemory,
         look: Look = Look(),  # noqa: B008 (it is immutable)
     ) -> None:
         super().__init__()
@@ -108,14 +111,21 @@ class MainWindow(TranslatedWidget):
         }
         self.survey_binding = SurveyBinding(self, survey, self.top_bar, self.status)
         self.control_binding = ControlBinding(
-            self, survey, self.control, profiles, traces.source, self.survey_binding.show_refusal
+            self,
+            survey,
+            self.control,
+            profiles,
+            memory,
+            traces.source,
+            self.survey_binding.show_refusal,
         )
         self.surveys_binding = SurveysBinding(
             self, survey, self.past, traces.source, search, languages
         )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
-        self.number_pad = self.control_binding.number_pad
+        self.values = self.control_binding.values
+        self.memory = memory
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
@@ -142,8 +152,8 @@ class MainWindow(TranslatedWidget):
     def begin(self) -> None:
         """Refresh the window from now on."""
         self.survey.check_master()
+        self.control_binding.begin()
         self.refresh()
-        self.control_binding.on_parameters(self.control.parameters)
         for timer in self._timers:
             timer.start()
 

@@ -12,6 +12,7 @@ from gpr20_user_interface.views.look import (
     Look,
 )
 from gpr20_user_interface.views.palette import Mark, TextColours
+from gpr20_user_interface.views.plan_style import plan_style
 
 STOP_WIDTH_PX = 150
 SLIDER_PX = 8
@@ -19,7 +20,7 @@ SLIDER_PX = 8
 
 def style_sheet(look: Look) -> str:
     """Return the style sheet of a theme at a scale."""
-    return _texts(look) + _buttons(look) + _fields(look) + _bars(look)
+    return _texts(look) + _buttons(look) + _fields(look) + _bars(look) + plan_style(look)
 
 
 def _css(look: Look, colours: TextColours) -> str:
