@@ -8,7 +8,7 @@ from typing import Dict, List, Mapping, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_user_interface.mid.number_text import number_from_text
+from gpr20_user_interface.mid.number_text import decimal_from_text, number_from_text, plain_text
 from gpr20_user_interface.mid.parameter_form import (
     ADDRESS,
     AVERAGES,
@@ -25,7 +25,7 @@ from gpr20_user_interface.mid.plan_form import (
 )
 from gpr20_user_interface.mid.soils import soil_of
 
-EMPTY = verbatim("")
+ENDS = ("start", "stop")
 Lines = Tuple[Message, Message]
 
 
@@ -42,7 +42,7 @@ class Tile(enum.Enum):
 
 
 TILE_TITLES: Mapping[Tile, Message] = {
-    Tile.AREA: Message("Area"),
+    Tile.AREA: Message("Area (mm)"),
     Tile.SPACING: Message("Spacing"),
     Tile.FREQUENCIES: Message("Frequencies"),
     Tile.VNA: Message("VNA"),
@@ -105,10 +105,8 @@ def field_sentence(name: str, check: PlanCheck) -> Message:
 
 
 def _area(texts: Mapping[str, str]) -> Lines:
-    return (
-        Message("X {start} to {stop} mm", start=texts["x_start_mm"], stop=texts["x_stop_mm"]),
-        Message("Y {start} to {stop} mm", start=texts["y_start_mm"], stop=texts["y_stop_mm"]),
-    )
+    ends = {axis: [_rounded(texts[f"{axis}_{end}_mm"]) for end in ENDS] for axis in "xy"}
+    return verbatim("X " + " - ".join(ends["x"])), verbatim("Y " + " - ".join(ends["y"]))
 
 
 def _spacing(texts: Mapping[str, str]) -> Lines:
@@ -135,7 +133,7 @@ def _analyzer(texts: Mapping[str, str]) -> Lines:
         settings.append(f"{texts[AVERAGES]} x")
     if texts[OUTPUT_POWER]:
         settings.append(texts[OUTPUT_POWER])
-    return address, verbatim(" · ".join(settings)) if settings else Message("as set on the VNA")
+    return address, verbatim(" · ".join(settings)) if settings else Message("as set")
 
 
 def _soil(texts: Mapping[str, str]) -> Lines:
@@ -156,6 +154,14 @@ def _antennas(texts: Mapping[str, str]) -> Lines:
         verbatim(f"{texts[ROTATIONS]}°"),
         Message("{count} traces per stop", count=len(rotations)),
     )
+
+
+def _rounded(text: str) -> str:
+    """Return a coordinate [mm] to a motor step: a longer number would be cut off."""
+    try:
+        return plain_text(round(decimal_from_text(text), 2))
+    except (InvalidValueError, ArithmeticError):
+        return text
 
 
 def _short(text: str) -> str:

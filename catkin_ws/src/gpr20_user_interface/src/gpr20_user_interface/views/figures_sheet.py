@@ -42,8 +42,8 @@ class FiguresSheet(Overlay):
             self._grid.addWidget(title, row, 2 * column)
             self._grid.addWidget(figure, row, 2 * column + 1)
             self._grid.setRowStretch(row, 1)
-        for column in range(2 * COLUMNS):
-            self._grid.setColumnStretch(column, 1)
+        for column in range(COLUMNS):
+            self._grid.setColumnStretch(2 * column + 1, 1)
         self._top = QHBoxLayout()
         self._top.addWidget(self.title, 1)
         self._top.addWidget(self.close_button)
@@ -69,6 +69,7 @@ class FiguresSheet(Overlay):
         look = look_of(self)
         gap_px = look.px(GAP_PX)
         self._rows.setSpacing(gap_px)
+        self._grid.setHorizontalSpacing(2 * gap_px)
         self._rows.setContentsMargins(2 * gap_px, gap_px, gap_px, gap_px)
         self.close_button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 

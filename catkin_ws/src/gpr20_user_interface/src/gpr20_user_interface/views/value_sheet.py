@@ -53,7 +53,7 @@ FIELDS_PX, PRESETS_PX, KEYS_PX = 252, 232, 284
 MOST_FIELDS = max(len(names) for names in TILE_FIELDS.values())
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
 WHOLE_FIELDS = ("x_points", "y_points", "frequency_points", "averages")
-BUTTON_PX = 120
+BUTTON_PX = 134
 PRESET_FRAME_PX = 10
 BOX_PX = 84
 
