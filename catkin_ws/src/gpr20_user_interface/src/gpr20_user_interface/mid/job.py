@@ -11,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.mid.events import Progress
-from gpr20_user_interface.mid.fault_messages import is_fault, is_notice
+from gpr20_user_interface.mid.fault_messages import is_fault, is_notice, reason_of
 from gpr20_user_interface.mid.robot_health import AlarmKind
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.time_words import time_left
@@ -21,6 +21,7 @@ class JobLevel(enum.Enum):
     """How it is going; each level has a colour, a sign and a pattern of its own."""
 
     WORKING = "working"
+    PAUSED = "paused"
     ATTENTION = "attention"
     FAULT = "fault"
     DONE = "done"
@@ -31,8 +32,8 @@ _LEVELS: Dict[SurveyState, JobLevel] = {
     SurveyState.CHECKING: JobLevel.WORKING,
     SurveyState.HOMING: JobLevel.WORKING,
     SurveyState.SURVEYING: JobLevel.WORKING,
-    SurveyState.PAUSING: JobLevel.ATTENTION,
-    SurveyState.PAUSED: JobLevel.ATTENTION,
+    SurveyState.PAUSING: JobLevel.PAUSED,
+    SurveyState.PAUSED: JobLevel.PAUSED,
     SurveyState.STOPPING: JobLevel.ATTENTION,
     SurveyState.FINISHED: JobLevel.DONE,
     SurveyState.FAILED: JobLevel.FAULT,
@@ -80,9 +81,14 @@ def job_of(snapshot: Snapshot) -> Job:
         _title(snapshot, state.code),
         _message(snapshot),
         None if progress is None else math.floor(progress.completion_percent),
-        _left(snapshot, state.code, progress),
+        _left(snapshot, progress),
         line_of(snapshot),
     )
+
+
+def time_passes(snapshot: Snapshot) -> bool:
+    """Return whether the time that is left passes: not while the survey is paused or ended."""
+    return snapshot.state is not None and snapshot.state.code in _TIMED and snapshot.control_alive
 
 
 def line_of(snapshot: Snapshot) -> Optional[Message]:
@@ -141,7 +147,8 @@ def _level(snapshot: Snapshot, code: SurveyState) -> JobLevel:
     level = _LEVELS.get(code, JobLevel.REST)
     if code is SurveyState.STOPPED and snapshot.state and is_fault(snapshot.state):
         return JobLevel.FAULT
-    return JobLevel.ATTENTION if alarm is not None and level is not JobLevel.FAULT else level
+    kept = (JobLevel.FAULT, JobLevel.PAUSED)
+    return JobLevel.ATTENTION if alarm is not None and level not in kept else level
 
 
 def _title(snapshot: Snapshot, code: SurveyState) -> Message:
@@ -156,7 +163,11 @@ def _title(snapshot: Snapshot, code: SurveyState) -> Message:
 def _message(snapshot: Snapshot) -> Message:
     if snapshot.alarm is not None:
         return snapshot.alarm.message
-    return Message("Waiting for the robot.") if snapshot.state is None else snapshot.state.message
+    if snapshot.state is None:
+        return Message("Waiting for the robot.")
+    # The title says the state.
+    message = snapshot.state.message
+    return reason_of(message) if is_fault(snapshot.state) else message
 
 
 def _progress(snapshot: Snapshot) -> Optional[Progress]:
@@ -168,8 +179,8 @@ def _progress(snapshot: Snapshot) -> Optional[Progress]:
     return progress if snapshot.running or state.code in ENDED else None
 
 
-def _left(snapshot: Snapshot, code: SurveyState, progress: Optional[Progress]) -> Optional[Message]:
-    if progress is None or code not in _TIMED or progress.is_complete:
+def _left(snapshot: Snapshot, progress: Optional[Progress]) -> Optional[Message]:
+    if progress is None or not time_passes(snapshot) or progress.is_complete:
         return None
     # A warning, or what is waited for, comes first.
     if snapshot.alarm is not None or snapshot.state is None or is_notice(snapshot.state):

@@ -59,8 +59,8 @@ _RULES = (
     _rule(r"internal error", RESTART_ROBOT),
     _rule(r"disk is full|quota|MB are free|make space|must stay free", MAKE_SPACE),
     _rule(
-        r"being written by another process|is still open|\{open_survey\}|another survey|while a survey|"
-        r"while another one|stop it first|while it is running|is being closed",
+        r"being written by another process|is still open|\{open_survey\}|another survey|"
+        r"while a survey|while another one|stop it first|while it is running|is being closed",
         OTHER_SURVEY,
     ),
     _rule(r"clock|would start on", SET_CLOCK),

@@ -18,6 +18,7 @@ from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
 from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.job_binding import JobBinding
 from gpr20_user_interface.views.look import (
     DESIGN_HEIGHT_PX,
     DESIGN_WIDTH_PX,
@@ -94,7 +95,7 @@ class MainWindow(TranslatedWidget):
         self.radar = RadarView(traces.shown.radar)
         self.past = PastSurveysView(traces.past)
         self.language_button = new_button(languages.use_next)
-        # One of several pages: planning a survey, ...
+        # Planning a survey, or the job while there is one.
         self.control_pages = QStackedWidget()
         self.control_pages.addWidget(self.control)
         # At the right of the tabs.
@@ -107,12 +108,17 @@ class MainWindow(TranslatedWidget):
             TabName.SURVEYS: self.past,
         }
         self.survey_binding = SurveyBinding(self, survey, self.top_bar, self.status)
+        self.job_binding = JobBinding(
+            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding.notice
+        )
+        self.job = self.job_binding.view
         self.control_binding = ControlBinding(
             self, survey, self.control, profiles, traces.source, self.survey_binding.show_refusal
         )
         self.surveys_binding = SurveysBinding(
             self, survey, self.past, traces.source, search, languages
         )
+        self.job.notes_pressed.connect(self.control_binding.show_notes)
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
         self.number_pad = self.control_binding.number_pad
@@ -125,6 +131,7 @@ class MainWindow(TranslatedWidget):
                 survey, traces, self.map, self.radar, lambda: self.show_tab(TabName.RADAR)
             ),
             self.survey_binding,
+            self.job_binding,
             self.control_binding,
             self.surveys_binding,
         )
@@ -233,6 +240,8 @@ class MainWindow(TranslatedWidget):
         """Show at once that a request was sent: a second touch must not send another."""
         for request in (
             self.top_bar.stop.pressed,
+            self.top_bar.pause_pressed,
+            self.top_bar.resume_pressed,
             self.top_bar.replay.pause.clicked,
             self.control.start_pressed,
             self.control.pause_pressed,
