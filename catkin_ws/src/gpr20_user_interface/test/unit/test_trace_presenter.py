@@ -154,6 +154,7 @@ def test_coverage_of_another_survey_waits_for_its_plan(window):
 )
 def test_what_cannot_be_shown_is_told_and_the_window_goes_on(window, event):
     window.on_event(SurveyDescribed(description()))
+    window.traces.open_survey(FOLDER)
     window.on_event(event)
     window.draw()
     assert len(window.problems) == 1

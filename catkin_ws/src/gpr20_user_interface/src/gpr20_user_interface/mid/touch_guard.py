@@ -1,5 +1,7 @@
-"""Which touches count: none right after the picture under the finger has changed, none while
-the screen is locked. STOP always counts."""
+"""Which touches count: none right after a change under the finger, none on a locked screen.
+
+STOP always counts.
+"""
 
 from __future__ import annotations
 
