@@ -17,10 +17,12 @@ class ShownBand:
     Attributes:
         text: Which survey is shown.
         can_return: Whether there is something live to go back to.
+        replay: Whether it is a replay.
     """
 
     text: Message
     can_return: bool
+    replay: bool = False
 
 
 def past_band(folder: str, survey: Optional[PastSurvey], another_runs: bool) -> ShownBand:
@@ -41,4 +43,4 @@ def past_band(folder: str, survey: Optional[PastSurvey], another_runs: bool) -> 
 
 def replay_band(mark: ReplayMark) -> ShownBand:
     """Return the band of a replay, beside which there is no robot."""
-    return ShownBand(Message("REPLAY: {name}", name=mark.survey), False)
+    return ShownBand(Message("REPLAY: {name}", name=mark.survey), False, replay=True)

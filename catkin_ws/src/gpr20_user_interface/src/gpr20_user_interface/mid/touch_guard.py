@@ -60,6 +60,11 @@ class TouchGuard:
         """Whether there is a touch that counts."""
         return self._touch in (_Touch.TAKEN, _Touch.STOP)
 
+    @property
+    def touching(self) -> bool:
+        """Whether there is a touch, whether it counts or not."""
+        return self._touch is not _Touch.NONE
+
     def press(self, target: TouchTarget) -> bool:
         """Begin a touch; return whether it counts."""
         if target is TouchTarget.STOP:
@@ -82,6 +87,10 @@ class TouchGuard:
             Whether a touch that counted is to be dropped: it was meant for something else.
         """
         self._changed_s = self._clock.now_s()
+        return self._drop()
+
+    def note_second_finger(self) -> bool:
+        """Note that two fingers touch at once; return as `note_change`."""
         return self._drop()
 
     def lock(self) -> bool:

@@ -40,6 +40,11 @@ QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
+QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
+    {css(TextColours.REPLAY)} }}
+QWidget#lock_band, QLabel#locked {{ {css(TextColours.SIMULATED)} font-weight: bold; }}
+QLabel#locked[flash="true"] {{ {css(TextColours.ALARM)} }}
 QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
     font-weight: bold; padding: {px(4)}px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-weight: bold; padding: 0 {px(6)}px; }}
