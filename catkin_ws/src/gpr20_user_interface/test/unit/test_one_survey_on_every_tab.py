@@ -110,7 +110,7 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     assert traces.band is None
     open_past(traces)
     assert traces.band.can_return
-    assert str(traces.band.text) == f"PAST SURVEY: 2026-11-21 05:10 UTC, {FOLDER}"
+    assert str(traces.band.text) == "PAST SURVEY: 2026-11-21 05:10 UTC, 7c9e6679"
     traces.show_live()
     assert traces.band is None
 
@@ -119,7 +119,7 @@ def test_a_past_survey_that_is_opened_during_a_survey_says_that_it_is_not_that_o
     note(traces, SurveyState.SURVEYING)
     open_past(traces)
     note(traces, SurveyState.SURVEYING)
-    assert "PAST SURVEY, not the running one" in str(traces.band.text)
+    assert "NOT THE RUNNING SURVEY" in str(traces.band.text)
     assert traces.shown.survey_id == PAST
 
 

@@ -19,8 +19,8 @@ Row = Tuple[Message, Message]
 HANDS_CLEAR = Message(
     "Hands clear! The robot homes its axes if necessary, and then moves on its own."
 )
-HOLD_TO_START = Message("HOLD TO START")
-HOLD_TO_RESUME = Message("HOLD TO RESUME")
+HOLD_TO_START = Message("HOLD\nTO START")
+HOLD_TO_RESUME = Message("HOLD\nTO RESUME")
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def delete_profile_question(name: str) -> HoldQuestion:
         Message("Delete this profile?"),
         ((Message("Profile"), verbatim(name)),),
         Message("It cannot be restored."),
-        Message("HOLD TO DELETE"),
+        Message("HOLD\nTO DELETE"),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.replay import ReplayMark
 
@@ -33,11 +33,12 @@ def past_band(folder: str, survey: Optional[PastSurvey], another_runs: bool) -> 
         survey: What the list says about it; None if it is not in the list.
         another_runs: Whether a survey is running meanwhile.
     """
-    name = Message("{folder}", folder=folder)
+    name = verbatim(folder)
     if survey is not None:
-        name = Message("{time} UTC, {folder}", time=survey.day_and_time, folder=folder)
+        number = survey.survey_id[:8]
+        name = Message("{time} UTC, {number}", time=survey.day_and_time, number=number)
     if another_runs:
-        return ShownBand(Message("PAST SURVEY, not the running one: {name}", name=name), True)
+        return ShownBand(Message("NOT THE RUNNING SURVEY: {name}", name=name), True)
     return ShownBand(Message("PAST SURVEY: {name}", name=name), True)
 
 

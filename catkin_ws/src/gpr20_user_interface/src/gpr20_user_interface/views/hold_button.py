@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Optional
 
-from PyQt5.QtCore import QEvent, QRect, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QEvent, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QHideEvent, QMouseEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import QPushButton
 
@@ -14,7 +14,6 @@ from gpr20_user_interface.views.look import look_of
 from gpr20_user_interface.views.palette import TextColours
 
 TICK_MS = 50
-FILLED_OPACITY = 0.6
 
 
 class HoldButton(QPushButton):
@@ -95,11 +94,13 @@ class HoldButton(QPushButton):
         """Qt: fill the button as time passes."""
         super().paintEvent(event)
         if self._hold.fraction > 0.0:
+            # The text once more: it must be readable on both colours.
+            filled = look_of(self).text(TextColours.PRESSED)
             painter = QPainter(self)
-            colour = QColor(look_of(self).text(TextColours.PRESSED).ground)
-            colour.setAlphaF(FILLED_OPACITY)
-            width = round(self.width() * self._hold.fraction)
-            painter.fillRect(QRect(0, 0, width, self.height()), colour)
+            painter.setClipRect(0, 0, round(self.width() * self._hold.fraction), self.height())
+            painter.fillRect(self.rect(), QColor(filled.ground))
+            painter.setPen(QColor(filled.ink))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.text())
 
     def _cancel(self) -> None:
         self._timer.stop()

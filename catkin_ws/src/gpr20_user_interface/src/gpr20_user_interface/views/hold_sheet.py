@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Callable, List, Optional, Tuple
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.hold_question import HoldQuestion
 from gpr20_user_interface.views.hold_button import HoldButton
@@ -16,7 +16,6 @@ from gpr20_user_interface.views.widgets import new_button, set_look
 
 MOST_ROWS = 6
 HOLD_WIDTH_PX = 230
-HOLD_HEIGHT_PX = 150
 MARGIN_PX = 16
 
 
@@ -42,6 +41,7 @@ class HoldSheet(Overlay):
         self.hold = HoldButton()
         self.cancel = new_button(self.hide)
         self._grid = QGridLayout(self)
+        self._names = QGridLayout()
         self._lay_out()
         self.hold.held.connect(self._on_held)
         self.restyle()
@@ -77,7 +77,7 @@ class HoldSheet(Overlay):
             return
         self.title.setText(shown_text(question.title))
         self.warning.setText(shown_text(question.warning))
-        self.hold.setText("\n".join(shown_text(question.hold).split(" ", 1)))
+        self.hold.setText(shown_text(question.hold))
         for number, (name, value) in enumerate(self._rows):
             used = number < len(question.rows)
             name.setVisible(used)
@@ -91,14 +91,15 @@ class HoldSheet(Overlay):
         px = look_of(self).px
         self._grid.setContentsMargins(*(px(MARGIN_PX),) * 4)
         self._grid.setSpacing(px(GAP_PX))
-        self.hold.setFixedSize(px(HOLD_WIDTH_PX), px(HOLD_HEIGHT_PX))
+        self._names.setHorizontalSpacing(px(MARGIN_PX))
+        self._grid.setColumnMinimumWidth(1, px(HOLD_WIDTH_PX))
 
     def _on_held(self) -> None:
         self.hide()
         self._act()
 
     def _lay_out(self) -> None:
-        rows = QGridLayout()
+        rows = self._names
         for number, (name, value) in enumerate(self._rows):
             name.setObjectName("quiet")
             value.setTextFormat(Qt.TextFormat.PlainText)
@@ -115,7 +116,12 @@ class HoldSheet(Overlay):
         grid = self._grid
         grid.addWidget(self.title, 0, 0, 1, 2)
         grid.addLayout(left, 1, 0)
-        grid.addWidget(self.hold, 1, 1, Qt.AlignmentFlag.AlignVCenter)
+        right = QVBoxLayout()
+        right.addStretch(1)
+        self.hold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        right.addWidget(self.hold, 2)
+        right.addStretch(1)
+        grid.addLayout(right, 1, 1)
         grid.addWidget(self.cancel, 2, 0, Qt.AlignmentFlag.AlignLeft)
         grid.setRowStretch(1, 1)
         grid.setColumnStretch(0, 1)

@@ -75,9 +75,11 @@ QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_P
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
+QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
 QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
