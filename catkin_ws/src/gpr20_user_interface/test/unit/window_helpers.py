@@ -147,7 +147,7 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         CandidateSearch(program or Program(), time.monotonic),
         clock=clock or Clock(),
     )
-    window.problems, window.languages = problems, languages
+    window.problems, window.languages, window.clock = problems, languages, clock
     return window
 
 
