@@ -4,6 +4,7 @@ import os
 import time
 
 import pytest
+from fake_clock import FakeClock
 
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -14,6 +15,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
@@ -52,6 +54,9 @@ class Survey:
 
     def set_parameters(self, parameters):
         pass
+
+    def preview_of(self, parameters):
+        return self.preview
 
     def check_master(self):
         pass
@@ -131,7 +136,7 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None):
+def new_window(languages, survey=None, storage=None, profiles=None, program=None, clock=None):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     window = MainWindow(
@@ -140,8 +145,9 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         Profiles(ProfileFolder(profiles)),
         languages,
         CandidateSearch(program or Program(), time.monotonic),
+        clock=clock or Clock(),
     )
-    window.problems, window.languages = problems, languages
+    window.problems, window.languages, window.clock = problems, languages, clock
     return window
 
 
@@ -188,3 +194,26 @@ def enter(window, name, text):
 
 def click(button):
     QTest.mouseClick(button, Qt.LeftButton)
+
+
+def hold(button, seconds=1.1):
+    """Hold a HoldButton for a time that need not pass."""
+    clock = FakeClock()
+    button.set_clock(clock)
+    QTest.mousePress(button, Qt.LeftButton)
+    for _ in range(round(seconds / 0.05)):
+        clock.advance(0.05)
+        button.tick()
+    QTest.mouseRelease(button, Qt.LeftButton)
+
+
+def start(window):
+    """Press START and hold the button of its sheet, if it opens."""
+    click(window.control.start)
+    hold_to_start(window)
+
+
+def hold_to_start(window):
+    """Hold the button of the sheet before the robot moves, if it is open."""
+    if window.start_sheet.isVisible():
+        hold(window.start_sheet.hold)

@@ -10,11 +10,13 @@ from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
+from gpr20_common.low.clock import Clock
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.band_page import BandPage
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
 from gpr20_user_interface.views.control_view import ControlView
@@ -30,11 +32,13 @@ from gpr20_user_interface.views.look import (
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
+from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
 from gpr20_user_interface.views.survey_binding import SurveyBinding
 from gpr20_user_interface.views.surveys_binding import SurveysBinding
 from gpr20_user_interface.views.top_bar import TopBar
+from gpr20_user_interface.views.touch_binding import TouchBinding
 from gpr20_user_interface.views.traces_binding import TracesBinding
 from gpr20_user_interface.views.translation import Languages, TranslatedWidget
 from gpr20_user_interface.views.widgets import new_button
@@ -68,6 +72,7 @@ class MainWindow(TranslatedWidget):
         languages: Languages of the window.
         search: The search for candidates in a stored survey.
         look: Theme of the window; the scale follows its size.
+        clock: Measures how long a button is held, and the time after something has opened.
 
     Attributes:
         look: Theme and scale now.
@@ -81,6 +86,7 @@ class MainWindow(TranslatedWidget):
         languages: Languages,
         search: CandidateSearch,
         look: Look = Look(),  # noqa: B008 (it is immutable)
+        clock: Clock = Clock(),  # noqa: B008 (it has no state)
     ) -> None:
         super().__init__()
         self.look = look
@@ -93,6 +99,7 @@ class MainWindow(TranslatedWidget):
         self.status = StatusView()
         self.map = MapView(traces.shown.map, traces.shown.radar)
         self.radar = RadarView(traces.shown.radar)
+        self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = PastSurveysView(traces.past)
         self.language_button = new_button(languages.use_next)
         # Planning a survey, or the job while there is one.
@@ -103,20 +110,24 @@ class MainWindow(TranslatedWidget):
         self._pages: Dict[TabName, QWidget] = {
             TabName.CONTROL: self.control_pages,
             TabName.STATUS: self.status,
-            TabName.MAP: self.map,
-            TabName.RADAR: self.radar,
+            TabName.MAP: self.map_page,
+            TabName.RADAR: self.radar_page,
             TabName.SURVEYS: self.past,
         }
-        self.survey_binding = SurveyBinding(self, survey, self.top_bar, self.status)
+        self.start_sheet = StartSheet(self, survey, traces.past)
+        self.survey_binding = SurveyBinding(
+            self, survey, self.top_bar, self.status, self.start_sheet
+        )
         self.job_binding = JobBinding(
             self, survey, traces, self.top_bar, self.control_pages, self.survey_binding.notice
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(
-            self, survey, self.control, profiles, traces.source, self.survey_binding.show_refusal
+            *(self, survey, self.control, profiles, traces.source),
+            *(self.survey_binding.show_refusal, self.start_sheet),
         )
         self.surveys_binding = SurveysBinding(
-            self, survey, self.past, traces.source, search, languages
+            self, survey, self.past, traces, self.start_sheet, search, languages
         )
         self.job.notes_pressed.connect(self.control_binding.show_notes)
         # What lies over the tabs; the bindings open and close it.
@@ -128,7 +139,7 @@ class MainWindow(TranslatedWidget):
         # The traces first: the others show what they have.
         self._bindings: Tuple[Binding, ...] = (
             TracesBinding(
-                survey, traces, self.map, self.radar, lambda: self.show_tab(TabName.RADAR)
+                survey, traces, self.map_page, self.radar_page, lambda: self.show_tab(TabName.RADAR)
             ),
             self.survey_binding,
             self.job_binding,
@@ -141,6 +152,8 @@ class MainWindow(TranslatedWidget):
             self._timer(MASTER_CHECK_MS, survey.check_master),
         ]
         self._lay_out()
+        self.touch_binding = TouchBinding(self, self.top_bar.stop, clock)
+        self.corner.addWidget(self.touch_binding.lock_button)
         self._refresh_after_requests()
         self.retranslate()
         self.setStyleSheet(style_sheet(self.look))
@@ -241,12 +254,9 @@ class MainWindow(TranslatedWidget):
         for request in (
             self.top_bar.stop.pressed,
             self.top_bar.pause_pressed,
-            self.top_bar.resume_pressed,
             self.top_bar.replay.pause.clicked,
-            self.control.start_pressed,
             self.control.pause_pressed,
-            self.control.resume_pressed,
-            self.past.resume_requested,
+            self.start_sheet.hold.held,
         ):
             request.connect(lambda *_: self.refresh())
 

@@ -42,6 +42,11 @@ QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
+QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
+    {css(TextColours.REPLAY)} }}
+QWidget#lock_band, QLabel#locked {{ {css(TextColours.SIMULATED)} font-weight: bold; }}
+QLabel#locked[flash="true"] {{ {css(TextColours.ALARM)} }}
 QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
     font-weight: bold; padding: {px(4)}px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-weight: bold; padding: 0 {px(6)}px; }}
@@ -72,9 +77,11 @@ QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_P
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
+QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
 QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
