@@ -122,7 +122,7 @@ class ServiceTest(unittest.TestCase):
 
     def test_03_an_axis_is_homed_and_its_endstop_is_seen_to_close(self):
         self.lamps["x"].clear()
-        self.assertIn("the x axis is homed", self.succeed("x", HOME))
+        self.assertIn("The x axis is homed.", self.succeed("x", HOME))
         self.assertEqual(self.state.steps(AxisId.X), 0)
         self.assertIn(True, self.lamps["x"])
         wait_until(lambda: not self.lamps["x"][-1])

@@ -58,7 +58,7 @@ def block_the_next_move(axis):
 
 def test_one_axis_is_homed_also_if_it_is_homed_already(bench):
     for homings in (1, 2):
-        assert "the y axis is homed" in str(home(bench, Y))
+        assert "The y axis is homed." in str(home(bench, Y))
         assert [axis.homings for axis in bench.axes] == [0, homings, 0]
     assert [str(one) for one in bench.activities] == ["homing the y axis", "None"] * 2
 
@@ -79,7 +79,7 @@ def test_a_jog_before_homing_is_refused(bench):
 
 def test_a_jog_ends_at_the_end_of_the_axis(bench):
     home(bench, X)
-    assert "650 mm, the end of its range" in str(jog(bench, X, 1e300))
+    assert "650 mm, the end of its range." in str(jog(bench, X, 1e300))
     with pytest.raises(RequestRefusedError, match="from 0 to 650 mm; move it the other way"):
         jog(bench, X, 1.0)
     assert bench.x.moves == [650.0]

@@ -14,6 +14,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
@@ -21,6 +22,7 @@ from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
@@ -98,6 +100,25 @@ class Storage:
         self.asked.append(("annotate", survey, annotation))
 
 
+class ServiceTools:
+    """In place of the client of SERVICE: remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def set_watched(self, watched):
+        self.asked.append(("watch", watched))
+
+    def move(self, axis, action, distance):
+        self.asked.append((axis.value, action.name, distance))
+
+    def measure_height(self):
+        self.asked.append("height")
+
+    def test_analyzer(self):
+        self.asked.append("analyzer")
+
+
 class Program:
     """In place of the command gpr20: remembers what it was started with."""
 
@@ -131,17 +152,20 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None):
+def new_window(languages, survey=None, storage=None, profiles=None, program=None, clock=None):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
+    tools = ServiceTools()
     window = MainWindow(
         survey or Survey(),
         TracePresenter(storage or Storage(), problems.append),
         Profiles(ProfileFolder(profiles)),
         languages,
         CandidateSearch(program or Program(), time.monotonic),
+        ServiceModel(tools, clock or Clock()),
     )
     window.problems, window.languages = problems, languages
+    window.tools = tools
     return window
 
 

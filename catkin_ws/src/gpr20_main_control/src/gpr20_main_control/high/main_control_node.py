@@ -147,7 +147,7 @@ class MainControlNode:
             points=test.points,
             sweep_duration_s=test.duration_s,
             level_db=test.level_db,
-            **message_fields(test.failure or Message("the VNA works")),
+            **message_fields(test.failure or Message("The VNA works.")),
         )
 
     def _health(self) -> diagnostics.Health:

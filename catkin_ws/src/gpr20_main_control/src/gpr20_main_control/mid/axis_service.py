@@ -107,7 +107,7 @@ class AxisService:
             self._interruption.check()
             if move.action is AxisAction.HOME:
                 positioner.home(again=True)
-                return Message("the {axis} axis is homed", axis=move.axis.value)
+                return Message("The {axis} axis is homed.", axis=move.axis.value)
             if move.action is AxisAction.SET_ZERO:
                 return self._set_zero(move.axis, parameters)
             return self._jog(move, parameters, positioner)
@@ -127,7 +127,7 @@ class AxisService:
                 )
             )
         self._robot.axes[axis_id].set_zero()
-        return Message("the present angle of the {axis} axis is its zero", axis=axis_id.value)
+        return Message("The present angle of the {axis} axis is its zero.", axis=axis_id.value)
 
     def _jog(self, move: AxisMove, parameters: AxisParameters, positioner: Positioner) -> Message:
         reading = positioner.reading(move.axis)
@@ -153,11 +153,11 @@ class AxisService:
         positioner.move_axis(move.axis, target)
         if abs(target - reading.coordinate) < abs(move.distance) - parameters.step_size:
             return Message(
-                "the {axis} axis is at {coordinate:.6g} {unit}, the end of its range",
+                "The {axis} axis is at {coordinate:.6g} {unit}, the end of its range.",
                 coordinate=target,
                 **place,
             )
-        return Message("the {axis} axis is at {coordinate:.6g} {unit}", coordinate=target, **place)
+        return Message("The {axis} axis is at {coordinate:.6g} {unit}.", coordinate=target, **place)
 
     def _stopped(self, axis_id: AxisId, positioner: Positioner) -> Message:
         if not positioner.wait_for_rest(REST_LIMIT_S):

@@ -13,6 +13,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QV
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
@@ -29,6 +30,8 @@ from gpr20_user_interface.views.look import (
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
+from gpr20_user_interface.views.service_binding import ServiceBinding
+from gpr20_user_interface.views.service_view import ServiceView
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
 from gpr20_user_interface.views.survey_binding import SurveyBinding
@@ -55,6 +58,7 @@ class TabName(enum.Enum):
     MAP = "map"
     RADAR = "radar"
     SURVEYS = "surveys"
+    SERVICE = "service"
 
 
 class MainWindow(TranslatedWidget):
@@ -66,6 +70,7 @@ class MainWindow(TranslatedWidget):
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
         search: The search for candidates in a stored survey.
+        service: Maintenance of the robot.
         look: Theme of the window; the scale follows its size.
 
     Attributes:
@@ -79,6 +84,7 @@ class MainWindow(TranslatedWidget):
         profiles: Profiles,
         languages: Languages,
         search: CandidateSearch,
+        service: ServiceModel,
         look: Look = Look(),  # noqa: B008 (it is immutable)
     ) -> None:
         super().__init__()
@@ -93,6 +99,7 @@ class MainWindow(TranslatedWidget):
         self.map = MapView(traces.shown.map, traces.shown.radar)
         self.radar = RadarView(traces.shown.radar)
         self.past = PastSurveysView(traces.past)
+        self.service = ServiceView()
         self.language_button = new_button(languages.use_next)
         # One of several pages: planning a survey, ...
         self.control_pages = QStackedWidget()
@@ -105,6 +112,7 @@ class MainWindow(TranslatedWidget):
             TabName.MAP: self.map,
             TabName.RADAR: self.radar,
             TabName.SURVEYS: self.past,
+            TabName.SERVICE: self.service,
         }
         self.survey_binding = SurveyBinding(self, survey, self.top_bar, self.status)
         self.control_binding = ControlBinding(
@@ -127,6 +135,9 @@ class MainWindow(TranslatedWidget):
             self.survey_binding,
             self.control_binding,
             self.surveys_binding,
+            ServiceBinding(
+                survey, service, self.service, lambda: self.tabs.currentWidget() is self.service
+            ),
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -198,6 +209,7 @@ class MainWindow(TranslatedWidget):
             TabName.MAP: self.tr("MAP"),
             TabName.RADAR: self.tr("RADAR"),
             TabName.SURVEYS: self.tr("SURVEYS"),
+            TabName.SERVICE: self.tr("SERVICE"),
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
