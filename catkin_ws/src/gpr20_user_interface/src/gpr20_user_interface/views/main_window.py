@@ -14,6 +14,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.band_page import BandPage
@@ -32,6 +33,8 @@ from gpr20_user_interface.views.look import (
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
+from gpr20_user_interface.views.service_binding import ServiceBinding
+from gpr20_user_interface.views.service_view import ServiceView
 from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
@@ -60,6 +63,7 @@ class TabName(enum.Enum):
     MAP = "map"
     RADAR = "radar"
     SURVEYS = "surveys"
+    SERVICE = "service"
 
 
 class MainWindow(TranslatedWidget):
@@ -71,6 +75,7 @@ class MainWindow(TranslatedWidget):
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
         search: The search for candidates in a stored survey.
+        service: Maintenance of the robot.
         look: Theme of the window; the scale follows its size.
         clock: Measures how long a button is held, and the time after something has opened.
 
@@ -85,6 +90,7 @@ class MainWindow(TranslatedWidget):
         profiles: Profiles,
         languages: Languages,
         search: CandidateSearch,
+        service: ServiceModel,
         look: Look = Look(),  # noqa: B008 (it is immutable)
         clock: Clock = Clock(),  # noqa: B008 (it has no state)
     ) -> None:
@@ -101,6 +107,7 @@ class MainWindow(TranslatedWidget):
         self.radar = RadarView(traces.shown.radar)
         self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = PastSurveysView(traces.past)
+        self.service = ServiceView()
         self.language_button = new_button(languages.use_next)
         # Planning a survey, or the job while there is one.
         self.control_pages = QStackedWidget()
@@ -113,6 +120,7 @@ class MainWindow(TranslatedWidget):
             TabName.MAP: self.map_page,
             TabName.RADAR: self.radar_page,
             TabName.SURVEYS: self.past,
+            TabName.SERVICE: self.service,
         }
         self.start_sheet = StartSheet(self, survey, traces.past)
         self.survey_binding = SurveyBinding(
@@ -145,6 +153,9 @@ class MainWindow(TranslatedWidget):
             self.job_binding,
             self.control_binding,
             self.surveys_binding,
+            ServiceBinding(
+                survey, service, self.service, lambda: self.tabs.currentWidget() is self.service
+            ),
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -218,6 +229,7 @@ class MainWindow(TranslatedWidget):
             TabName.MAP: self.tr("MAP"),
             TabName.RADAR: self.tr("RADAR"),
             TabName.SURVEYS: self.tr("SURVEYS"),
+            TabName.SERVICE: self.tr("SERVICE"),
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])

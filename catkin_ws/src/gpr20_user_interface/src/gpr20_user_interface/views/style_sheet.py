@@ -54,6 +54,7 @@ QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 {px(6)}px; }}
 QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 {px(6)}px; }}
 QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 {px(6)}px; }}
 QLabel[level="wrong"] {{ {css(TextColours.WRONG)} }}
+QLabel[lamp="on"] {{ {css(TextColours.DOUBTFUL)} font-weight: bold; }}
 QFrame#sheet {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)}; }}
 """
 
@@ -76,6 +77,7 @@ QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
 QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_PX - 20)}px; }}
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
+QPushButton#jog {{ padding: 0; }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
 QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
