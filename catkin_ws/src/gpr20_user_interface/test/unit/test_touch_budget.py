@@ -5,7 +5,7 @@ import random
 import pytest
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from window_helpers import application, close, new_window, show, snapshot
+from window_helpers import application, close, hold_to_start, new_window, show, snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -16,8 +16,6 @@ from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
 
-# START opens a summary; holding its button begins the survey.
-HOLD = 1
 FROM_MEMORY, FROM_FACTORY = 10, 20
 NOTHING_CONFIGURED = RobotDefaults("", Site())
 PREFIXES = ("192.168.", "10.", "172.")
@@ -33,6 +31,12 @@ class Finger:
         assert widget.isVisible() and widget.isEnabled()
         self.touches += 1
         QTest.mouseClick(widget, Qt.LeftButton)
+
+    def start(self, window):
+        """START opens a summary; holding its button begins the survey."""
+        self.touch(window.control.start)
+        self.touches += 1
+        hold_to_start(window)
 
 
 @pytest.fixture
@@ -65,8 +69,7 @@ def plan(window, finger, address):
     finger.touch(control.tiles[Tile.AREA])
     finger.touch(values.presets[1])
     finger.touch(values.done)
-    finger.touch(control.start)
-    finger.touches += HOLD
+    finger.start(window)
 
 
 def test_an_address_and_an_area_from_factory_values(opened):
@@ -99,9 +102,9 @@ def test_the_same_survey_again_from_remembered_values(opened):
     window.refresh()
     assert window.memory.wait(10.0)
     window, finger = opened(), Finger()
-    finger.touch(window.control.start)
+    finger.start(window)
     assert window.survey.asked == [before]
-    assert finger.touches + HOLD <= FROM_MEMORY
+    assert finger.touches <= FROM_MEMORY
 
 
 def test_another_spacing_soil_and_area_from_remembered_values(opened):
@@ -115,9 +118,9 @@ def test_another_spacing_soil_and_area_from_remembered_values(opened):
         finger.touch(window.control.tiles[tile])
         finger.touch(window.values.presets[preset])
         finger.touch(window.values.done)
-    finger.touch(window.control.start)
+    finger.start(window)
     assert window.survey.asked[0].x_points == 31
-    assert finger.touches + HOLD <= FROM_MEMORY
+    assert finger.touches <= FROM_MEMORY
 
 
 def test_the_last_area_is_offered(opened):

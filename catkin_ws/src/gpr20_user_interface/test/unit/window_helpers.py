@@ -4,6 +4,7 @@ import os
 import time
 
 import pytest
+from fake_clock import FakeClock
 
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -14,6 +15,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
@@ -24,7 +26,9 @@ from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.survey_preview import preview
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
 from gpr20_user_interface.views.translation import Languages
@@ -55,6 +59,9 @@ class Survey:
 
     def set_plan(self, parameters, permittivity):
         self.plan = (parameters, permittivity)
+
+    def preview_of(self, parameters):
+        return self.preview or preview(parameters, 4.0)
 
     def check_master(self):
         pass
@@ -99,6 +106,25 @@ class Storage:
 
     def annotate(self, survey, annotation):
         self.asked.append(("annotate", survey, annotation))
+
+
+class ServiceTools:
+    """In place of the client of SERVICE: remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def set_watched(self, watched):
+        self.asked.append(("watch", watched))
+
+    def move(self, axis, action, distance):
+        self.asked.append((axis.value, action.name, distance))
+
+    def measure_height(self):
+        self.asked.append("height")
+
+    def test_analyzer(self):
+        self.asked.append("analyzer")
 
 
 class Program:
@@ -149,9 +175,10 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None):
+def new_window(languages, survey=None, storage=None, profiles=None, program=None, clock=None):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
+    tools = ServiceTools()
     window = MainWindow(
         survey or Survey(),
         TracePresenter(storage or Storage(), problems.append),
@@ -159,8 +186,11 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         languages,
         CandidateSearch(program or Program(), time.monotonic),
         PlanMemory(settings_in(profiles), problems.append),
+        ServiceModel(tools, clock or Clock()),
+        clock=clock or Clock(),
     )
-    window.problems, window.languages = problems, languages
+    window.problems, window.languages, window.clock = problems, languages, clock
+    window.tools = tools
     return window
 
 
@@ -222,3 +252,26 @@ def enter(window, name, text):
 
 def click(button):
     QTest.mouseClick(button, Qt.LeftButton)
+
+
+def hold(button, seconds=1.1):
+    """Hold a HoldButton for a time that need not pass."""
+    clock = FakeClock()
+    button.set_clock(clock)
+    QTest.mousePress(button, Qt.LeftButton)
+    for _ in range(round(seconds / 0.05)):
+        clock.advance(0.05)
+        button.tick()
+    QTest.mouseRelease(button, Qt.LeftButton)
+
+
+def start(window):
+    """Press START and hold the button of its sheet, if it opens."""
+    click(window.control.start)
+    hold_to_start(window)
+
+
+def hold_to_start(window):
+    """Hold the button of the sheet before the robot moves, if it is open."""
+    if window.start_sheet.isVisible():
+        hold(window.start_sheet.hold)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import List, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
-from gpr20_user_interface.mid.displays import time_parts
 from gpr20_user_interface.mid.parameter_form import HERTZ_PER_MEGAHERTZ
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
+from gpr20_user_interface.mid.time_words import duration
 
 UNKNOWN = verbatim("—")
 BYTES_PER_MEGABYTE = 1.0e6
@@ -68,7 +68,7 @@ def short_figures(preview: Optional[SurveyPreview]) -> Tuple[Message, Message]:
     size = Message("{traces} traces", traces=preview.traces)
     if cost is not None:
         size = Message(
-            "{traces} traces, {time}", traces=preview.traces, time=duration_text(cost.duration_s)
+            "{traces} traces, {time}", traces=preview.traces, time=duration(cost.duration_s)
         )
     depth = Message(
         "Depth {depth:.3g} m, resolution {resolution:.3g} mm",
@@ -78,24 +78,12 @@ def short_figures(preview: Optional[SurveyPreview]) -> Tuple[Message, Message]:
     return size, depth
 
 
-def duration_text(time_s: float) -> Message:
-    """Return a time in its two largest units; rounded up, so that it is never too short."""
-    days, hours, minutes, seconds = time_parts(time_s)
-    if days:
-        return Message("{days} d {hours} h", days=days, hours=hours)
-    if hours:
-        return Message("{hours} h {minutes} min", hours=hours, minutes=minutes)
-    if minutes:
-        return Message("{minutes} min", minutes=minutes + (1 if seconds else 0))
-    return Message("{seconds} s", seconds=seconds)
-
-
 def _texts(preview: SurveyPreview) -> Tuple[Message, ...]:
     cost = preview.cost
     return (
         verbatim(f"{preview.traces}"),
         verbatim(f"{preview.stops}"),
-        UNKNOWN if cost is None else duration_text(cost.duration_s),
+        UNKNOWN if cost is None else duration(cost.duration_s),
         UNKNOWN if cost is None else verbatim(f"{cost.size_bytes / BYTES_PER_MEGABYTE:.4g} MB"),
         verbatim(f"{preview.x_spacing_mm:.4g}, {preview.y_spacing_mm:.4g} mm"),
         verbatim(f"{preview.quarter_wavelength_mm:.3g} mm"),

@@ -26,7 +26,8 @@ from gpr20_user_interface.mid.plan_form import (
 from gpr20_user_interface.mid.soils import soil_of
 
 ENDS = ("start", "stop")
-Lines = Tuple[Message, Message]
+AS_SET = Message("as set")
+Lines = Tuple[Message, ...]
 
 
 class Tile(enum.Enum):
@@ -64,7 +65,7 @@ VALUE_TILES = tuple(tile for tile in Tile if TILE_FIELDS[tile])
 
 
 def tile_lines(tile: Tile, texts: Mapping[str, str]) -> Lines:
-    """Return the two lines of a tile.
+    """Return the lines of a tile.
 
     Args:
         tile: Any but that of the name.
@@ -81,7 +82,7 @@ def tile_lines(tile: Tile, texts: Mapping[str, str]) -> Lines:
 
 
 def name_lines(annotation: Annotation) -> Lines:
-    """Return the two lines of the tile of the name."""
+    """Return the lines of the tile of the name."""
     people = " · ".join(one for one in (annotation.operator, annotation.site) if one)
     name = verbatim(annotation.name) if annotation.name else Message("no name")
     return name, verbatim(people)
@@ -126,14 +127,11 @@ def _frequencies(texts: Mapping[str, str]) -> Lines:
 
 def _analyzer(texts: Mapping[str, str]) -> Lines:
     address = verbatim(texts[ADDRESS]) if texts[ADDRESS] else Message("no address")
-    settings: List[str] = []
-    if texts[IF_BANDWIDTH]:
-        settings.append(f"{texts[IF_BANDWIDTH]} Hz")
-    if texts[AVERAGES]:
-        settings.append(f"{texts[AVERAGES]} x")
+    bandwidth = verbatim(f"{texts[IF_BANDWIDTH]} Hz") if texts[IF_BANDWIDTH] else AS_SET
+    others: List[str] = [f"{texts[AVERAGES]} x"] if texts[AVERAGES] else []
     if texts[OUTPUT_POWER]:
-        settings.append(texts[OUTPUT_POWER])
-    return address, verbatim(" · ".join(settings)) if settings else Message("as set")
+        others.append(texts[OUTPUT_POWER])
+    return address, bandwidth, verbatim(" · ".join(others))
 
 
 def _soil(texts: Mapping[str, str]) -> Lines:

@@ -100,6 +100,12 @@ class WindowPresenter:
         if parameters is not None and self.snapshot.figures is not None:
             self._estimator.ask(parameters, self.snapshot.figures)
 
+    def preview_of(self, parameters: SurveyParameters) -> SurveyPreview:
+        """Return the preview of parameters; with their cost if they are those of the plan."""
+        if self.preview is not None and parameters == self._parameters:
+            return self.preview
+        return preview(parameters, self._permittivity)
+
     def check_master(self) -> None:
         """Check that the master answers."""
         self._control.check_master()

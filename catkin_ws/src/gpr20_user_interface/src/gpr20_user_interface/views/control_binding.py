@@ -1,4 +1,4 @@
-"""Connects CONTROL with the survey: the plan, START, PAUSE, RESUME, profiles and notes."""
+"""Connects CONTROL with the survey: the plan, START, profiles and notes."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_view import ControlView
 from gpr20_user_interface.views.figures_sheet import FiguresSheet
 from gpr20_user_interface.views.profiles_view import ProfilesView
+from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.value_sheet import ValueSheet
 
 ShowRefusal = Callable[[Refused, Message], None]
@@ -55,11 +56,13 @@ class ControlBinding(Binding):
         memory: PlanMemory,
         source: TraceSource,
         show_refusal: ShowRefusal,
+        start_sheet: StartSheet,
     ) -> None:
         self._survey = survey
         self._control = control
         self._source = source
         self._show_refusal = show_refusal
+        self._start_sheet = start_sheet
         self._memory = memory
         self._asked_area: Dict[str, str] = {}
         self.values = ValueSheet(window, control.form)
@@ -68,8 +71,6 @@ class ControlBinding(Binding):
         self.annotation = AnnotationSheet(window)
         self.next_annotation = NextAnnotation()
         control.start_pressed.connect(self._on_start)
-        control.pause_pressed.connect(survey.pause)
-        control.resume_pressed.connect(lambda: survey.resume())
         control.plan_changed.connect(self.preview_plan)
         control.tile_pressed.connect(self._on_tile)
         control.figures.clicked.connect(lambda: self.figures.open())
@@ -111,9 +112,11 @@ class ControlBinding(Binding):
         """Show what is known now."""
         self._control.refresh(snapshot)
         self._show_preview()
+        self._start_sheet.refresh(snapshot)
         if snapshot.fields_locked:
             # An entry would replace the survey's parameters in the fields.
-            for overlay in (self.values, self.profiles.name_pad, self.profiles):
+            profiles = self.profiles
+            for overlay in (self.values, profiles.name_pad, profiles.confirm, profiles):
                 overlay.hide()
         if not self.values.isVisible() and snapshot.replay is None:
             self._memory.save(self._plan())
@@ -145,15 +148,16 @@ class ControlBinding(Binding):
 
     def _on_tile(self, tile: Tile) -> None:
         if tile is Tile.NAME:
-            self._on_notes()
+            self.show_notes()
         else:
             self.values.show_tile(tile)
 
     def _on_start(self, parameters: SurveyParameters) -> None:
         self._asked_area = {name: self._control.form.texts[name] for name in AREA_FIELDS}
-        self._survey.start(parameters, self.next_annotation.value)
+        self._start_sheet.ask_start(parameters, self.next_annotation.value)
 
-    def _on_notes(self) -> None:
+    def show_notes(self) -> None:
+        """Open the notes of the survey that runs, or of the next one."""
         running = self._survey.snapshot.running_survey
         if running:
             self._source.read_annotation(running)

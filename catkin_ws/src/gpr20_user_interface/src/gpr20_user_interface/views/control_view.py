@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Dict, Mapping, Optional
 
 from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QPushButton, QStackedWidget
+from PyQt5.QtWidgets import QGridLayout
 
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -35,8 +35,6 @@ class ControlView(TranslatedWidget):
 
     # Carries the SurveyParameters.
     start_pressed = pyqtSignal(object)
-    pause_pressed = pyqtSignal()
-    resume_pressed = pyqtSignal()
     # Carries a Tile.
     tile_pressed = pyqtSignal(object)
     # The parameters or the soil have changed.
@@ -49,8 +47,6 @@ class ControlView(TranslatedWidget):
         self.profiles = PlanTile()
         self.figures = PlanTile()
         self.start = PlanTile("start")
-        self.pause = QPushButton()
-        self._last = QStackedWidget()
         self._annotation = EMPTY
         self._preview: Optional[SurveyPreview] = None
         self._snapshot: Optional[Snapshot] = None
@@ -87,7 +83,7 @@ class ControlView(TranslatedWidget):
             self.tiles[tile].setEnabled(not snapshot.fields_locked)
         self.tiles[Tile.NAME].setEnabled(snapshot.replay is None)
         self.profiles.setEnabled(not snapshot.fields_locked)
-        self._show_commands()
+        self._show_start()
 
     def show_parameters(self, parameters: SurveyParameters) -> None:
         """Take over the parameters of a profile, or of the survey that runs."""
@@ -107,7 +103,7 @@ class ControlView(TranslatedWidget):
             problem = tile_problem(tile, self._check)
             self.tiles[tile].show_lines(shown_text(TILE_TITLES[tile]), *lines)
             self.tiles[tile].show_problem("" if problem is None else shown_text(problem))
-        self._show_commands()
+        self._show_start()
         self.plan_changed.emit()
 
     def show_annotation(self, annotation: Annotation) -> None:
@@ -125,7 +121,7 @@ class ControlView(TranslatedWidget):
             lines[1] = shown_text(warning)
         self.figures.show_lines(self.tr("Figures"), *lines)
         self.figures.show_level("doubtful" if warning is not None else "")
-        self._show_commands()
+        self._show_start()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
@@ -141,15 +137,12 @@ class ControlView(TranslatedWidget):
         self._grid.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
 
     def _lay_out(self) -> None:
-        self._last.addWidget(self.start)
-        self._last.addWidget(self.pause)
-        self.pause.setSizePolicy(self.start.sizePolicy())
         self._grid = QGridLayout(self)
         for number, tile in enumerate(self.tiles.values()):
             self._grid.addWidget(tile, *divmod(number, COLUMNS))
         self._grid.addWidget(self.profiles, 1, COLUMNS - 1)
         self._grid.addWidget(self.figures, 2, 0, 1, 2)
-        self._grid.addWidget(self._last, 2, 2, 1, 2)
+        self._grid.addWidget(self.start, 2, 2, 1, 2)
         for column in range(COLUMNS):
             self._grid.setColumnStretch(column, 1)
         for row in range(ROWS):
@@ -159,28 +152,14 @@ class ControlView(TranslatedWidget):
         for tile, button in self.tiles.items():
             button.clicked.connect(lambda _checked, tile=tile: self.tile_pressed.emit(tile))
         self.start.clicked.connect(self._on_start)
-        self.pause.clicked.connect(self._on_pause)
 
     def _on_start(self) -> None:
         if self._check.parameters is not None:
             self.start_pressed.emit(self._check.parameters)
 
-    def _on_pause(self) -> None:
-        if self._snapshot is not None and self._snapshot.can_resume:
-            self.resume_pressed.emit()
-        else:
-            self.pause_pressed.emit()
-
-    def _show_commands(self) -> None:
-        known = self._snapshot
-        lock = start_lock(known, self._check)
+    def _show_start(self) -> None:
+        lock = start_lock(self._snapshot, self._check)
         self.start.setEnabled(lock is None)
         lines = [shown_text(line) for line in short_figures(self._preview)]
         self.start.show_lines(self.tr("START"), lines[0] if lock is None else "")
         self.start.show_reason("" if lock is None else shown_text(lock))
-        running = known is not None and known.running and known.replay is None
-        self._last.setCurrentWidget(self.pause if running else self.start)
-        resume = known is not None and known.can_resume
-        paused = known is not None and known.paused
-        self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
-        self.pause.setEnabled(resume or (known is not None and known.can_pause))

@@ -36,7 +36,7 @@ class FiguresSheet(Overlay):
             row, column = divmod(number, COLUMNS)
             title, figure = QLabel(), QLabel()
             title.setObjectName("quiet")
-            figure.setObjectName("figure")
+            figure.setObjectName("preview")
             self._titles.append(title)
             self._figures.append(figure)
             self._grid.addWidget(title, row, 2 * column)

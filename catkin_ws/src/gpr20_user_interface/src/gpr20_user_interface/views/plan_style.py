@@ -10,6 +10,7 @@ from gpr20_user_interface.views.palette import Mark, TextColours
 # Sizes of the letters of a field, from the largest [px of the design].
 FITS: Dict[str, int] = {"large": 26, "middle": 22, "small": TEXT_PX}
 CHOSEN_BORDER_PX = 4
+START_PX = 28
 
 
 def plan_style(look: Look) -> str:
@@ -44,7 +45,8 @@ def _tiles(look: Look) -> str:
 QPushButton#tile, QPushButton#start {{ padding: 0; font-weight: normal; }}
 QPushButton#tile QLabel#tile_title, QPushButton#start QLabel#tile_title {{ font-weight: bold;
     font-size: {px(TITLE_PX)}px; }}
-QPushButton#start QLabel#tile_title {{ font-size: {px(28)}px; }}
+QPushButton#start QLabel#tile_title {{ font-size: {px(START_PX)}px; }}
+QPushButton#start[level="locked"] QLabel#tile_title {{ font-size: {px(TITLE_PX)}px; }}
 """
 
 
@@ -61,6 +63,7 @@ QFrame#box QPlainTextEdit {{ border: none; min-height: 0; }}
 QFrame#box[wrong="true"] QLineEdit {{ border: none; }}
 QPushButton#key {{ padding: 0; min-width: {px(40)}px; }}
 QPushButton#key[long="true"] {{ font-size: {px(TEXT_PX)}px; }}
+QPlainTextEdit#entry {{ min-height: {px(40)}px; }}
 QPushButton#preset {{ {_both(look, TextColours.ARROW)} padding: 0 {px(2)}px; }}
 QPushButton#preset:checked {{ {_both(look, TextColours.CHOSEN)} }}
 QPushButton#preset:pressed {{ {_both(look, TextColours.PRESSED)} }}

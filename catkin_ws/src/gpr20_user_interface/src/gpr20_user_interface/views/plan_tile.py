@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import List
 
 from PyQt5.QtCore import QEvent, QSize, Qt
-from PyQt5.QtWidgets import QLabel, QPushButton, QSizePolicy, QVBoxLayout
+from PyQt5.QtWidgets import QPushButton, QSizePolicy, QVBoxLayout
 
 from gpr20_user_interface.views.elided_label import ElidedLabel
+from gpr20_user_interface.views.lines_label import LinesLabel
 from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.views.widgets import set_look
 
@@ -20,7 +21,7 @@ class PlanTile(QPushButton):
         lines: How many lines there are below the title.
     """
 
-    def __init__(self, name: str = "tile", lines: int = 2) -> None:
+    def __init__(self, name: str = "tile", lines: int = 3) -> None:
         super().__init__()
         self.setObjectName(name)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -28,9 +29,7 @@ class PlanTile(QPushButton):
         self.title = ElidedLabel()
         self.title.setObjectName("tile_title")
         self.lines: List[ElidedLabel] = [ElidedLabel() for _ in range(lines)]
-        self.problem = QLabel()
-        self.problem.setWordWrap(True)
-        self.problem.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignTop)
+        self.problem = LinesLabel()
         self.problem.hide()
         self._layout = QVBoxLayout(self)
         self._layout.setSpacing(0)
@@ -69,7 +68,7 @@ class PlanTile(QPushButton):
     def show_lines(self, title: str, *lines: str) -> None:
         """Show a title and lines."""
         self.title.show_text(title)
-        for label, text in zip(self.lines, lines):
+        for label, text in zip(self.lines, (*lines, *("",) * len(self.lines))):
             label.show_text(text)
 
     def show_problem(self, problem: str) -> None:
@@ -80,8 +79,7 @@ class PlanTile(QPushButton):
     def show_reason(self, reason: str) -> None:
         """Show a sentence instead of the lines; an empty reason: the lines."""
         self.setToolTip(reason)
-        if reason != self.problem.text():
-            self.problem.setText(reason)
+        self.problem.show_text(reason)
         for line in self.lines:
             line.setVisible(not reason)
         self.problem.setVisible(bool(reason))

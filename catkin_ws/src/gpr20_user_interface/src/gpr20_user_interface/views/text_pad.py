@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
+from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.pad import Judge, Pad
 
 # The same keys: small letters, capital letters, and what is needed less often.
@@ -25,6 +25,8 @@ SHIFTED = ("1234567890", "QWERTYUIOP", "ASDFGHJKLÑ", "ZXCVBNM;:_")
 OTHERS = ("áéíóúü¿?¡!", "ÁÉÍÓÚÜ'*@°", '"#$%&/()=+', "[]{}<>|~^€")
 PAGES = (PLAIN, SHIFTED, OTHERS)
 MARGIN_PX = 4
+# What five rows of keys leave.
+TEXT_ROW_PX = 54
 TITLE_WIDTH_PX = 290
 
 
@@ -122,8 +124,8 @@ class TextPad(Pad):
         for layout in (self._rows, self._top, self._grid, self._last):
             layout.setSpacing(gap_px)
         self._rows.setContentsMargins(margin_px, margin_px // 2, margin_px, margin_px // 2)
-        self._words.setFixedSize(look.px(TITLE_WIDTH_PX), look.px(TOUCH_PX))
-        self.edit.setFixedHeight(look.px(TOUCH_PX))
+        self._words.setFixedSize(look.px(TITLE_WIDTH_PX), look.px(TEXT_ROW_PX))
+        self.edit.setFixedHeight(look.px(TEXT_ROW_PX))
 
     def _written(self) -> str:
         return str(self.edit.toPlainText())
