@@ -127,7 +127,7 @@ class MainWindow(TranslatedWidget):
             self, survey, self.top_bar, self.status, self.start_sheet
         )
         self.job_binding = JobBinding(
-            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding.notice
+            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(
@@ -140,6 +140,7 @@ class MainWindow(TranslatedWidget):
         self.job.notes_pressed.connect(self.control_binding.show_notes)
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.stop_warning = self.job_binding.stop_warning
         self.number_pad = self.control_binding.number_pad
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation

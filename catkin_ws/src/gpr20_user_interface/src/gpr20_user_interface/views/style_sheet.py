@@ -150,7 +150,7 @@ QFrame#band[job="{level.value}"], QLabel[job="{level.value}"] {{
     return f"""{bands}
 QFrame#band QLabel#simulated {{ {_css(look, TextColours.SIMULATED)} padding: 0 {px(6)}px; }}
 QPushButton#pause {{ min-width: {px(PAUSE_WIDTH_PX)}px; font-size: {px(TITLE_PX)}px; }}
-QLabel#job_title {{ font-size: {px(34)}px; font-weight: bold; }}
+QLabel#job_title {{ font-size: {px(30)}px; font-weight: bold; }}
 QLabel#percent {{ font-size: {px(64)}px; font-weight: bold; }}
 QTextEdit#reason {{ font-size: {px(TITLE_PX)}px; }}
 QFrame#tile {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)};
