@@ -16,6 +16,7 @@ from gpr20_analysis.candidates.candidate import (
     CandidateList,
     Flag,
 )
+from gpr20_analysis.candidates.earth import area_position
 from gpr20_analysis.candidates.peak_place import peak_places
 from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
 from gpr20_analysis.candidates.rating import Rating
