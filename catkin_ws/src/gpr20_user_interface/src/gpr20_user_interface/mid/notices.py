@@ -39,6 +39,8 @@ class Refused(enum.Enum):
     RESUME = "resume"
     PROFILE = "profile"
     NOTES = "notes"
+    MARKER = "marker"
+    FINER = "finer"
 
 
 _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
@@ -65,6 +67,14 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.NOTES: (
         Message("The notes of the survey cannot be read or stored."),
         Message("Next: remove the cause, then press SAVE again."),
+    ),
+    Refused.MARKER: (
+        Message("The markers of the survey were not changed."),
+        Message("Next: remove the cause, then set or remove the marker again."),
+    ),
+    Refused.FINER: (
+        Message("No finer survey can be measured here."),
+        Message("Next: choose another place, size or spacing."),
     ),
 }
 

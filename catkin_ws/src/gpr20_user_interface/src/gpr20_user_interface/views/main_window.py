@@ -10,6 +10,8 @@ from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
@@ -26,6 +28,7 @@ from gpr20_user_interface.views.look import (
     Look,
     scale_for,
 )
+from gpr20_user_interface.views.map_binding import MapBinding
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
@@ -90,7 +93,10 @@ class MainWindow(TranslatedWidget):
         self.tabs = QTabWidget()
         self.control = ControlView()
         self.status = StatusView()
-        self.map = MapView(traces.shown.map, traces.shown.radar)
+        self.additions = AdditionsPresenter(
+            traces.source, lambda: self.control_binding.next_annotation.value.operator
+        )
+        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
         self.past = PastSurveysView(traces.past)
         self.language_button = new_button(languages.use_next)
@@ -113,6 +119,15 @@ class MainWindow(TranslatedWidget):
         self.surveys_binding = SurveysBinding(
             self, survey, self.past, traces.source, search, languages
         )
+        self.map_binding = MapBinding(
+            self,
+            survey,
+            traces,
+            self.additions,
+            self.map,
+            self._use_parameters,
+            self.survey_binding.show_refusal,
+        )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
         self.number_pad = self.control_binding.number_pad
@@ -125,6 +140,7 @@ class MainWindow(TranslatedWidget):
                 survey, traces, self.map, self.radar, lambda: self.show_tab(TabName.RADAR)
             ),
             self.survey_binding,
+            self.map_binding,
             self.control_binding,
             self.surveys_binding,
         )
@@ -176,6 +192,11 @@ class MainWindow(TranslatedWidget):
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""
         self.tabs.setCurrentWidget(self._pages[name])
+
+    def _use_parameters(self, parameters: SurveyParameters) -> None:
+        """Put the parameters of a plan into CONTROL, and bring it to the front."""
+        self.control.show_parameters(parameters)
+        self.show_tab(TabName.CONTROL)
 
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
