@@ -40,7 +40,6 @@ class Refused(enum.Enum):
     PROFILE = "profile"
     NOTES = "notes"
     MARKER = "marker"
-    FINER = "finer"
 
 
 _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
@@ -71,10 +70,6 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.MARKER: (
         Message("The markers of the survey were not changed."),
         Message("Next: remove the cause, then set or remove the marker again."),
-    ),
-    Refused.FINER: (
-        Message("No finer survey can be measured here."),
-        Message("Next: choose another place, size or spacing."),
     ),
 }
 
