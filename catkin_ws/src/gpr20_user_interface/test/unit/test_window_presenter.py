@@ -32,7 +32,7 @@ class ControlThatRecords:
     def __init__(self):
         self.asked = []
 
-    def start_survey(self, parameters, annotation):
+    def start_survey(self, parameters, annotation, refines):
         self.asked.append(parameters)
 
     def stop_survey(self):

@@ -40,6 +40,7 @@ class Survey:
         self.preview = None
         self.asked = []
         self.annotations = []
+        self.finer = None
 
     def refresh(self):
         return self.snapshot
@@ -102,6 +103,15 @@ class Storage:
 
     def annotate(self, survey, annotation):
         self.asked.append(("annotate", survey, annotation))
+
+    def read_additions(self, survey):
+        self.asked.append(("additions", survey))
+
+    def add_marker(self, survey, marker):
+        self.asked.append(("add marker", survey, marker))
+
+    def remove_marker(self, survey, marker_id, author):
+        self.asked.append(("remove marker", survey, marker_id, author))
 
 
 class ServiceTools:

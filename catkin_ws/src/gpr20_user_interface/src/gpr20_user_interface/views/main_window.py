@@ -11,6 +11,8 @@ from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
 from gpr20_common.low.clock import Clock
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
@@ -30,6 +32,7 @@ from gpr20_user_interface.views.look import (
     Look,
     scale_for,
 )
+from gpr20_user_interface.views.map_binding import MapBinding
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
@@ -103,7 +106,10 @@ class MainWindow(TranslatedWidget):
         self.tabs = QTabWidget()
         self.control = ControlView()
         self.status = StatusView()
-        self.map = MapView(traces.shown.map, traces.shown.radar)
+        self.additions = AdditionsPresenter(
+            traces.source, lambda: self.control_binding.next_annotation.value.operator
+        )
+        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
         self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = PastSurveysView(traces.past)
@@ -138,6 +144,15 @@ class MainWindow(TranslatedWidget):
             self, survey, self.past, traces, self.start_sheet, search, languages
         )
         self.job.notes_pressed.connect(self.control_binding.show_notes)
+        self.map_binding = MapBinding(
+            self,
+            survey,
+            traces,
+            self.additions,
+            self.map,
+            self._use_parameters,
+            self.survey_binding.show_refusal,
+        )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
         self.stop_warning = self.job_binding.stop_warning
@@ -152,6 +167,7 @@ class MainWindow(TranslatedWidget):
             ),
             self.survey_binding,
             self.job_binding,
+            self.map_binding,
             self.control_binding,
             self.surveys_binding,
             ServiceBinding(
@@ -208,6 +224,11 @@ class MainWindow(TranslatedWidget):
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""
         self.tabs.setCurrentWidget(self._pages[name])
+
+    def _use_parameters(self, parameters: SurveyParameters) -> None:
+        """Put the parameters of a plan into CONTROL, and bring it to the front."""
+        self.control.show_parameters(parameters)
+        self.show_tab(TabName.CONTROL)
 
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""

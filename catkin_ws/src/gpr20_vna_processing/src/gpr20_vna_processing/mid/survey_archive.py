@@ -23,6 +23,7 @@ from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace.trace import Trace
 
 MAX_SURVEYS_PER_PAGE = 50
@@ -49,6 +50,7 @@ class SurveySummary:
     verdict_json: str = ""
     complete: bool = False
     simulated: bool = False
+    refines: str = ""
     problem: Optional[Message] = None
 
 
@@ -210,6 +212,7 @@ class SurveyArchive:
             complete=sealed and outcome == "finished" and 0 < planned == stored,
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
+            refines=refines_of(values),
         )
 
 
