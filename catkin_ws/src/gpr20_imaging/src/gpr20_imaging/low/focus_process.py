@@ -85,7 +85,7 @@ class FocusProcess:
         if self._child is not None and self._child.poll() is None:
             return self._child
         self.close()
-        self._errors = tempfile.TemporaryFile()
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the process)
         try:
             self._child = start_child(
                 [self._command(), "focus"],

@@ -48,9 +48,13 @@ def list_block_devices() -> str:
     """
     try:
         done = subprocess.run(
-            COMMAND, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            timeout=LIMIT_S, check=True, encoding="utf-8",
-        )  # fmt: skip
+            COMMAND,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=LIMIT_S,
+            check=True,
+            encoding="utf-8",
+        )
     except (OSError, subprocess.SubprocessError) as error:
         raise ImagingError(
             Message("the USB sticks of this computer cannot be listed", details=error)

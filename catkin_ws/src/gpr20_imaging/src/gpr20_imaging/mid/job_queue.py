@@ -42,7 +42,7 @@ class JobQueue:
         self._idle_s = idle_s
         self._lock = threading.Lock()
         self._jobs: Dict[int, _Job] = {}
-        self._queue: "queue.Queue[Optional[_Job]]" = queue.Queue()
+        self._queue: queue.Queue[Optional[_Job]] = queue.Queue()
         self._is_closed = False
         self._thread = threading.Thread(target=self._run, name="imaging", daemon=True)
         self._thread.start()

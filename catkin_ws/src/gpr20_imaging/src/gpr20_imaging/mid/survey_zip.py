@@ -36,7 +36,7 @@ def write_zip(folder: Path, target: Any) -> None:
             )
             entry.compress_type = zipfile.ZIP_DEFLATED
             with open(open_regular(path), "rb") as source, archive.open(entry, "w") as file:
-                for piece in iter(lambda: source.read(PIECE_BYTES), b""):  # noqa: B023
+                for piece in iter(lambda: source.read(PIECE_BYTES), b""):
                     file.write(piece)
     if _versions(folder) != before:
         raise ExportFailedError(
