@@ -18,8 +18,8 @@ from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -98,23 +98,30 @@ class Storage:
         self.asked.append(("annotate", survey, annotation))
 
 
-class Program:
-    """In place of the command gpr20: remembers what it was started with."""
+class ImagingNode:
+    """In place of the imaging node: answers nothing, remembers what it was asked."""
 
     def __init__(self):
-        self.installed = True
-        self.started = []
-        self.cancelled = 0
+        self.asked = []
+        self.cancelled = []
 
-    def is_installed(self):
-        return self.installed
+    def focus(self, *request):
+        self.asked.append(("focus", *request))
 
-    def start(self, arguments):
-        self.started.append(arguments)
-        return len(self.started)
+    def find_candidates(self, *request):
+        self.asked.append(("find", *request))
 
-    def cancel(self):
-        self.cancelled += 1
+    def export(self, *request):
+        self.asked.append(("export", *request))
+
+    def list_volumes(self):
+        self.asked.append(("volumes",))
+
+    def cancel(self, request_id):
+        self.cancelled.append(request_id)
+
+    def of(self, kind):
+        return [one[1:] for one in self.asked if one[0] == kind]
 
 
 @pytest.fixture(scope="session")
@@ -131,7 +138,7 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None):
+def new_window(languages, survey=None, storage=None, profiles=None, imaging=None):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     window = MainWindow(
@@ -139,7 +146,7 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         TracePresenter(storage or Storage(), problems.append),
         Profiles(ProfileFolder(profiles)),
         languages,
-        CandidateSearch(program or Program(), time.monotonic),
+        ImagingPresenter(imaging or ImagingNode(), time.monotonic),
     )
     window.problems, window.languages = problems, languages
     return window

@@ -10,14 +10,15 @@ from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
 from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.imaging_binding import ImagingBinding
 from gpr20_user_interface.views.look import (
     DESIGN_HEIGHT_PX,
     DESIGN_WIDTH_PX,
@@ -65,7 +66,7 @@ class MainWindow(TranslatedWidget):
         traces: The traces, and the requests to the storage.
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
-        search: The search for candidates in a stored survey.
+        imaging: Focused images, candidates and exports.
         look: Theme of the window; the scale follows its size.
 
     Attributes:
@@ -78,7 +79,7 @@ class MainWindow(TranslatedWidget):
         traces: TracePresenter,
         profiles: Profiles,
         languages: Languages,
-        search: CandidateSearch,
+        imaging: ImagingPresenter,
         look: Look = Look(),  # noqa: B008 (it is immutable)
     ) -> None:
         super().__init__()
@@ -111,7 +112,7 @@ class MainWindow(TranslatedWidget):
             self, survey, self.control, profiles, traces.source, self.survey_binding.show_refusal
         )
         self.surveys_binding = SurveysBinding(
-            self, survey, self.past, traces.source, search, languages
+            self, survey, self.past, traces.source, imaging, languages
         )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
@@ -119,8 +120,16 @@ class MainWindow(TranslatedWidget):
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
+        self.export = self.surveys_binding.export
         # The traces first: the others show what they have.
+        self._imaging = imaging
         self._bindings: Tuple[Binding, ...] = (
+            ImagingBinding(
+                traces,
+                imaging,
+                lambda: self.map.isVisible() or self.radar.isVisible(),
+                lambda: self.radar.controls.settings.permittivity,
+            ),
             TracesBinding(
                 survey, traces, self.map, self.radar, lambda: self.show_tab(TabName.RADAR)
             ),
@@ -152,7 +161,7 @@ class MainWindow(TranslatedWidget):
         for timer in self._timers:
             timer.stop()
         self.survey.end()
-        self.candidates.search.close()
+        self._imaging.end()
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
