@@ -94,7 +94,8 @@ def test_new_traces_lead_to_a_new_image_at_most_every_10_s(images, node, clock):
         images.keep(wanted._replace(traces=20 + step))
         if step % 3 == 0:
             focused(images)
-    assert 3 <= len(node.of("focus")) <= 4
+    # An answer comes up to three seconds later.
+    assert 4 <= len(node.of("focus")) <= 5
     assert images.image(LIST["survey_id"]) is not None
     assert images.image("another") is None
 

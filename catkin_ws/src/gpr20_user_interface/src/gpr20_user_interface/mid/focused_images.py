@@ -82,7 +82,7 @@ class FocusedImages:
             self.problem = event.reason
 
     def _end(self, survey_id: str) -> None:
-        if self._asked is not None and survey_id == self._asked.survey_id:
+        if self._waits and self._asked is not None and survey_id == self._asked.survey_id:
             self._waits, self._ended_s = False, self._now_s()
 
     def _is_due(self, wanted: Wanted, now_s: float) -> bool:

@@ -24,7 +24,7 @@ from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchSta
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
-from gpr20_user_interface.views.look import TOUCH_PX, look_of
+from gpr20_user_interface.views.look import look_of
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.parameter_form_view import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
@@ -33,7 +33,9 @@ from gpr20_user_interface.views.widgets import new_button
 MM_PER_M = 1e3
 SMALLEST_ALARM = 1e-6
 NONE = "—"
-LONGEST_REMARK = 400
+LONGEST_REMARK = 220
+# Nothing in a row is touched.
+ROW_PX = 40
 
 
 class CandidatesSheet(Overlay):
@@ -92,7 +94,7 @@ class CandidatesSheet(Overlay):
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(TOUCH_PX))
+        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(ROW_PX))
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""

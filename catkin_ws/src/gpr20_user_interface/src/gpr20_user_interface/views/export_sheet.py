@@ -29,7 +29,7 @@ from gpr20_user_interface.views.widgets import new_button
 MOST_STICKS = 3
 LONGEST_NAME = 12
 LONGEST_SENTENCE = 240
-BYTES_PER_GB = 1e9
+BYTES_PER_MB, BYTES_PER_GB = 1e6, 1e9
 
 
 class ExportSheet(Overlay):
@@ -147,6 +147,8 @@ class ExportSheet(Overlay):
     def _room(self, volume: StickVolume) -> str:
         if not volume.writable:
             return self.tr("write-protected")
+        if volume.free_bytes < BYTES_PER_GB:
+            return self.tr("{free:.0f} MB free").format(free=volume.free_bytes / BYTES_PER_MB)
         return self.tr("{free:.1f} GB free").format(free=volume.free_bytes / BYTES_PER_GB)
 
     def _sentence(self) -> str:
