@@ -25,6 +25,7 @@ NODES = (
     "height_sensor",
     "vna_acquisition",
     "vna_processing",
+    "imaging",
     "main_control",
     "simulator",
 )

@@ -13,16 +13,13 @@ from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QV
 from gpr20_common.low.clock import Clock
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.service_model import ServiceModel
-from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.views.band_page import BandPage
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
 from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.imaging_binding import ImagingBinding
 from gpr20_user_interface.views.job_binding import JobBinding
 from gpr20_user_interface.views.look import (
     DESIGN_HEIGHT_PX,
@@ -73,12 +70,8 @@ class MainWindow(TranslatedWidget):
     """Shows what its presenters hold and passes the operator's requests to them.
 
     Args:
-        survey: The survey that runs, and the requests to the main control.
-        traces: The traces, and the requests to the storage.
-        profiles: Parameters that are stored under a name.
+        presenters: What it shows and asks through.
         languages: Languages of the window.
-        search: The search for candidates in a stored survey.
-        service: Maintenance of the robot.
         look: Theme of the window; the scale follows its size.
         clock: Measures how long a button is held, and the time after something has opened.
 
@@ -88,17 +81,14 @@ class MainWindow(TranslatedWidget):
 
     def __init__(
         self,
-        survey: WindowPresenter,
-        traces: TracePresenter,
-        profiles: Profiles,
+        presenters: Presenters,
         languages: Languages,
-        search: CandidateSearch,
-        service: ServiceModel,
         look: Look = Look(),  # noqa: B008 (it is immutable)
         clock: Clock = Clock(),  # noqa: B008 (it has no state)
     ) -> None:
         super().__init__()
         self.look = look
+        survey, traces = presenters.survey, presenters.traces
         self.survey = survey
         self.traces = traces
         self._languages = languages
@@ -137,11 +127,11 @@ class MainWindow(TranslatedWidget):
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(
-            *(self, survey, self.control, profiles, traces.source),
+            *(self, survey, self.control, presenters.profiles, traces.source),
             *(self.survey_binding.show_refusal, self.start_sheet),
         )
         self.surveys_binding = SurveysBinding(
-            self, survey, self.past, traces, self.start_sheet, search, languages
+            self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
         )
         self.job.notes_pressed.connect(self.control_binding.show_notes)
         self.map_binding = MapBinding(
@@ -160,8 +150,16 @@ class MainWindow(TranslatedWidget):
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
+        self.export = self.surveys_binding.export
         # The traces first: the others show what they have.
+        self._imaging = presenters.imaging
         self._bindings: Tuple[Binding, ...] = (
+            ImagingBinding(
+                traces,
+                presenters.imaging,
+                lambda: self.map.isVisible() or self.radar.isVisible(),
+                lambda: self.radar.controls.settings.permittivity,
+            ),
             TracesBinding(
                 survey, traces, self.map_page, self.radar_page, lambda: self.show_tab(TabName.RADAR)
             ),
@@ -171,7 +169,10 @@ class MainWindow(TranslatedWidget):
             self.control_binding,
             self.surveys_binding,
             ServiceBinding(
-                survey, service, self.service, lambda: self.tabs.currentWidget() is self.service
+                survey,
+                presenters.service,
+                self.service,
+                lambda: self.tabs.currentWidget() is self.service,
             ),
         )
         self._timers = [
@@ -200,7 +201,7 @@ class MainWindow(TranslatedWidget):
         for timer in self._timers:
             timer.stop()
         self.survey.end()
-        self.candidates.search.close()
+        self._imaging.end()
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""

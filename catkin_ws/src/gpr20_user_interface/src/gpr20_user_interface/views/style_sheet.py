@@ -80,12 +80,14 @@ QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog {{ padding: 0; }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
-QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
+QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton:checked, QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
 QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
-QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
+QPushButton#arrow:disabled, QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
+    border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
 QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(10)}px;
     border: 1px solid {border}; }}
