@@ -17,6 +17,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import CurrentPosition, HealthLevel, NodeHealth
+from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
     AnalyzerTested,
@@ -24,7 +25,6 @@ from gpr20_user_interface.mid.service_events import (
     EndstopState,
     HeightTested,
 )
-from gpr20_user_interface.views.hold_button import HOLD_MS
 from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
@@ -46,7 +46,7 @@ def service(window):
 
 def hold(button):
     QTest.mousePress(button, Qt.LeftButton)
-    QTest.qWait(HOLD_MS + 150)
+    QTest.qWait(int(1000 * HOLD_S) + 150)
     QTest.mouseRelease(button, Qt.LeftButton)
 
 
