@@ -6,12 +6,13 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.trace_presenter import TraceSource
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.views.export_sheet import ExportSheet
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.translation import Languages
 
 
@@ -28,19 +29,20 @@ class SurveysBinding(Binding):
         window: QWidget,
         survey: WindowPresenter,
         past: PastSurveysView,
-        source: TraceSource,
+        traces: TracePresenter,
+        start_sheet: StartSheet,
         imaging: ImagingPresenter,
         languages: Languages,
     ) -> None:
         self._past = past
         self.candidates = CandidatesSheet(window, imaging.search, lambda: languages.language.value)
         self.export = ExportSheet(window, imaging.export, lambda: languages.language.value)
-        past.page_requested.connect(source.list_surveys)
-        past.open_requested.connect(source.read_survey)
-        past.notes_requested.connect(source.read_annotation)
+        past.page_requested.connect(traces.source.list_surveys)
+        past.open_requested.connect(traces.open_survey)
+        past.notes_requested.connect(traces.source.read_annotation)
         past.candidates_requested.connect(self.candidates.show_survey)
         past.export_requested.connect(self.export.show_survey)
-        past.resume_requested.connect(survey.resume)
+        past.resume_requested.connect(start_sheet.ask_resume_past)
 
     def on_event(self, event: object) -> None:
         """Show what the storage or the imaging node reports."""
