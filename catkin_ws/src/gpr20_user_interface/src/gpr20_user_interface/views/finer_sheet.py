@@ -9,7 +9,6 @@ from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBox
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.displays import time_text
 from gpr20_user_interface.mid.finer_plan import (
     SIZES_MM,
     SPACING_STEP_MM,
@@ -20,6 +19,7 @@ from gpr20_user_interface.mid.finer_plan import (
     spacing_of,
 )
 from gpr20_user_interface.mid.map_grid import SurveyGrid
+from gpr20_user_interface.mid.time_words import duration
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
@@ -155,7 +155,7 @@ class FinerSheet(Overlay):
             columns=p.x_points, rows=p.y_points, traces=p.total_points
         )
         duration_s = self._duration(p)
-        time = "—" if duration_s is None else time_text(duration_s)
+        time = "—" if duration_s is None else shown_text(duration(duration_s))
         return "\n".join([area, count, self.tr("Time: {time}").format(time=time)])
 
     def _note(self) -> str:

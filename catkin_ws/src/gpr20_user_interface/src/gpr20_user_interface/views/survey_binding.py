@@ -8,6 +8,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.notices import (
+    Notice,
     Refused,
     analyzer_notice,
     node_notice,
@@ -19,12 +20,13 @@ from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.question import AnalyzerQuestion
+from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.top_bar import TopBar
 
 
 class SurveyBinding(Binding):
-    """Passes STOP on, shows state and refusals.
+    """Passes PAUSE, RESUME and STOP on, shows state and refusals.
 
     Attributes:
         notice: The dialog of refusals and faults.
@@ -32,14 +34,23 @@ class SurveyBinding(Binding):
     """
 
     def __init__(
-        self, window: QWidget, survey: WindowPresenter, top_bar: TopBar, status: StatusView
+        self,
+        window: QWidget,
+        survey: WindowPresenter,
+        top_bar: TopBar,
+        status: StatusView,
+        start_sheet: StartSheet,
     ) -> None:
         self._survey = survey
         self._top_bar = top_bar
         self._status = status
+        self._start_sheet = start_sheet
         self.notice = NoticeView(window)
         self.question = AnalyzerQuestion(window)
         top_bar.stop.pressed.connect(survey.stop)
+        top_bar.pause_pressed.connect(survey.pause)
+        top_bar.resume_pressed.connect(start_sheet.ask_resume)
+        self.notice.resume_pressed.connect(top_bar.resume_pressed)
         top_bar.replay.pause.clicked.connect(lambda: survey.pause_replay())
         status.message.touched.connect(lambda state: self.notice.show_notice(state_notice(state)))
         status.health.node_touched.connect(lambda node: self.notice.show_notice(node_notice(node)))
@@ -62,9 +73,21 @@ class SurveyBinding(Binding):
         """Show why something did not succeed."""
         self.notice.show_notice(refusal_notice(refused, reason))
 
+    def show_fault(self, card: Notice) -> None:
+        """Show the card of a fault, unless a dialog asks about it or says it already."""
+        told = self.notice.notice if self.notice.isVisible() else None
+        if not self.question.isVisible() and (told is None or told.text != card.text):
+            self.notice.show_notice(card)
+
+    def hide_resumable(self) -> None:
+        """Close the card of a fault after which the survey has been resumed or stopped."""
+        if self.notice.notice is not None and self.notice.notice.resumable:
+            self.notice.hide()
+
     def _ask_about_analyzer(self, reason: Message, identity: str) -> None:
         # The status of the survey may have opened a notice with the same reason.
         self.notice.hide()
         self.question.ask(
-            analyzer_notice(reason, identity), lambda: self._survey.resume_with(identity)
+            analyzer_notice(reason, identity),
+            lambda: self._start_sheet.ask_resume_with(identity),
         )
