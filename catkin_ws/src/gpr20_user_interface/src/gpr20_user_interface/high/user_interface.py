@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
+import os
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, NoReturn
 
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
@@ -17,8 +19,14 @@ from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_user_interface.errors import MasterUnavailableError
+from gpr20_user_interface.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
+from gpr20_user_interface.high.display import (
+    check_display,
+    draw_without_opengl,
+    on_display_lost,
+    wait_for_display,
+)
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.analysis_program import AnalysisProgram
@@ -39,6 +47,8 @@ MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
+EXIT_NO_DISPLAY = 3
+EXIT_DISPLAY_LOST = 4
 EXIT_BY_SIGNAL = 130
 
 
@@ -84,6 +94,8 @@ class UserInterface:
         self.control.listen_to_robot()
         self.storage.listen()
         self.window.begin()
+        # Notices a display that was lost meanwhile, without which Qt would crash.
+        QApplication.processEvents()
         self.window.show()
 
     def end(self) -> None:
@@ -104,26 +116,64 @@ class UserInterface:
         return WARN, Message("no contact with the main control"), values
 
 
-def main() -> int:
+def main() -> NoReturn:
     """Show the window until it is closed, ROS asks it to end or a signal comes."""
-    application = QApplication(rospy.myargv())
+    # Without the exit handlers and destructors of libraries: their threads still run.
+    leave_now(_run(_parser().parse_known_args(rospy.myargv()[1:])[0]))
 
-    def quit_soon(_name: str) -> None:
-        # A quit() before the event loop runs would be lost; this waits for the loop.
-        QTimer.singleShot(0, application.quit)
 
-    with StopSignals(quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser("user_interface", description="The window of the operator.")
+    parser.add_argument(
+        "--wait-for-display", action="store_true", help="wait until there is a screen"
+    )
+    return parser
+
+
+def _run(given: argparse.Namespace) -> int:
+    draw_without_opengl(os.environ)
+    try:
+        # First: there are no threads yet.
+        if given.wait_for_display:
+            wait_for_display(_say)
+        else:
+            check_display(os.environ)
+    except DisplayUnavailableError as error:
+        _say(str(error))
+        return EXIT_NO_DISPLAY
+    with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
-            print(f"user_interface: {error}", file=sys.stderr)
+            _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
-            leave_now(EXIT_NO_MASTER)
+            return EXIT_NO_MASTER
+        on_display_lost(lambda: _leave_without_display(signals.received))
+        application = QApplication(rospy.myargv())
+        if signals.received:
+            _quit_soon()
         try:
             return _show(application)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
             return EXIT_WRONG_PARAMETER
+
+
+def _say(sentence: str) -> None:
+    print(f"user_interface: {sentence}", file=sys.stderr, flush=True)
+
+
+def _quit_soon(_name: str = "") -> None:
+    application = QApplication.instance()
+    if application is not None:
+        # A quit() before the event loop runs would be lost; this waits for the loop.
+        QTimer.singleShot(0, application.quit)
+
+
+def _leave_without_display(asked_to_end: bool) -> NoReturn:
+    if not asked_to_end:
+        _say("the display was closed, and the window with it; a survey that runs continues")
+    leave_now(0 if asked_to_end else EXIT_DISPLAY_LOST)
 
 
 def _show(application: QApplication) -> int:
