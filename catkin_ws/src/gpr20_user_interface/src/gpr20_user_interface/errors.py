@@ -25,3 +25,7 @@ class SurveyNotReadableError(UserInterfaceError, ValueError):
 
 class ProfileError(UserInterfaceError, ValueError):
     """A profile of parameters cannot be read or written, or its name is not allowed."""
+
+
+class SettingsError(UserInterfaceError, ValueError):
+    """The settings of the window cannot be read or written; the message gives the reason."""

@@ -131,7 +131,9 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None):
+def new_window(
+    languages, survey=None, storage=None, profiles=None, program=None, memory=None, clock=None
+):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     window = MainWindow(
@@ -140,6 +142,8 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         Profiles(ProfileFolder(profiles)),
         languages,
         CandidateSearch(program or Program(), time.monotonic),
+        memory,
+        **({} if clock is None else {"clock": clock}),
     )
     window.problems, window.languages = problems, languages
     return window

@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable, NoReturn
+from typing import Any, Callable, NoReturn, Optional
 
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
@@ -31,6 +31,8 @@ from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.low.screen_saver import ScreenSaver
+from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.message_source import MessageSources
@@ -40,11 +42,18 @@ from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimator
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.mid.window_settings import WindowMemory
 from gpr20_user_interface.views.main_window import MainWindow
+from gpr20_user_interface.views.screen_placement import ScreenPlacement
 from gpr20_user_interface.views.translation import Languages
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
+DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
+# Of the parameter ~language: the language that was used last.
+REMEMBERED = "auto"
+# A disk may be slow; the window does not wait for it longer.
+SETTINGS_LIMIT_S = 5.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
@@ -73,7 +82,14 @@ class EventSignal(QObject):
 class UserInterface:
     """The window and its clients of the graph, connected."""
 
-    def __init__(self, model: SurveyModel, languages: Languages, profiles: Profiles) -> None:
+    def __init__(
+        self,
+        model: SurveyModel,
+        languages: Languages,
+        profiles: Profiles,
+        memory: Optional[WindowMemory] = None,
+        full_screen: bool = False,
+    ) -> None:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
@@ -84,7 +100,9 @@ class UserInterface:
             profiles,
             languages,
             CandidateSearch(AnalysisProgram(self.signal.emit_event), time.monotonic),
+            memory,
         )
+        self._placement = ScreenPlacement(self.window, full_screen)
         _connect_queued(self.signal.event_came, self.window.on_event)
 
     def begin(self) -> None:
@@ -96,7 +114,7 @@ class UserInterface:
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()
-        self.window.show()
+        self._placement.show()
 
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
@@ -177,22 +195,49 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
 
 
 def _show(application: QApplication) -> int:
-    code = rospy.get_param("~language", Language.ENGLISH.value)
-    languages = Languages(application, language_from_code(code))
-    folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
-    interface = UserInterface(SurveyModel(Clock()), languages, Profiles(ProfileFolder(folder)))
+    memory = WindowMemory(SettingsFile(_path("~settings", DEFAULT_SETTINGS)), _log)
+    languages = Languages(application, _language(memory.settings.language))
+    interface = UserInterface(
+        SurveyModel(Clock()),
+        languages,
+        Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
+        memory,
+        bool(rospy.get_param("~full_screen", False)),
+    )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
+    screen_saver = ScreenSaver()
+    _note(screen_saver.switch_off())
     keeper = ConnectionKeeper()
     status = application.exec_()
+    _note(screen_saver.restore())
     keeper.close()
     interface.end()
+    memory.close(SETTINGS_LIMIT_S)
     # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")
     del diagnostics
     return status
+
+
+def _language(remembered: Language) -> Language:
+    code = rospy.get_param("~language", REMEMBERED)
+    return remembered if code == REMEMBERED else language_from_code(code)
+
+
+def _path(parameter: str, default: str) -> Path:
+    return Path(rospy.get_param(parameter, default)).expanduser()
+
+
+def _log(reason: Message) -> None:
+    rospy.logwarn("%s", reason)
+
+
+def _note(problem: Optional[str]) -> None:
+    if problem is not None:
+        rospy.loginfo("the screen saver is left as it is: %s", problem)
 
 
 def _connect_queued(signal: Any, slot: Callable[..., None]) -> None:

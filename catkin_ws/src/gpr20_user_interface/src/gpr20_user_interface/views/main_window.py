@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import enum
 from dataclasses import replace
-from typing import Callable, Dict, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
+from gpr20_common.low.clock import Clock
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.mid.window_settings import WindowMemory
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
 from gpr20_user_interface.views.control_view import ControlView
@@ -29,6 +31,7 @@ from gpr20_user_interface.views.look import (
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
+from gpr20_user_interface.views.settings_binding import SettingsBinding
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
 from gpr20_user_interface.views.survey_binding import SurveyBinding
@@ -36,7 +39,6 @@ from gpr20_user_interface.views.surveys_binding import SurveysBinding
 from gpr20_user_interface.views.top_bar import TopBar
 from gpr20_user_interface.views.traces_binding import TracesBinding
 from gpr20_user_interface.views.translation import Languages, TranslatedWidget
-from gpr20_user_interface.views.widgets import new_button
 
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
@@ -66,7 +68,8 @@ class MainWindow(TranslatedWidget):
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
         search: The search for candidates in a stored survey.
-        look: Theme of the window; the scale follows its size.
+        memory: What the operator has chosen for the window; None: the defaults.
+        clock: Measures the time without a touch.
 
     Attributes:
         look: Theme and scale now.
@@ -79,13 +82,14 @@ class MainWindow(TranslatedWidget):
         profiles: Profiles,
         languages: Languages,
         search: CandidateSearch,
-        look: Look = Look(),  # noqa: B008 (it is immutable)
+        memory: Optional[WindowMemory] = None,
+        clock: Clock = Clock(),  # noqa: B008 (it has no state)
     ) -> None:
         super().__init__()
-        self.look = look
+        memory = memory or WindowMemory()
+        self.look = Look(memory.settings.theme)
         self.survey = survey
         self.traces = traces
-        self._languages = languages
         self.top_bar = TopBar()
         self.tabs = QTabWidget()
         self.control = ControlView()
@@ -93,7 +97,6 @@ class MainWindow(TranslatedWidget):
         self.map = MapView(traces.shown.map, traces.shown.radar)
         self.radar = RadarView(traces.shown.radar)
         self.past = PastSurveysView(traces.past)
-        self.language_button = new_button(languages.use_next)
         # One of several pages: planning a survey, ...
         self.control_pages = QStackedWidget()
         self.control_pages.addWidget(self.control)
@@ -119,6 +122,15 @@ class MainWindow(TranslatedWidget):
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
+        self.settings = SettingsBinding(
+            self,
+            self.top_bar.stop,
+            (self.notice, self.question),
+            languages,
+            lambda theme: self.use_look(replace(self.look, theme=theme)),
+            memory,
+            clock,
+        )
         # The traces first: the others show what they have.
         self._bindings: Tuple[Binding, ...] = (
             TracesBinding(
@@ -127,6 +139,7 @@ class MainWindow(TranslatedWidget):
             self.survey_binding,
             self.control_binding,
             self.surveys_binding,
+            self.settings,
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -201,15 +214,13 @@ class MainWindow(TranslatedWidget):
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
-        # The language that a touch changes to, by its own name.
-        self.language_button.setText(self._languages.language.next.own_name)
 
     def _lay_out(self) -> None:
         for page in self._pages.values():
             self.tabs.addTab(page, "")
         self.corner.setContentsMargins(0, 0, 0, 0)
         self.corner.setSpacing(GAP_PX)
-        self.corner.addWidget(self.language_button)
+        self.corner.addWidget(self.settings.button)
         corner = QWidget()
         corner.setLayout(self.corner)
         self.tabs.setCornerWidget(corner)
