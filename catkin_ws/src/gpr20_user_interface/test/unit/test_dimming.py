@@ -115,6 +115,8 @@ def test_stop_is_seen_and_acts_on_a_dimmed_screen(window, clock):
 )
 def test_an_alarm_or_a_fault_is_never_dimmed(window, clock, shown):
     assert not dim(window, clock, shown)
+    window.notice.hide()
+    assert not dim(window, clock, shown)
     assert dim(window, clock)
     show(window, shown)
     assert not window.settings.cover.isVisible()
