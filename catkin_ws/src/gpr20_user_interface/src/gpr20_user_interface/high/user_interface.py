@@ -27,16 +27,17 @@ from gpr20_user_interface.high.display import (
     on_display_lost,
     wait_for_display,
 )
+from gpr20_user_interface.high.imaging_client import ImagingClient
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
-from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.screen_saver import ScreenSaver
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.message_source import MessageSources
+from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.shown_model import ShownModel
@@ -96,14 +97,17 @@ class UserInterface:
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
         self.service = ServiceToolsClient(self.signal.emit_event)
+        self.imaging = ImagingClient(self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
         self.window = MainWindow(
-            WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
-            TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-            profiles,
+            Presenters(
+                WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
+                TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
+                ImagingPresenter(self.imaging, time.monotonic),
+                ServiceModel(self.service, Clock()),
+                profiles,
+            ),
             languages,
-            CandidateSearch(AnalysisProgram(self.signal.emit_event), time.monotonic),
-            ServiceModel(self.service, Clock()),
             memory,
         )
         self._placement = ScreenPlacement(self.window, full_screen)
@@ -116,6 +120,7 @@ class UserInterface:
         self.control.listen_to_robot()
         self.storage.listen()
         self.service.listen()
+        self.imaging.listen()
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()
@@ -124,6 +129,7 @@ class UserInterface:
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
+        self.imaging.close()
         self.storage.close()
         self.service.close()
         self.control.close()

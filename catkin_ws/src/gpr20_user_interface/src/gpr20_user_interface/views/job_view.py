@@ -18,7 +18,7 @@ from gpr20_user_interface.views.state_band import StateBand, StateSign
 from gpr20_user_interface.views.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.views.widgets import new_button
 
-BAND_PX = 84
+BAND_PX = 72
 UNKNOWN = "—"
 
 
@@ -92,6 +92,7 @@ class JobView(TranslatedWidget):
         self.left.setVisible(job.left is not None)
         self.percent.setText(UNKNOWN if job.percent is None else f"{job.percent} %")
         self.line.setText("" if job.line is None else shown_text(job.line))
+        self.line.setVisible(job.line is not None)
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.show_text(", ".join(text for text in (self._name, area) if text))
