@@ -23,6 +23,7 @@ from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
@@ -103,6 +104,25 @@ class Storage:
         self.asked.append(("annotate", survey, annotation))
 
 
+class ServiceTools:
+    """In place of the client of SERVICE: remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def set_watched(self, watched):
+        self.asked.append(("watch", watched))
+
+    def move(self, axis, action, distance):
+        self.asked.append((axis.value, action.name, distance))
+
+    def measure_height(self):
+        self.asked.append("height")
+
+    def test_analyzer(self):
+        self.asked.append("analyzer")
+
+
 class Program:
     """In place of the command gpr20: remembers what it was started with."""
 
@@ -139,15 +159,18 @@ def window(application, tmp_path):
 def new_window(languages, survey=None, storage=None, profiles=None, program=None, clock=None):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
+    tools = ServiceTools()
     window = MainWindow(
         survey or Survey(),
         TracePresenter(storage or Storage(), problems.append),
         Profiles(ProfileFolder(profiles)),
         languages,
         CandidateSearch(program or Program(), time.monotonic),
+        ServiceModel(tools, clock or Clock()),
         clock=clock or Clock(),
     )
     window.problems, window.languages, window.clock = problems, languages, clock
+    window.tools = tools
     return window
 
 

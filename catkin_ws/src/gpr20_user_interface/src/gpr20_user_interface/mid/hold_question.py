@@ -9,10 +9,10 @@ from typing import Optional, Tuple
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.mid.displays import time_parts
 from gpr20_user_interface.mid.events import Progress
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
+from gpr20_user_interface.mid.time_words import duration
 
 Row = Tuple[Message, Message]
 # Of an operator or a site; the sheet has no room for more.
@@ -129,11 +129,7 @@ def _area(p: SurveyParameters) -> Message:
 def _time(duration_s: Optional[float]) -> Message:
     if duration_s is None or not math.isfinite(duration_s):
         return Message("not known yet")
-    days, hours, minutes, _seconds = time_parts(math.ceil(duration_s / 60.0) * 60.0)
-    hours += 24 * days
-    if hours:
-        return Message("about {hours} h {minutes} min", hours=hours, minutes=minutes)
-    return Message("about {minutes} min", minutes=minutes)
+    return Message("about {time}", time=duration(duration_s))
 
 
 def _counted(stored: int, planned: int) -> Message:

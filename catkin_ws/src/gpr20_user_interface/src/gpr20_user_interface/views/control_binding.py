@@ -66,7 +66,7 @@ class ControlBinding(Binding):
         control.parameters_changed.connect(self.on_parameters)
         control.pad_wanted.connect(self._on_pad_wanted)
         control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
-        control.notes.clicked.connect(self._on_notes)
+        control.notes.clicked.connect(self.show_notes)
         self.annotation.saved.connect(self._on_annotation_saved)
         self.profiles.loaded.connect(control.show_parameters)
         self.profiles.failed.connect(lambda reason: show_refusal(Refused.PROFILE, reason))
@@ -103,7 +103,8 @@ class ControlBinding(Binding):
     def _on_start(self, parameters: SurveyParameters) -> None:
         self._start_sheet.ask_start(parameters, self.next_annotation.value)
 
-    def _on_notes(self) -> None:
+    def show_notes(self) -> None:
+        """Open the notes of the survey that runs, or of the next one."""
         running = self._survey.snapshot.running_survey
         if running:
             self._source.read_annotation(running)

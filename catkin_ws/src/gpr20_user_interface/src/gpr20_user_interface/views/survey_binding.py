@@ -25,7 +25,7 @@ from gpr20_user_interface.views.top_bar import TopBar
 
 
 class SurveyBinding(Binding):
-    """Passes STOP on, shows state and refusals.
+    """Passes PAUSE, RESUME and STOP on, shows state and refusals.
 
     Attributes:
         notice: The dialog of refusals and faults.
@@ -47,6 +47,9 @@ class SurveyBinding(Binding):
         self.notice = NoticeView(window)
         self.question = AnalyzerQuestion(window)
         top_bar.stop.pressed.connect(survey.stop)
+        top_bar.pause_pressed.connect(survey.pause)
+        top_bar.resume_pressed.connect(start_sheet.ask_resume)
+        self.notice.resume_pressed.connect(top_bar.resume_pressed)
         top_bar.replay.pause.clicked.connect(lambda: survey.pause_replay())
         status.message.touched.connect(lambda state: self.notice.show_notice(state_notice(state)))
         status.health.node_touched.connect(lambda node: self.notice.show_notice(node_notice(node)))
