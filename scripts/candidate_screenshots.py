@@ -15,8 +15,8 @@ from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
-from gpr20_user_interface.views.main_window import HEIGHT_PX, WIDTH_PX
-from gpr20_user_interface.views.style import STYLE_SHEET
+from gpr20_user_interface.views.look import DESIGN_HEIGHT_PX, DESIGN_WIDTH_PX, Look
+from gpr20_user_interface.views.style_sheet import style_sheet
 from gpr20_user_interface.views.top_bar import TopBar
 from gpr20_user_interface.views.translation import Languages
 
@@ -33,8 +33,8 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
         described["simulated"], None,
     )  # fmt: skip
     window = QWidget()
-    window.setStyleSheet(STYLE_SHEET)
-    window.resize(WIDTH_PX, HEIGHT_PX)
+    window.setStyleSheet(style_sheet(Look()))
+    window.resize(DESIGN_WIDTH_PX, DESIGN_HEIGHT_PX)
     column = QVBoxLayout(window)
     column.setContentsMargins(0, 0, 0, 0)
     column.addWidget(TopBar())

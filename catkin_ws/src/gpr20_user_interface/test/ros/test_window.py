@@ -117,7 +117,10 @@ class Window(WindowCase):
         self.assertEqual(self.window.notice.details.toPlainText(), "errno 13")
         self.touch(self.window.language_button)
         spanish = "permiso denegado"
-        wait_until(lambda: self.window.notice.reason.toPlainText() == spanish, "it is translated")
+        wait_until(
+            lambda: self.window.notice.reason.toPlainText() == spanish,
+            "it is translated",
+        )
         self.touch(self.window.language_button)
         self.assertEqual(self.fake.starts, 0)
         self.keep_picture("refused")

@@ -110,20 +110,20 @@ def test_a_refused_start_keeps_the_notes(window, sheet):
     write(sheet, "notes", "wet")
     click(sheet.save)
     window.on_event(Answer(Request.START, False, verbatim("refused")))
-    assert window.next_annotation.value.notes == "wet"
+    assert window.control_binding.next_annotation.value.notes == "wet"
 
 
 def test_closing_without_saving_changes_nothing(window, sheet):
     click(window.control.notes)
     write(sheet, "operator", "Ana")
     click(sheet.close_button)
-    assert window.next_annotation.value == EMPTY
+    assert window.control_binding.next_annotation.value == EMPTY
 
 
 def test_the_defaults_of_the_robot_fill_what_is_empty(window):
-    window.next_annotation.value = Annotation(site="here")
+    window.control_binding.next_annotation.value = Annotation(site="here")
     window.on_event(AnnotationDefaults(Annotation("Ana", "elsewhere")))
-    assert window.next_annotation.value == Annotation("Ana", "here")
+    assert window.control_binding.next_annotation.value == Annotation("Ana", "here")
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, s
     assert sheet.isVisible()
     window.on_event(AnnotationStored(SURVEY))
     assert not sheet.isVisible()
-    assert window.next_annotation.value == EMPTY
+    assert window.control_binding.next_annotation.value == EMPTY
 
 
 def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):

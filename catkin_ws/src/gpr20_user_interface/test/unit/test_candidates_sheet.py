@@ -216,10 +216,16 @@ def test_what_was_found_in_another_survey_is_forgotten(window):
 def test_the_language_changes_at_once(window):
     search(window)
     ended(window, json.dumps(MANY))
-    before = cells(window.candidates.table)[20][-1], window.candidates.no_clearance.text()
+    before = (
+        cells(window.candidates.table)[20][-1],
+        window.candidates.no_clearance.text(),
+    )
     window.languages.use_next()
     QTest.qWait(1)
-    after = cells(window.candidates.table)[20][-1], window.candidates.no_clearance.text()
+    after = (
+        cells(window.candidates.table)[20][-1],
+        window.candidates.no_clearance.text(),
+    )
     assert after[1] != before[1] and after[0] != before[0]
 
 

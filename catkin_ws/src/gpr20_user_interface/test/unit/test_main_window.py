@@ -11,8 +11,8 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth, Progress, Request
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
+from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.style import TOUCH_PX
 
 __all__ = ["application", "window"]
 

@@ -17,8 +17,10 @@ from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
+from gpr20_user_interface.views.look import Look
+from gpr20_user_interface.views.map_canvas import STOP_MARKS
 from gpr20_user_interface.views.map_view import MapView
-from gpr20_user_interface.views.style import CURRENT, STOP_COLOURS
+from gpr20_user_interface.views.palette import Mark
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +79,7 @@ def shown(application):
     ],
 )
 def test_each_stop_has_the_colour_of_its_state(shown, stop, state):
-    assert shown.colour(stop) == STOP_COLOURS[state]
+    assert shown.colour(stop) == Look().colour(STOP_MARKS[state])
 
 
 def test_the_first_row_lies_below_and_the_area_is_to_scale(shown):
@@ -90,8 +92,8 @@ def test_the_first_row_lies_below_and_the_area_is_to_scale(shown):
 def test_a_reverse_survey_is_drawn_where_it_is_measured(application):
     shown = Shown(make_grid(x_start_mm=200.0, x_stop_mm=100.0, y_start_mm=110.0, y_stop_mm=50.0))
     assert shown.place(Stop(0, 0)).x() > shown.place(Stop(0, 4)).x()
-    assert shown.colour(Stop(1, 4)) == STOP_COLOURS[StopState.FAILED]
-    assert shown.colour(Stop(1, 3)) == STOP_COLOURS[StopState.MISSING]
+    assert shown.colour(Stop(1, 4)) == Look().colour(STOP_MARKS[StopState.FAILED])
+    assert shown.colour(Stop(1, 3)) == Look().colour(STOP_MARKS[StopState.MISSING])
 
 
 def test_the_legend_counts(shown):
@@ -140,14 +142,14 @@ def test_the_current_stop_and_the_antennas_are_marked(shown):
     half_px = 12.5 * geometry.px_per_mm
     shown.model.set_target((150.0, 90.0))
     shown.view.refresh()
-    assert mark() == CURRENT
+    assert mark() == Look().colour(Mark.CURRENT)
     shown.model.set_target(None)
     shown.view.refresh()
-    assert mark() != CURRENT
+    assert mark() != Look().colour(Mark.CURRENT)
     shown.view.set_carriage((175.0, 90.0))
     assert shown.colour(Stop(2, 3), dx=0, dy=0) == "#000000"
     shown.view.set_carriage(None)
-    assert shown.colour(Stop(2, 3), dx=0, dy=0) == STOP_COLOURS[StopState.MISSING]
+    assert shown.colour(Stop(2, 3), dx=0, dy=0) == Look().colour(STOP_MARKS[StopState.MISSING])
 
 
 def test_before_any_survey_it_says_so_and_takes_touches(application):

@@ -40,8 +40,8 @@ from gpr20_user_interface.mid.robot_health import (
 )
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.elided_label import ElidedLabel
+from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.translation import Languages, shown_text
 
 __all__ = ["application", "window"]

@@ -14,8 +14,8 @@ from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
+from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.style import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]

@@ -13,9 +13,9 @@ from gpr20_user_interface.mid.annotation_form import HINTS, TITLES, check_texts,
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.parameter_form_view import TouchEdit
-from gpr20_user_interface.views.style import new_button, set_look
 from gpr20_user_interface.views.text_pad import TextPad
 from gpr20_user_interface.views.translation import shown_text
+from gpr20_user_interface.views.widgets import new_button, set_look
 
 NUMBERS = ("latitude", "longitude")
 # More characters than any field may have, so that a text which is too long is named as such.

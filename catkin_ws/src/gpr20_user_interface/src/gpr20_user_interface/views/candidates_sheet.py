@@ -28,10 +28,11 @@ from gpr20_user_interface.mid.candidate_search import (
 )
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.look import TOUCH_PX, look_of
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.parameter_form_view import TouchEdit
-from gpr20_user_interface.views.style import TOUCH_PX, new_button
 from gpr20_user_interface.views.translation import shown_text
+from gpr20_user_interface.views.widgets import new_button
 
 MM_PER_M = 1e3
 SMALLEST_ALARM = 1e-6
@@ -107,6 +108,10 @@ class CandidatesSheet(Overlay):
         after = self.search.state, self.search.problem, self.search.can_start
         if before != after or self.search.state is SearchState.RUNNING:
             self._show()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(TOUCH_PX))
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
@@ -217,7 +222,6 @@ class CandidatesSheet(Overlay):
         table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         table.verticalHeader().hide()
-        table.verticalHeader().setDefaultSectionSize(TOUCH_PX)
         header = table.horizontalHeader()
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setStretchLastSection(True)

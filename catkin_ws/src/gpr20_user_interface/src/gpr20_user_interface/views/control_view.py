@@ -33,10 +33,10 @@ from gpr20_user_interface.mid.parameter_form import (
     texts_of,
 )
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.views.look import COMMAND_PX, look_of
 from gpr20_user_interface.views.pad import Judge
 from gpr20_user_interface.views.parameter_form_view import ParameterFormView, TouchEdit
 from gpr20_user_interface.views.preview_panel import PreviewPanel
-from gpr20_user_interface.views.style import COMMAND_PX
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 STEPS = (1, 10, 100)
@@ -124,14 +124,19 @@ class ControlView(TranslatedWidget):
         self._show_problems()
         self._show_buttons()
 
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        look = look_of(self)
+        for button in (self.start, self.pause):
+            button.setMinimumHeight(look.px(COMMAND_PX))
+        self._grid.setColumnMinimumWidth(1, look.px(SIDE_WIDTH_PX))
+
     def _lay_out(self) -> None:
         self.problems.setObjectName("problems")
         self.problems.setReadOnly(True)
         self._below.addWidget(self.preview)
         self._below.addWidget(self.problems)
         self.start.setObjectName("start")
-        for button in (self.start, self.pause):
-            button.setMinimumHeight(COMMAND_PX)
         self._step_title.setObjectName("quiet")
         grid = QGridLayout(self)
         grid.setContentsMargins(6, 4, 6, 4)
@@ -141,7 +146,7 @@ class ControlView(TranslatedWidget):
         grid.addWidget(self._below, 1, 0)
         grid.addLayout(self._side(), 0, 1, 2, 1)
         grid.setColumnStretch(0, 1)
-        grid.setColumnMinimumWidth(1, SIDE_WIDTH_PX)
+        self._grid = grid
         grid.setRowStretch(1, 1)
 
     def _side(self) -> QVBoxLayout:

@@ -14,8 +14,8 @@ from gpr20_user_interface.mid.notices import node_text
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.titles import level_title, node_title
 from gpr20_user_interface.views.elided_label import ElidedLabel
-from gpr20_user_interface.views.style import set_look
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.views.widgets import set_look
 
 UNKNOWN = "—"
 LOOKS: Dict[HealthLevel, str] = {

@@ -7,7 +7,7 @@ from typing import Callable, Sequence
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLineEdit, QPushButton, QWidget
 
 from gpr20_user_interface.views.pad import Judge, Pad
-from gpr20_user_interface.views.style import set_look
+from gpr20_user_interface.views.widgets import set_look
 
 DIGITS = ("789", "456", "123", "-0.", ", ")
 LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")

@@ -3,52 +3,41 @@
 from __future__ import annotations
 
 import enum
-from typing import Callable, Dict, Optional
+from dataclasses import replace
+from typing import Callable, Dict, Tuple
 
 from PyQt5.QtCore import QTimer
-from PyQt5.QtWidgets import QTabWidget, QVBoxLayout, QWidget
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
-from gpr20_common.message import Message
-from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
-from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
-from gpr20_user_interface.mid.message_source import Received
-from gpr20_user_interface.mid.next_annotation import NextAnnotation
-from gpr20_user_interface.mid.notices import (
-    Refused,
-    analyzer_notice,
-    node_notice,
-    refusal_notice,
-    state_notice,
-)
-from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    AnnotationStored,
-)
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
-from gpr20_user_interface.views.annotation_sheet import AnnotationSheet
-from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
-from gpr20_user_interface.views.control_view import ControlView, PadRequest
-from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.binding import Binding
+from gpr20_user_interface.views.control_binding import ControlBinding
+from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.look import (
+    DESIGN_HEIGHT_PX,
+    DESIGN_WIDTH_PX,
+    GAP_PX,
+    SMALLEST_SCALE,
+    Look,
+    scale_for,
+)
 from gpr20_user_interface.views.map_view import MapView
-from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
-from gpr20_user_interface.views.profiles_view import ProfilesView
-from gpr20_user_interface.views.question import AnalyzerQuestion
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.status_view import StatusView
-from gpr20_user_interface.views.style import STYLE_SHEET, new_button
+from gpr20_user_interface.views.style_sheet import style_sheet
+from gpr20_user_interface.views.survey_binding import SurveyBinding
+from gpr20_user_interface.views.surveys_binding import SurveysBinding
 from gpr20_user_interface.views.top_bar import TopBar
+from gpr20_user_interface.views.traces_binding import TracesBinding
 from gpr20_user_interface.views.translation import Languages, TranslatedWidget
+from gpr20_user_interface.views.widgets import new_button
 
-WIDTH_PX = 800
-HEIGHT_PX = 480
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
 # A trace must be seen within a second; drawing more often than this costs a core and shows no more.
@@ -77,6 +66,10 @@ class MainWindow(TranslatedWidget):
         profiles: Parameters that are stored under a name.
         languages: Languages of the window.
         search: The search for candidates in a stored survey.
+        look: Theme of the window; the scale follows its size.
+
+    Attributes:
+        look: Theme and scale now.
     """
 
     def __init__(
@@ -86,13 +79,13 @@ class MainWindow(TranslatedWidget):
         profiles: Profiles,
         languages: Languages,
         search: CandidateSearch,
+        look: Look = Look(),  # noqa: B008 (it is immutable)
     ) -> None:
         super().__init__()
-        self.setStyleSheet(STYLE_SHEET)
+        self.look = look
         self.survey = survey
         self.traces = traces
         self._languages = languages
-        self._shown = traces.shown
         self.top_bar = TopBar()
         self.tabs = QTabWidget()
         self.control = ControlView()
@@ -101,35 +94,56 @@ class MainWindow(TranslatedWidget):
         self.radar = RadarView(traces.shown.radar)
         self.past = PastSurveysView(traces.past)
         self.language_button = new_button(languages.use_next)
+        # One of several pages: planning a survey, ...
+        self.control_pages = QStackedWidget()
+        self.control_pages.addWidget(self.control)
+        # At the right of the tabs.
+        self.corner = QHBoxLayout()
         self._pages: Dict[TabName, QWidget] = {
-            TabName.CONTROL: self.control,
+            TabName.CONTROL: self.control_pages,
             TabName.STATUS: self.status,
             TabName.MAP: self.map,
             TabName.RADAR: self.radar,
             TabName.SURVEYS: self.past,
         }
-        self.number_pad = KeyPad(self, DIGITS)
-        self.profiles = ProfilesView(self, profiles)
-        self.next_annotation = NextAnnotation()
-        self.annotation = AnnotationSheet(self)
-        self.candidates = CandidatesSheet(self, search, lambda: languages.language.value)
-        self.notice = NoticeView(self)
-        self.question = AnalyzerQuestion(self)
+        self.survey_binding = SurveyBinding(self, survey, self.top_bar, self.status)
+        self.control_binding = ControlBinding(
+            self, survey, self.control, profiles, traces.source, self.survey_binding.show_refusal
+        )
+        self.surveys_binding = SurveysBinding(
+            self, survey, self.past, traces.source, search, languages
+        )
+        # What lies over the tabs; the bindings open and close it.
+        self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.number_pad = self.control_binding.number_pad
+        self.profiles = self.control_binding.profiles
+        self.annotation = self.control_binding.annotation
+        self.candidates = self.surveys_binding.candidates
+        # The traces first: the others show what they have.
+        self._bindings: Tuple[Binding, ...] = (
+            TracesBinding(
+                survey, traces, self.map, self.radar, lambda: self.show_tab(TabName.RADAR)
+            ),
+            self.survey_binding,
+            self.control_binding,
+            self.surveys_binding,
+        )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
             self._timer(MASTER_CHECK_MS, survey.check_master),
         ]
         self._lay_out()
-        self._connect()
+        self._refresh_after_requests()
         self.retranslate()
-        self.resize(WIDTH_PX, HEIGHT_PX)
+        self.setStyleSheet(style_sheet(self.look))
+        self.resize(DESIGN_WIDTH_PX, DESIGN_HEIGHT_PX)
 
     def begin(self) -> None:
         """Refresh the window from now on."""
         self.survey.check_master()
         self.refresh()
-        self._on_parameters(self.control.parameters)
+        self.control_binding.on_parameters(self.control.parameters)
         for timer in self._timers:
             timer.start()
 
@@ -142,50 +156,38 @@ class MainWindow(TranslatedWidget):
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
-        refusal = self.survey.on_event(event)
-        if refusal is not None and refusal.other_analyzer:
-            self._ask_about_analyzer(refusal.reason, refusal.other_analyzer)
-        elif refusal is not None:
-            self._show_refusal(Refused[refusal.request.name], refusal.reason)
+        self.survey_binding.take_refusal(self.survey.on_event(event))
         if isinstance(event, Answer):
             self.refresh()
-        self._take_annotation(event)
-        self.candidates.on_event(event)
-        if self.survey.is_shown(event):
-            self.traces.on_event(event.event if isinstance(event, Received) else event)
-        self._show_opened()
-        self.past.refresh()
+        for binding in self._bindings:
+            binding.on_event(event)
 
     def refresh(self) -> None:
         """Show what is known of the robot and the survey now."""
         snapshot = self.survey.refresh()
-        self.traces.note_state(snapshot)
-        self._show_opened()
-        self.map.set_carriage(self.traces.carriage_mm)
-        self.past.refresh()
-        self.candidates.refresh(snapshot.running)
-        self.show_snapshot(snapshot)
-        self.control.preview.show_preview(self.survey.preview)
+        for binding in self._bindings:
+            binding.refresh(snapshot)
 
     def draw(self) -> None:
-        """Request the missing traces and draw what is new."""
-        self.traces.refresh()
-        self.map.refresh()
-        self.radar.refresh()
-
-    def show_snapshot(self, snapshot: Snapshot) -> None:
-        """Show what is known at a moment."""
-        self.top_bar.refresh(snapshot)
-        self.control.refresh(snapshot)
-        self.status.refresh(snapshot)
-        if snapshot.fields_locked:
-            # An entry would replace the survey's parameters in the fields.
-            for overlay in (self.number_pad, self.profiles.name_pad, self.profiles):
-                overlay.hide()
+        """Draw what is new."""
+        for binding in self._bindings:
+            binding.draw()
 
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""
         self.tabs.setCurrentWidget(self._pages[name])
+
+    def use_look(self, look: Look) -> None:
+        """Change theme or scale."""
+        if look != self.look:
+            self.look = look
+            self.setStyleSheet(style_sheet(look))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: the window has another size; everything in it scales."""
+        super().resizeEvent(event)
+        size = event.size()
+        self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
@@ -205,7 +207,12 @@ class MainWindow(TranslatedWidget):
     def _lay_out(self) -> None:
         for page in self._pages.values():
             self.tabs.addTab(page, "")
-        self.tabs.setCornerWidget(self.language_button)
+        self.corner.setContentsMargins(0, 0, 0, 0)
+        self.corner.setSpacing(GAP_PX)
+        self.corner.addWidget(self.language_button)
+        corner = QWidget()
+        corner.setLayout(self.corner)
+        self.tabs.setCornerWidget(corner)
         self.tabs.tabBar().setExpanding(False)
         # Not by the style sheet, whose bold letters the tabs do not measure.
         font = self.tabs.tabBar().font()
@@ -216,113 +223,23 @@ class MainWindow(TranslatedWidget):
         layout.setSpacing(0)
         layout.addWidget(self.top_bar)
         layout.addWidget(self.tabs, 1)
-
-    def _connect(self) -> None:
-        survey, control = self.survey, self.control
-        self.top_bar.stop.pressed.connect(lambda: self._ask(survey.stop))
-        control.start_pressed.connect(self._on_start)
-        self.top_bar.replay.pause.clicked.connect(lambda: self._ask(survey.pause_replay))
-        control.pause_pressed.connect(lambda: self._ask(survey.pause))
-        control.resume_pressed.connect(lambda: self._ask(survey.resume))
-        control.parameters_changed.connect(self._on_parameters)
-        control.pad_wanted.connect(self._on_pad_wanted)
-        control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
-        control.notes.clicked.connect(self._on_notes)
-        self.annotation.saved.connect(self._on_annotation_saved)
-        self.profiles.loaded.connect(control.show_parameters)
-        self.profiles.failed.connect(lambda reason: self._show_refusal(Refused.PROFILE, reason))
-        self.status.message.touched.connect(
-            lambda state: self.notice.show_notice(state_notice(state))
-        )
-        self.status.health.node_touched.connect(
-            lambda node: self.notice.show_notice(node_notice(node))
-        )
-        self.past.page_requested.connect(self.traces.source.list_surveys)
-        self.past.open_requested.connect(self.traces.source.read_survey)
-        self.past.notes_requested.connect(self.traces.source.read_annotation)
-        self.past.candidates_requested.connect(self._on_candidates)
-        self.past.resume_requested.connect(lambda folder: self._ask(lambda: survey.resume(folder)))
-        # The operator has seen enough of a past survey.
-        self.radar.back.clicked.connect(self._on_back_to_live)
-
-    def _show_refusal(self, refused: Refused, reason: Message) -> None:
-        self.notice.show_notice(refusal_notice(refused, reason))
-
-    def _ask_about_analyzer(self, reason: Message, identity: str) -> None:
-        # The status of the survey may have opened a notice with the same reason.
-        self.notice.hide()
-        self.question.ask(
-            analyzer_notice(reason, identity),
-            lambda: self._ask(lambda: self.survey.resume_with(identity)),
+        # The window may be smaller than the design: then everything in it is smaller too.
+        layout.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
+        self.setMinimumSize(
+            int(DESIGN_WIDTH_PX * SMALLEST_SCALE), int(DESIGN_HEIGHT_PX * SMALLEST_SCALE)
         )
 
-    def _ask(self, ask: Callable[[], None]) -> None:
-        ask()
-        self.refresh()
-
-    def _on_start(self, parameters: SurveyParameters) -> None:
-        self._ask(lambda: self.survey.start(parameters, self.next_annotation.value))
-
-    def _on_notes(self) -> None:
-        running = self.survey.snapshot.running_survey
-        if running:
-            self.traces.source.read_annotation(running)
-        else:
-            self.annotation.show_annotation("", self.next_annotation.value)
-
-    def _on_candidates(self, chosen: PastSurvey) -> None:
-        defaults = self.survey.snapshot.defaults
-        self.candidates.show_survey(chosen, "" if defaults is None else defaults.data)
-
-    def _on_annotation_saved(self, survey: str, annotation: Annotation) -> None:
-        if survey:
-            # The sheet stays open until the storage has it.
-            self.traces.source.annotate(survey, annotation)
-        else:
-            self.next_annotation.value = annotation
-            self.annotation.hide()
-
-    def _take_annotation(self, event: object) -> None:
-        if isinstance(event, AnnotationDefaults):
-            self.next_annotation.take_defaults(event.annotation)
-        elif isinstance(event, Answer) and event.request is Request.START and event.success:
-            self.next_annotation.note_started()
-        elif isinstance(event, AnnotationRead):
-            self.annotation.show_annotation(event.survey, event.annotation)
-        elif isinstance(event, AnnotationStored) and event.survey == self.annotation.survey:
-            self.annotation.hide()
-        elif isinstance(event, AnnotationFailed):
-            self._show_refusal(Refused.NOTES, event.reason)
-
-    def _on_parameters(self, parameters: Optional[SurveyParameters]) -> None:
-        self.survey.set_parameters(parameters)
-        self.control.preview.show_preview(self.survey.preview)
-
-    def _on_pad_wanted(self, request: PadRequest) -> None:
-        # A wrong value may remain while another field is corrected; START stays locked.
-        self.number_pad.ask(
-            request.edit.setText,
-            request.title,
-            request.hint,
-            request.edit.text(),
-            request.judge,
-            strict=False,
-        )
-
-    def _on_back_to_live(self) -> None:
-        self.traces.show_live()
-        self._show_opened()
-
-    def _show_opened(self) -> None:
-        """Follow another survey if another one was opened, or the running one again."""
-        shown, folder = self.traces.shown, self.traces.opened_folder
-        if shown is self._shown:
-            return
-        self._shown = shown
-        self.map.show_models(shown.map, shown.radar)
-        self.radar.show_model(shown.radar, folder)
-        if folder:
-            self.show_tab(TabName.RADAR)
+    def _refresh_after_requests(self) -> None:
+        """Show at once that a request was sent: a second touch must not send another."""
+        for request in (
+            self.top_bar.stop.pressed,
+            self.top_bar.replay.pause.clicked,
+            self.control.start_pressed,
+            self.control.pause_pressed,
+            self.control.resume_pressed,
+            self.past.resume_requested,
+        ):
+            request.connect(lambda *_: self.refresh())
 
     def _timer(self, period_ms: int, slot: Callable[[], None]) -> QTimer:
         timer = QTimer(self)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
@@ -13,12 +13,8 @@ from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_geometry import MapGeometry, fit
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.map_model import MapModel
-from gpr20_user_interface.views.style import (
-    CARRIAGE,
-    CURRENT,
-    SELECTED,
-    STOP_COLOURS,
-)
+from gpr20_user_interface.views.look import look_of
+from gpr20_user_interface.views.palette import Mark
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 MARGIN_LEFT_PX, MARGIN_BOTTOM_PX, MARGIN_PX = 44, 22, 10
@@ -28,6 +24,13 @@ SMALLEST_MARK_PX = 12.0
 # Single stops that are not done must not be overlooked among thousands.
 MAX_RINGS = 60
 RING_PX = 9.0
+
+STOP_MARKS: Dict[StopState, Mark] = {
+    StopState.MISSING: Mark.STOP_MISSING,
+    StopState.PARTLY: Mark.STOP_PARTLY,
+    StopState.DONE: Mark.STOP_DONE,
+    StopState.FAILED: Mark.STOP_FAILED,
+}
 
 
 class MapCanvas(TranslatedWidget):
@@ -76,6 +79,11 @@ class MapCanvas(TranslatedWidget):
         """Draw the texts in the language of the application."""
         self.update()
 
+    def restyle(self) -> None:
+        """Draw in the colours of the theme."""
+        self._picture_of = (None, -1)
+        self.update()
+
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Choose the stop below the finger."""
         geometry, grid = self.geometry_now, self._model.grid
@@ -90,7 +98,7 @@ class MapCanvas(TranslatedWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
         """Draw everything."""
         painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor("#ffffff"))
+        painter.fillRect(self.rect(), self._ink(Mark.PAPER))
         geometry = self.geometry_now
         if geometry is None:
             painter.drawText(
@@ -103,15 +111,15 @@ class MapCanvas(TranslatedWidget):
         self._draw_axes(painter, geometry)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         self._draw_rings(painter, geometry)
-        self._outline(painter, geometry, self._model.current, CURRENT, "#111111")
-        self._outline(painter, geometry, self._selected, SELECTED, "#ffffff")
+        self._outline(painter, geometry, self._model.current, Mark.CURRENT, Mark.INK)
+        self._outline(painter, geometry, self._selected, Mark.SELECTED, Mark.PAPER)
         self._draw_carriage(painter, geometry)
 
     def _draw_stops(self, painter: QPainter, geometry: MapGeometry) -> None:
         area = self._area(geometry)
         picture = self._stop_picture()
         if picture is None:
-            painter.fillRect(area, QColor(STOP_COLOURS[StopState.MISSING]))
+            painter.fillRect(area, self._ink(Mark.STOP_MISSING))
         else:
             painter.drawImage(area, picture)
         grid = self._model.grid
@@ -119,7 +127,7 @@ class MapCanvas(TranslatedWidget):
             return
         rows, columns = grid.shape
         cell_px = min(area.width() / columns, area.height() / rows)
-        painter.setPen(QPen(QColor("#ffffff"), 1))
+        painter.setPen(QPen(self._ink(Mark.PAPER), 1))
         if cell_px >= SMALLEST_WITH_LINES_PX:
             for column in range(1, columns):
                 x = area.left() + area.width() * column / columns
@@ -127,7 +135,7 @@ class MapCanvas(TranslatedWidget):
             for row in range(1, rows):
                 y = area.top() + area.height() * row / rows
                 painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
-        painter.setPen(QPen(QColor("#333333"), 1))
+        painter.setPen(QPen(self._ink(Mark.BORDER), 1))
         painter.drawRect(area)
 
     def _stop_picture(self) -> Optional[QImage]:
@@ -145,7 +153,8 @@ class MapCanvas(TranslatedWidget):
         upwards = grid.ys_mm[0] <= grid.ys_mm[-1]
         rightwards = grid.xs_mm[0] <= grid.xs_mm[-1]
         shown = states[:: -1 if upwards else 1, :: 1 if rightwards else -1]
-        pixels = np.ascontiguousarray(_state_colours()[shown])
+        colours = np.array([self._ink(STOP_MARKS[state]).rgb() for state in StopState], np.uint32)
+        pixels = np.ascontiguousarray(colours[shown])
         rows, columns = pixels.shape
         image = QImage(pixels.tobytes(), columns, rows, 4 * columns, QImage.Format.Format_RGB32)
         return image.copy()  # its own memory
@@ -156,7 +165,7 @@ class MapCanvas(TranslatedWidget):
             return
         area = self._area(geometry)
         metrics = QFontMetrics(painter.font())
-        painter.setPen(QColor("#111111"))
+        painter.setPen(self._ink(Mark.INK))
         for x_mm in (float(grid.xs_mm.min()), float(grid.xs_mm.max())):
             text = f"{x_mm:g}"
             x_px = geometry.to_screen(x_mm, 0.0)[0] - metrics.horizontalAdvance(text) / 2.0
@@ -178,7 +187,7 @@ class MapCanvas(TranslatedWidget):
         if states is None or grid is None:
             return
         rows, columns = np.nonzero(states == StopState.FAILED)
-        painter.setPen(QPen(QColor(STOP_COLOURS[StopState.FAILED]), 2.5))
+        painter.setPen(QPen(self._ink(Mark.STOP_FAILED), 2.5))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for row, column in list(zip(rows, columns))[:MAX_RINGS]:
             centre = geometry.to_screen(grid.xs_mm[column], grid.ys_mm[row])
@@ -189,8 +198,8 @@ class MapCanvas(TranslatedWidget):
         painter: QPainter,
         geometry: MapGeometry,
         stop: Optional[Stop],
-        colour: str,
-        border: str,
+        colour: Mark,
+        border: Mark,
     ) -> None:
         grid = self._model.grid
         if stop is None or grid is None:
@@ -201,7 +210,7 @@ class MapCanvas(TranslatedWidget):
         width = max(area.width() / columns, SMALLEST_MARK_PX)
         height = max(area.height() / rows, SMALLEST_MARK_PX)
         mark = QRectF(x_px - width / 2.0, y_px - height / 2.0, width, height)
-        for pen in (QPen(QColor(border), 5.0), QPen(QColor(colour), 3.0)):
+        for pen in (QPen(self._ink(border), 5.0), QPen(self._ink(colour), 3.0)):
             painter.setPen(pen)
             painter.drawRect(mark)
 
@@ -211,7 +220,7 @@ class MapCanvas(TranslatedWidget):
             return
         x_mm, y_mm, is_inside = geometry.clamped(*self._carriage_mm)
         x_px, y_px = geometry.to_screen(x_mm, y_mm)
-        for pen in (QPen(QColor("#ffffff"), 5.0), QPen(QColor(CARRIAGE), 2.0)):
+        for pen in (QPen(self._ink(Mark.PAPER), 5.0), QPen(self._ink(Mark.CARRIAGE), 2.0)):
             painter.setPen(pen)
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawEllipse(QPointF(x_px, y_px), 7.0, 7.0)
@@ -219,12 +228,11 @@ class MapCanvas(TranslatedWidget):
                 painter.drawLine(QPointF(x_px - 12.0, y_px), QPointF(x_px + 12.0, y_px))
                 painter.drawLine(QPointF(x_px, y_px - 12.0), QPointF(x_px, y_px + 12.0))
 
+    def _ink(self, mark: Mark) -> QColor:
+        return QColor(look_of(self).colour(mark))
+
     @staticmethod
     def _area(geometry: MapGeometry) -> QRectF:
         width = geometry.width_mm * geometry.px_per_mm
         height = geometry.height_mm * geometry.px_per_mm
         return QRectF(geometry.left_px, geometry.bottom_px - height, width, height)
-
-
-def _state_colours() -> np.ndarray:
-    return np.array([QColor(STOP_COLOURS[state]).rgb() for state in StopState], np.uint32)

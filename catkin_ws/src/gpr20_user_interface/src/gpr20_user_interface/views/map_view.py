@@ -13,10 +13,11 @@ from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan
-from gpr20_user_interface.views.map_canvas import MapCanvas
+from gpr20_user_interface.views.look import look_of
+from gpr20_user_interface.views.map_canvas import STOP_MARKS, MapCanvas
 from gpr20_user_interface.views.plots import CurvePlot
-from gpr20_user_interface.views.style import STOP_COLOURS, new_button
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.views.widgets import new_button
 
 PANEL_WIDTH_PX = 290
 SWATCH_PX = 16
@@ -37,6 +38,8 @@ class MapView(TranslatedWidget):
         self._drawn: Tuple[object, ...] = ()
         self.canvas = MapCanvas(model)
         self.legend: Dict[StopState, QLabel] = {state: QLabel() for state in StopState}
+        self._swatches: Dict[StopState, QLabel] = {}
+        self._panel = QWidget()
         self.verdict = QLabel()
         self.stop_text = QLabel()
         self.trace_plot = CurvePlot()
@@ -164,13 +167,21 @@ class MapView(TranslatedWidget):
         self._show_legend()
         self._show_stop()
 
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look."""
+        look = look_of(self)
+        self._panel.setFixedWidth(look.px(PANEL_WIDTH_PX))
+        for state, swatch in self._swatches.items():
+            swatch.setFixedSize(look.px(SWATCH_PX), look.px(SWATCH_PX))
+            colour = look.colour(STOP_MARKS[state])
+            swatch.setStyleSheet(f"background: {colour};")
+
     def _label_plot(self, axis: Axis) -> None:
         down = self.tr("Depth mm") if axis is Axis.DEPTH_MM else self.tr("Delay ns")
         self.trace_plot.set_labels(self.tr("Level dB"), down)
 
     def _lay_out(self) -> None:
-        panel = QWidget()
-        panel.setFixedWidth(PANEL_WIDTH_PX)
+        panel = self._panel
         column = QVBoxLayout(panel)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(3)
@@ -195,8 +206,7 @@ class MapView(TranslatedWidget):
         order = (StopState.DONE, StopState.PARTLY, StopState.MISSING, StopState.FAILED)
         for number, state in enumerate(order):
             swatch = QLabel()
-            swatch.setFixedSize(SWATCH_PX, SWATCH_PX)
-            swatch.setStyleSheet(f"background: {STOP_COLOURS[state]}; border: 1px solid #333333;")
+            self._swatches[state] = swatch
             row, pair = divmod(number, 2)
             grid.addWidget(swatch, row, 2 * pair)
             grid.addWidget(self.legend[state], row, 2 * pair + 1)

@@ -9,8 +9,8 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QTextEdit, QVBoxLayout, QWidget
 
 from gpr20_user_interface.mid.notices import Notice
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import new_button
 from gpr20_user_interface.views.translation import shown_text
+from gpr20_user_interface.views.widgets import new_button
 
 
 class NoticeView(Overlay):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PyQt5.QtCore import QEvent, QObject, Qt
 from PyQt5.QtWidgets import QFrame, QWidget
 
-from gpr20_user_interface.views.top_bar import HEIGHT_PX
+from gpr20_user_interface.views.look import TOP_BAR_PX, look_of
 
 
 class Overlay(QFrame):
@@ -37,11 +37,17 @@ class Overlay(QFrame):
         """Qt: something about the widget has changed."""
         if event.type() == QEvent.Type.LanguageChange:
             self.retranslate()
+        elif event.type() == QEvent.Type.StyleChange:
+            self.restyle()
         super().changeEvent(event)
 
     def retranslate(self) -> None:
         """Write the texts that stay while it is open in the language of the application."""
 
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look, where the style sheet cannot set them."""
+
     def _cover(self) -> None:
         window = self.parentWidget()
-        self.setGeometry(0, HEIGHT_PX, window.width(), window.height() - HEIGHT_PX)
+        top_px = look_of(self).px(TOP_BAR_PX)
+        self.setGeometry(0, top_px, window.width(), window.height() - top_px)

@@ -8,7 +8,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QLabel, QPushButton, QWidget
 
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import new_button, set_look
+from gpr20_user_interface.views.widgets import new_button, set_look
 
 # Returns what is allowed instead of a wrong text; empty if the text is right.
 Judge = Callable[[str], str]

@@ -22,8 +22,8 @@ from gpr20_user_interface.mid.parameter_form import (
     FIELDS,
     ROTATIONS,
 )
-from gpr20_user_interface.views.style import TOUCH_PX, set_look
 from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.widgets import set_look
 
 # More characters than any parameter needs.
 MAX_LENGTH = 40
@@ -47,7 +47,6 @@ class TouchEdit(QLineEdit):
         super().__init__()
         self.setObjectName(name)
         self.setMaxLength(MAX_LENGTH)
-        self.setMinimumWidth(TOUCH_PX)
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)

@@ -17,8 +17,9 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
-from gpr20_user_interface.views.style import TOUCH_PX, new_button
+from gpr20_user_interface.views.look import TOUCH_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.views.widgets import new_button
 
 WHEN, VERDICT, TRACES = range(3)
 
@@ -149,6 +150,10 @@ class PastSurveysView(TranslatedWidget):
         if self.chosen is not None:
             self.candidates_requested.emit(self.chosen)
 
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(TOUCH_PX))
+
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
         titles = [self.tr("Started (UTC)"), self.tr("Coverage"), self.tr("Traces")]
@@ -167,7 +172,6 @@ class PastSurveysView(TranslatedWidget):
         table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         table.verticalHeader().hide()
-        table.verticalHeader().setDefaultSectionSize(TOUCH_PX)
         table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.details.setWordWrap(True)

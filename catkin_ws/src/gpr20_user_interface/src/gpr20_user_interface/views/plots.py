@@ -10,12 +10,14 @@ from PyQt5.QtCore import QRectF
 from PyQt5.QtGui import QFont
 
 from gpr20_user_interface.mid.radar_pictures import Axis, Curve, Picture
-from gpr20_user_interface.views.style import CURVE, SURFACE_LINE
+from gpr20_user_interface.views.palette import PALETTES, Mark, Theme
 
 # How far below the strongest level a curve, and the darkest colour of a picture, ends.
 CURVE_RANGE_DB = 60.0
 PICTURE_RANGE_DB = 40.0
-INK = "#111111"
+# The plots are black on white in both themes.
+MARKS = PALETTES[Theme.SUN].marks
+INK = MARKS[Mark.INK]
 LEVELS = 255
 # No colour of the level scale, which runs from violet over green to yellow.
 NOT_MEASURED = (140, 140, 140)
@@ -48,7 +50,9 @@ class FixedPlot(pyqtgraph.PlotWidget):
             axis.setTickFont(tick_font)
         self.getAxis("left").setWidth(AXIS_WIDTH_PX)
         self.setMinimumSize(120, 120)
-        self._surface = pyqtgraph.InfiniteLine(0.0, angle=0, pen=SURFACE_LINE)
+        self._surface = pyqtgraph.InfiniteLine(
+            0.0, angle=0, pen=PALETTES[Theme.SUN].marks[Mark.SURFACE]
+        )
         self.addItem(self._surface, ignoreBounds=True)
         self.show_numbers(False)
 
@@ -92,7 +96,7 @@ class CurvePlot(FixedPlot):
 
     def __init__(self) -> None:
         super().__init__()
-        self._curve = self.plot(pen=pyqtgraph.mkPen(CURVE, width=2))
+        self._curve = self.plot(pen=pyqtgraph.mkPen(MARKS[Mark.CURVE], width=2))
 
     @property
     def points(self) -> Tuple[np.ndarray, np.ndarray]:

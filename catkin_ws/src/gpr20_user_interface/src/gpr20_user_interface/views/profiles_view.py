@@ -12,7 +12,7 @@ from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.mid.profiles import MAX_NAME_LENGTH, Profiles, is_name
 from gpr20_user_interface.views.key_pad import LETTERS, KeyPad
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.style import new_button
+from gpr20_user_interface.views.widgets import new_button
 
 
 class ProfilesView(Overlay):

@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.mid.notices import Notice
 from gpr20_user_interface.views.notice import NoticeView
-from gpr20_user_interface.views.style import new_button
+from gpr20_user_interface.views.widgets import new_button
 
 
 class AnalyzerQuestion(NoticeView):

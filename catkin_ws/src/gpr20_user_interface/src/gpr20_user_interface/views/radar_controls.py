@@ -9,8 +9,8 @@ from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from gpr20_user_interface.mid.radar_pictures import RadarSettings
-from gpr20_user_interface.views.style import TOUCH_PX, new_button
 from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.widgets import new_button
 
 PERMITTIVITIES = (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
 GAINS_DB_PER_NS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)
@@ -28,8 +28,6 @@ class Stepper(QWidget):
         self._title, self._pattern = "", "{value:g}"
         self.less = new_button(lambda: self._step(-1), "\N{MINUS SIGN}")
         self.more = new_button(lambda: self._step(+1), "+")
-        for button in (self.less, self.more):
-            button.setFixedWidth(TOUCH_PX)
         self._label = QLabel()
         self._label.setAlignment(Qt.AlignmentFlag.AlignCenter)
         layout = QHBoxLayout(self)

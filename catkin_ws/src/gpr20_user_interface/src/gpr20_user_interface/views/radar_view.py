@@ -19,9 +19,9 @@ from gpr20_user_interface.mid.radar_pictures import (
     c_scan,
     depths_m,
 )
+from gpr20_user_interface.views.look import TOUCH_PX, look_of
 from gpr20_user_interface.views.plots import CurvePlot, PicturePlot
 from gpr20_user_interface.views.radar_controls import RadarControls
-from gpr20_user_interface.views.style import TOUCH_PX
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 SHALLOWEST_STEPS = 0
@@ -136,6 +136,10 @@ class RadarView(TranslatedWidget):
                 SHALLOWEST_STEPS, max(1, round(float(depths[-1]) / DEPTH_STEP_M))
             )
 
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self.depth_slider.setFixedWidth(look_of(self).px(TOUCH_PX))
+
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
         self.back.setText(self.tr("Back to the running survey"))
@@ -145,7 +149,6 @@ class RadarView(TranslatedWidget):
 
     def _lay_out(self) -> None:
         self.depth_slider.setInvertedAppearance(True)
-        self.depth_slider.setFixedWidth(TOUCH_PX)
         self.depth_slider.setRange(SHALLOWEST_STEPS, 100)
         self.depth_slider.setPageStep(1)
         self.depth_slider.setValue(round(self.controls.settings.depth_m / DEPTH_STEP_M))

@@ -9,7 +9,6 @@ from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QPlainTextEdit, QPushButton, QWidget
 
 from gpr20_user_interface.views.pad import Judge, Pad
-from gpr20_user_interface.views.style import TOUCH_PX
 
 # The same keys without and with shift.
 PLAIN = ("1234567890", "qwertyuiop", "asdfghjklñ", "zxcvbnm,.-", "áéíóúü¿?¡!")
@@ -42,7 +41,6 @@ class TextPad(Pad):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.edit = PadEdit()
-        self.edit.setFixedHeight(LINES_SHOWN * TOUCH_PX // 2 + 14)
         self.edit.textChanged.connect(self._on_text)
         self.edit.returned.connect(self._accept)
         self.keys: List[QPushButton] = [

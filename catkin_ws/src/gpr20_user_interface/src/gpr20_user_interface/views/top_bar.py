@@ -17,10 +17,10 @@ from PyQt5.QtWidgets import (
 
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.elided_label import ElidedLabel
+from gpr20_user_interface.views.look import GAP_PX, TOP_BAR_PX, look_of
 from gpr20_user_interface.views.replay_bar import ReplayBar
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
-HEIGHT_PX = 64
 ALARM_LINES = 1.7
 UNKNOWN = "—"
 
@@ -47,12 +47,10 @@ class TopBar(TranslatedWidget):
         self.simulated.hide()
         self.stop = QPushButton()
         self.stop.setObjectName("stop")
-        self.stop.setFixedHeight(HEIGHT_PX - 4)
         # A key that is pressed by accident must not reach it; a finger always does.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.stop.setEnabled(False)
         self._lay_out()
-        self.setFixedHeight(HEIGHT_PX)
         self.retranslate()
 
     def retranslate(self) -> None:
@@ -61,6 +59,12 @@ class TopBar(TranslatedWidget):
         self.simulated.setText(self.tr("SIMULATED"))
         if self._snapshot is not None:
             self.refresh(self._snapshot)
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        look = look_of(self)
+        self.setFixedHeight(look.px(TOP_BAR_PX))
+        self.stop.setFixedHeight(look.px(TOP_BAR_PX) - look.px(GAP_PX))
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""

@@ -28,10 +28,15 @@ class TranslatedWidget(QWidget):
         """Write every text that does not come with the next refresh."""
         raise NotImplementedError(f"{type(self).__name__} does not translate itself")
 
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look, where the style sheet cannot set them."""
+
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Qt: something about the widget has changed."""
         if event.type() == QEvent.Type.LanguageChange:
             self.retranslate()
+        elif event.type() == QEvent.Type.StyleChange:
+            self.restyle()
         super().changeEvent(event)
 
 

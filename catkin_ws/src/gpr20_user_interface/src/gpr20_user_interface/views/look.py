@@ -1,0 +1,62 @@
+"""How the window looks: its theme, and its sizes for the screen that it is on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from PyQt5.QtWidgets import QWidget
+
+from gpr20_user_interface.views.palette import PALETTES, ColourPair, Mark, TextColours, Theme
+
+# Every size is written for this screen, and scaled for another one.
+DESIGN_WIDTH_PX = 800
+DESIGN_HEIGHT_PX = 480
+SMALLEST_SCALE = 0.6
+LARGEST_SCALE = 1.8
+
+# What a gloved finger hits: 60 pixels are 11 mm on a 7 inch screen of 800x480.
+TOUCH_PX = 60
+COMMAND_PX = 72
+GAP_PX = 8
+TEXT_PX = 18
+TITLE_PX = 22
+BORDER_PX = 2
+TOP_BAR_PX = 76
+TAB_PX = 60
+
+
+@dataclass(frozen=True)
+class Look:
+    """A theme and a scale.
+
+    Attributes:
+        theme: The colours.
+        scale: Size of everything; 1.0 on a screen of 800x480.
+    """
+
+    theme: Theme = Theme.SUN
+    scale: float = 1.0
+
+    def px(self, design_px: float) -> int:
+        """Return a size of the design on this screen; at least one pixel."""
+        return max(1, round(design_px * self.scale))
+
+    def text(self, colours: TextColours) -> ColourPair:
+        """Return a text's colours."""
+        return PALETTES[self.theme].texts[colours]
+
+    def colour(self, mark: Mark) -> str:
+        """Return the colour of a line or mark."""
+        return PALETTES[self.theme].marks[mark]
+
+
+def scale_for(width_px: int, height_px: int) -> float:
+    """Return the scale at which the design fills a screen."""
+    scale = min(width_px / DESIGN_WIDTH_PX, height_px / DESIGN_HEIGHT_PX)
+    return min(max(scale, SMALLEST_SCALE), LARGEST_SCALE)
+
+
+def look_of(widget: QWidget) -> Look:
+    """Return the look of the window that a widget is in; the default before it is in one."""
+    found = getattr(widget.window(), "look", None)
+    return found if isinstance(found, Look) else Look()

@@ -1,0 +1,128 @@
+"""The one style sheet of the window."""
+
+from __future__ import annotations
+
+from gpr20_user_interface.views.look import (
+    BORDER_PX,
+    COMMAND_PX,
+    TAB_PX,
+    TEXT_PX,
+    TITLE_PX,
+    TOUCH_PX,
+    Look,
+)
+from gpr20_user_interface.views.palette import Mark, TextColours
+
+STOP_WIDTH_PX = 150
+SLIDER_PX = 8
+
+
+def style_sheet(look: Look) -> str:
+    """Return the style sheet of a theme at a scale."""
+    return _texts(look) + _buttons(look) + _fields(look) + _bars(look)
+
+
+def _css(look: Look, colours: TextColours) -> str:
+    pair = look.text(colours)
+    return f"color: {pair.ink}; background: {pair.ground};"
+
+
+def _texts(look: Look) -> str:
+    def css(colours: TextColours) -> str:
+        return _css(look, colours)
+
+    px = look.px
+    return f"""
+QWidget {{ {css(TextColours.PLAIN)} font-size: {px(TEXT_PX)}px; }}
+QLabel#title {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
+QLabel#preview {{ font-weight: bold; }}
+QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
+QLabel#quiet {{ {css(TextColours.QUIET)} }}
+QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
+QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
+    font-weight: bold; padding: {px(4)}px; }}
+QLabel#alarm {{ {css(TextColours.ALARM)} font-weight: bold; padding: 0 {px(6)}px; }}
+QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 {px(3)}px; }}
+QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 {px(3)}px; }}
+QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 {px(3)}px; }}
+QLabel[level="wrong"] {{ {css(TextColours.WRONG)} }}
+QFrame#sheet {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)}; }}
+"""
+
+
+def _buttons(look: Look) -> str:
+    def css(colours: TextColours) -> str:
+        return _css(look, colours)
+
+    px, border = look.px, look.colour(Mark.BORDER)
+    frame = px(BORDER_PX)
+    touch = px(TOUCH_PX) - 2 * frame
+    return f"""
+QPushButton {{ {css(TextColours.BUTTON)} min-height: {touch}px; min-width: {touch}px;
+    border: {frame}px solid {border}; border-radius: {px(6)}px; font-weight: bold;
+    padding: 0 {px(6)}px; }}
+QPushButton#start {{ {css(TextColours.START)} font-size: {px(TITLE_PX)}px;
+    min-height: {px(COMMAND_PX) - 2 * frame}px; }}
+QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
+    min-width: {px(STOP_WIDTH_PX)}px; }}
+QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_PX - 20)}px; }}
+QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
+QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
+QPushButton#hold {{ {css(TextColours.ARROW)} }}
+QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
+QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
+QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
+QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
+QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
+QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(10)}px;
+    border: 1px solid {border}; }}
+QTabBar::tab:selected {{ {css(TextColours.CHOSEN)} }}
+"""
+
+
+def _fields(look: Look) -> str:
+    def css(colours: TextColours) -> str:
+        return _css(look, colours)
+
+    px, border = look.px, look.colour(Mark.BORDER)
+    frame = px(BORDER_PX)
+    line = f"border: {frame}px solid"
+    return f"""
+QLineEdit {{ min-height: {px(TOUCH_PX) - 2 * frame}px; {line} {border};
+    border-radius: {px(4)}px; padding: 0 {px(4)}px; }}
+QLineEdit[wrong="true"] {{ {css(TextColours.WRONG)}
+    border-color: {look.text(TextColours.WRONG).ink}; }}
+QLineEdit:disabled {{ {css(TextColours.LOCKED)} }}
+QPlainTextEdit, QTextEdit {{ border: none; min-height: {px(TOUCH_PX)}px; }}
+QPlainTextEdit#notes, QPlainTextEdit#entry {{ {line} {border}; border-radius: {px(4)}px; }}
+QPlainTextEdit#notes[wrong="true"] {{ {css(TextColours.WRONG)} }}
+QTextEdit#details {{ {css(TextColours.QUIET)} }}
+QListWidget {{ {line} {border}; }}
+QListWidget::item {{ min-height: {px(TOUCH_PX)}px; }}
+QListWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
+QTableWidget::item:selected {{ {css(TextColours.CHOSEN)} }}
+"""
+
+
+def _bars(look: Look) -> str:
+    px, border = look.px, look.colour(Mark.BORDER)
+    touch, frame = px(TOUCH_PX), px(BORDER_PX)
+    handle = look.text(TextColours.BUTTON).ground
+    groove = look.text(TextColours.DISABLED).ground
+    return f"""
+QScrollBar:vertical {{ background: {groove}; width: {touch}px; }}
+QScrollBar::handle:vertical {{ background: {handle}; min-height: {touch}px;
+    border: {frame}px solid {border}; border-radius: {px(6)}px; }}
+QScrollBar::add-line:vertical, QScrollBar::sub-line:vertical {{ height: 0; }}
+QProgressBar {{ {_css(look, TextColours.PROGRESS_EMPTY)} min-height: {px(36)}px;
+    border: {frame}px solid {border}; border-radius: {px(4)}px; text-align: center;
+    font-weight: bold; }}
+QProgressBar::chunk {{ background: {look.text(TextColours.PROGRESS_FULL).ground}; }}
+QSlider::groove:vertical {{ background: {border}; width: {px(SLIDER_PX)}px;
+    border-radius: {px(4)}px; }}
+QSlider::handle:vertical {{ background: {handle}; height: {touch}px;
+    margin: 0 -{px((TOUCH_PX - SLIDER_PX) / 2)}px; border: {frame}px solid {border};
+    border-radius: {px(6)}px; }}
+"""

@@ -1,0 +1,70 @@
+"""Connects the survey that runs with the top bar, STATUS and the dialogs."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+from PyQt5.QtWidgets import QWidget
+
+from gpr20_common.message import Message
+from gpr20_user_interface.mid.notices import (
+    Refused,
+    analyzer_notice,
+    node_notice,
+    refusal_notice,
+    state_notice,
+)
+from gpr20_user_interface.mid.survey_model import Refusal, Snapshot
+from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.binding import Binding
+from gpr20_user_interface.views.notice import NoticeView
+from gpr20_user_interface.views.question import AnalyzerQuestion
+from gpr20_user_interface.views.status_view import StatusView
+from gpr20_user_interface.views.top_bar import TopBar
+
+
+class SurveyBinding(Binding):
+    """Passes STOP on, shows state and refusals.
+
+    Attributes:
+        notice: The dialog of refusals and faults.
+        question: The dialog about another analyzer.
+    """
+
+    def __init__(
+        self, window: QWidget, survey: WindowPresenter, top_bar: TopBar, status: StatusView
+    ) -> None:
+        self._survey = survey
+        self._top_bar = top_bar
+        self._status = status
+        self.notice = NoticeView(window)
+        self.question = AnalyzerQuestion(window)
+        top_bar.stop.pressed.connect(survey.stop)
+        top_bar.replay.pause.clicked.connect(lambda: survey.pause_replay())
+        status.message.touched.connect(lambda state: self.notice.show_notice(state_notice(state)))
+        status.health.node_touched.connect(lambda node: self.notice.show_notice(node_notice(node)))
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now."""
+        self._top_bar.refresh(snapshot)
+        self._status.refresh(snapshot)
+
+    def take_refusal(self, refusal: Optional[Refusal]) -> None:
+        """Show why a request was refused; None: none was."""
+        if refusal is None:
+            return
+        if refusal.other_analyzer:
+            self._ask_about_analyzer(refusal.reason, refusal.other_analyzer)
+        else:
+            self.show_refusal(Refused[refusal.request.name], refusal.reason)
+
+    def show_refusal(self, refused: Refused, reason: Message) -> None:
+        """Show why something did not succeed."""
+        self.notice.show_notice(refusal_notice(refused, reason))
+
+    def _ask_about_analyzer(self, reason: Message, identity: str) -> None:
+        # The status of the survey may have opened a notice with the same reason.
+        self.notice.hide()
+        self.question.ask(
+            analyzer_notice(reason, identity), lambda: self._survey.resume_with(identity)
+        )

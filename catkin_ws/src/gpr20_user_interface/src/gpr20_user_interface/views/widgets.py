@@ -1,0 +1,23 @@
+"""Small helpers for buttons and for what the style sheet asks for."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+from PyQt5.QtWidgets import QPushButton, QWidget
+
+
+def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
+    """Return a button that does something when it is clicked."""
+    button = QPushButton(text)
+    # Not the function itself, which would get whether the button is checked.
+    button.clicked.connect(lambda: act())
+    return button
+
+
+def set_look(widget: QWidget, name: str, value: object) -> None:
+    """Set a property that the style sheet asks for; it looks at them only when it is applied."""
+    if widget.property(name) != value:
+        widget.setProperty(name, value)
+        widget.style().unpolish(widget)
+        widget.style().polish(widget)

@@ -1,0 +1,91 @@
+import re
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from window_helpers import application, window
+
+from gpr20_user_interface.views.look import TOUCH_PX, Look, look_of, scale_for
+from gpr20_user_interface.views.palette import PALETTES, Mark, TextColours, Theme
+from gpr20_user_interface.views.style_sheet import style_sheet
+
+__all__ = ["application", "window"]
+
+# WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
+TEXT_CONTRAST = 7.0
+MARK_CONTRAST = 3.0
+
+
+def luminance(colour):
+    """Relative luminance by WCAG 2.1."""
+    channels = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
+    linear = [one / 12.92 if one <= 0.03928 else ((one + 0.055) / 1.055) ** 2.4 for one in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    lighter, darker = sorted((luminance(one), luminance(other)), reverse=True)
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def test_contrast_is_computed_as_wcag_says():
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+@pytest.mark.parametrize("theme", list(Theme))
+@pytest.mark.parametrize("colours", list(TextColours))
+def test_every_text_is_readable(theme, colours):
+    assert contrast(*PALETTES[theme].texts[colours]) >= TEXT_CONTRAST
+
+
+@pytest.mark.parametrize("theme", list(Theme))
+@pytest.mark.parametrize("mark", [mark for mark in Mark if mark is not Mark.PAPER])
+def test_every_mark_is_seen_on_the_paper(theme, mark):
+    marks = PALETTES[theme].marks
+    assert contrast(marks[mark], marks[Mark.PAPER]) >= MARK_CONTRAST
+
+
+@pytest.mark.parametrize("theme", list(Theme))
+def test_style_sheet_has_no_colour_beside_the_palette(theme):
+    palette = set(PALETTES[theme].marks.values())
+    for pair in PALETTES[theme].texts.values():
+        palette.update(pair)
+    sheet = style_sheet(Look(theme))
+    assert set(re.findall(r"#[0-9a-fA-F]{6}\b", sheet)) <= palette
+    assert not re.search(r"(color|background):\s*[a-z]", sheet)
+
+
+def test_ink_never_comes_without_its_ground():
+    for rule in re.findall(r"\{([^}]*)\}", style_sheet(Look())):
+        if re.search(r"(?<![-\w])color:", rule):
+            assert "background:" in rule
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"), [((480, 320), 0.6), ((800, 480), 1.0), ((1280, 800), 1.6)]
+)
+def test_everything_scales_with_the_window(window, size, scale):
+    window.resize(*size)
+    QTest.qWait(1)
+    assert (window.width(), window.height()) == size
+    assert window.look.scale == pytest.approx(scale)
+    assert look_of(window.top_bar) is window.look
+    assert window.control.start.height() >= round(TOUCH_PX * scale)
+    assert window.top_bar.stop.geometry().right() < size[0]
+
+
+@pytest.mark.parametrize("size", [(1, 1), (480, 320), (1024, 600), (4000, 3000)])
+def test_scale_stays_within_what_can_be_read(size):
+    assert 0.6 <= scale_for(*size) <= 1.8
+
+
+def test_theme_changes_while_the_window_is_open(window):
+    window.use_look(Look(Theme.NIGHT, window.look.scale))
+    QTest.qWait(1)
+    paper = window.grab().toImage().pixelColor(window.width() // 2, window.height() - 3)
+    assert paper.name() == PALETTES[Theme.NIGHT].marks[Mark.PAPER]
+    assert Qt.GlobalColor.white != paper
