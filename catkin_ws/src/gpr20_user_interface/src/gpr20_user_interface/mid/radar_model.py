@@ -38,6 +38,7 @@ class RadarModel:
     Attributes:
         grid: The plan of the survey that is shown.
         latest: Where the trace that came last belongs.
+        latest_of: The same for each polarization that has a trace.
         given_up: Traces that cannot be shown, and why, by their place in the plan.
         transform: How sweeps became echoes; None before the first trace.
     """
@@ -60,6 +61,7 @@ class RadarModel:
         self._scales: Dict[bool, SteadyScale] = {}
         self._scaled_revisions: Dict[bool, int] = {}
         self.latest: Optional[Cell] = None
+        self.latest_of: Dict[int, Cell] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
 
@@ -100,6 +102,7 @@ class RadarModel:
         self._present[place] = True
         self.given_up.pop(trace.index, None)
         self.latest = cell
+        self.latest_of[cell.polarization] = cell
         self.revision += 1
 
     def give_up(self, index: int, reason: Message) -> None:

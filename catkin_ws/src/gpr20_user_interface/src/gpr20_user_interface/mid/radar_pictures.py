@@ -116,6 +116,8 @@ def level_db(model: RadarModel, stop: Stop, settings: RadarSettings) -> Optional
     look = _Look.of(model, settings, settings.polarization)
     if look is None or not model.has(Cell(stop, settings.polarization)):
         return None
+    if not np.isfinite(model.typical_height_m()):
+        return None
     stops = look.stops([stop.row], [stop.column])
     echoes = look.echoes(stops, look.depth_delays_s(stops, settings.depth_m))
     level = float(look.scale.levels_db(np.abs(echoes))[0, 0])

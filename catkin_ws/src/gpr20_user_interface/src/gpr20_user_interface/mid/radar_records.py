@@ -49,6 +49,18 @@ class Source(enum.Enum):
 
 
 @dataclass(frozen=True)
+class Place:
+    """A place above the ground [mm]."""
+
+    x_mm: float
+    y_mm: float
+
+    def along(self, axis: Axis) -> float:
+        """Return the coordinate along X or Y."""
+        return self.x_mm if axis is Axis.X_MM else self.y_mm
+
+
+@dataclass(frozen=True)
 class RadarSettings:
     """What the operator chose.
 
