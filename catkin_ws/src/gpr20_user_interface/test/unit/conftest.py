@@ -1,3 +1,4 @@
+import os
 import sys
 import threading
 from pathlib import Path
@@ -26,6 +27,18 @@ class FakeClock:
     def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
         self._now_s += timeout_s
         return event.is_set()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_qt_application():
+    """Keep the first application for all modules: Qt does not survive a second one."""
+    try:
+        from PyQt5.QtWidgets import QApplication
+    except ImportError:
+        yield None
+        return
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    yield QApplication.instance() or QApplication([])
 
 
 @pytest.fixture

@@ -43,7 +43,8 @@ def depths_m(
         return None
     last_s = (transform.samples - 1) * transform.step_s
     deepest = min(MAX_DEPTH_M, deepest_m(last_s, height_m, permittivity))
-    return np.arange(-ABOVE_SURFACE_M, deepest + step_m / 2, step_m)
+    count = int((deepest + ABOVE_SURFACE_M) / step_m + 1e-6) + 1
+    return np.arange(count) * step_m - ABOVE_SURFACE_M
 
 
 def a_scan(model: RadarModel, cell: Cell, settings: RadarSettings) -> Optional[Curve]:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-STEPS = (1.0, 2.0, 5.0, 10.0)
+STEPS = (1.0, 2.0, 5.0, 10.0, 20.0)
 
 
 def round_ticks(low: float, high: float, most: int) -> np.ndarray:
@@ -15,12 +15,18 @@ def round_ticks(low: float, high: float, most: int) -> np.ndarray:
     Args:
         low: First end of the axis.
         high: Other end, larger.
-        most: How many there may be, at least 2.
+        most: How many there may be, at least one.
     """
-    least_step = (high - low) / max(most - 1, 1)
-    if not (math.isfinite(least_step) and least_step > 0.0):
+    if not (math.isfinite(high - low) and high > low):
         return np.zeros(0)
-    power = 10.0 ** math.floor(math.log10(least_step))
-    step = next(one * power for one in STEPS if one * power >= least_step * (1 - 1e-9))
+    power = 10.0 ** math.floor(math.log10((high - low) / (most + 1)))
+    for factor in STEPS:
+        ticks = _multiples(low, high, factor * power)
+        if len(ticks) <= most:
+            return ticks
+    return np.zeros(0)
+
+
+def _multiples(low: float, high: float, step: float) -> np.ndarray:
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return np.arange(first, last + 1) * step

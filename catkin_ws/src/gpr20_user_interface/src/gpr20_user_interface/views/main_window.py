@@ -28,6 +28,7 @@ from gpr20_user_interface.views.look import (
 )
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.radar_binding import RadarBinding
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
@@ -113,6 +114,7 @@ class MainWindow(TranslatedWidget):
         self.surveys_binding = SurveysBinding(
             self, survey, self.past, traces.source, search, languages
         )
+        self.radar_binding = RadarBinding(self, self.radar)
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
         self.number_pad = self.control_binding.number_pad
@@ -127,6 +129,7 @@ class MainWindow(TranslatedWidget):
             self.survey_binding,
             self.control_binding,
             self.surveys_binding,
+            self.radar_binding,
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),

@@ -12,7 +12,8 @@ from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan
+from gpr20_user_interface.mid.radar_pictures import a_scan
+from gpr20_user_interface.mid.radar_records import Axis, RadarSettings
 from gpr20_user_interface.views.look import look_of
 from gpr20_user_interface.views.map_canvas import STOP_MARKS, MapCanvas
 from gpr20_user_interface.views.plots import CurvePlot
@@ -114,7 +115,7 @@ class MapView(TranslatedWidget):
         if grid is None or cell is None:
             self.stop_text.setText(self.tr("Touch a stop to see its trace."))
             self.polarization.setText(self.tr("Antenna"))
-            self.trace_plot.show_curve(None, in_db=True)
+            self.trace_plot.show_curve(None)
             return
         x_mm, y_mm = grid.xs_mm[cell.stop.column], grid.ys_mm[cell.stop.row]
         state = self._model.state_at(cell.stop)
@@ -130,7 +131,7 @@ class MapView(TranslatedWidget):
         rotation_deg = grid.rotations_deg[cell.polarization]
         self.polarization.setText(self.tr("Antenna {rotation:g}°").format(rotation=rotation_deg))
         curve = a_scan(self._radar, cell, RadarSettings()) if has_trace else None
-        self.trace_plot.show_curve(curve, in_db=True)
+        self.trace_plot.show_curve(curve)
         if curve is not None:
             self._label_plot(curve.axis)
 
