@@ -109,6 +109,7 @@ USUAL = {
     "report_survey": {"survey_id": SURVEY_ID, "report_json": "{}"},
     "close_survey": {"survey_id": SURVEY_ID, "outcome": "stopped"},
     "connection": {"connect": True, "address": "127.0.0.1"},
+    "service_move": {"axis": "x", "action": 1, "distance": 1.0},
     "freq_sweep_setup": {"start_frequency_hz": 1e9, "stop_frequency_hz": 2e9, "points": 11},
 }
 

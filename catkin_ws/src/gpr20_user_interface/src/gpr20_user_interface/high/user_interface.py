@@ -20,6 +20,7 @@ from gpr20_common.message import Message
 from gpr20_user_interface.errors import MasterUnavailableError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.low.profile_folder import ProfileFolder
@@ -27,6 +28,7 @@ from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.message_source import MessageSources
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimator
@@ -67,6 +69,7 @@ class UserInterface:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
+        self.service = ServiceToolsClient(self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
         self.window = MainWindow(
             WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
@@ -74,6 +77,7 @@ class UserInterface:
             profiles,
             languages,
             CandidateSearch(AnalysisProgram(self.signal.emit_event), time.monotonic),
+            ServiceModel(self.service, Clock()),
         )
         _connect_queued(self.signal.event_came, self.window.on_event)
 
@@ -83,6 +87,7 @@ class UserInterface:
         self.control.listen()
         self.control.listen_to_robot()
         self.storage.listen()
+        self.service.listen()
         self.window.begin()
         self.window.show()
 
@@ -90,6 +95,7 @@ class UserInterface:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
         self.storage.close()
+        self.service.close()
         self.control.close()
 
     def health(self) -> Health:

@@ -13,7 +13,12 @@ from gpr20_user_interface.mid.radar_records import Colours, Picture
 from gpr20_user_interface.views.look import Look
 from gpr20_user_interface.views.palette import Mark
 from gpr20_user_interface.views.plots import HALO_PX, LINE_PX, FixedPlot, stroke
-from gpr20_user_interface.views.shade_colours import shade_colours, shade_numbers
+from gpr20_user_interface.views.shade_colours import (
+    NOTICE_GROUND,
+    NOTICE_INK,
+    shade_colours,
+    shade_numbers,
+)
 
 RING_PX = 11
 DIAMOND_PX = 9
@@ -174,8 +179,7 @@ class PicturePlot(FixedPlot):
         inside = self.area().adjusted(padding, padding, -padding, -padding)
         flags = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap)
         box = QRectF(painter.boundingRect(inside, flags, self.notice))
-        painter.fillRect(
-            box.adjusted(-padding, -padding, padding, padding), QColor(look.colour(Mark.PAPER))
-        )
-        painter.setPen(QColor(look.colour(Mark.INK)))
+        ground = box.adjusted(-padding, -padding, padding, padding)
+        painter.fillRect(ground, QColor(NOTICE_GROUND))
+        painter.setPen(QColor(NOTICE_INK))
         painter.drawText(inside, flags, self.notice)

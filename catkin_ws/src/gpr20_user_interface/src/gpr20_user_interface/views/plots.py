@@ -160,7 +160,8 @@ class FixedPlot(QWidget):
         painter.drawText(QPointF(1, metrics.ascent()), left)
         free_px = self.width()
         if bottom:
-            free_px -= metrics.horizontalAdvance(bottom)
+            wide = metrics.horizontalAdvance(bottom)
+            free_px = min(free_px - wide, int(area.right()) + metrics.horizontalAdvance("00"))
             painter.drawText(QPointF(free_px, base), bottom)
         most = int(area.width() / (1.4 * metrics.horizontalAdvance("000")))
         for place, text in self._across_ticks(max(2, most)):

@@ -88,7 +88,8 @@ class RadarSheet(Overlay):
         for soil, button in self.soils.items():
             name = self.tr("Your own") if soil is None else shown_text(soil.value.name)
             value = self._own if soil is None else soil.value.permittivity
-            button.setText(f"{name}\n{value:g}")
+            words = name.replace(" ", "\n")
+            button.setText(f"{words}\n{value:g}")
             button.setChecked(soil is chosen)
         self.permittivity.set_value(settings.permittivity)
         names = {

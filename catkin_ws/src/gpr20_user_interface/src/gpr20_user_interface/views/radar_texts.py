@@ -33,14 +33,12 @@ class RadarTexts:
             level=self._level(shown),
         )
 
-    def note(self, presenter: RadarPresenter, shown: RadarPictures, past: str) -> str:
+    def note(self, presenter: RadarPresenter) -> str:
         """Return what must be known about the pictures."""
         model = presenter.model
         parts = [self.tr("No echo does not mean no mine.")]
         if model.grid is not None and model.grid.simulated:
             parts.insert(0, self.tr("SIMULATED") + ".")
-        if past:
-            parts.insert(0, self.tr("PAST SURVEY {name}").format(name=past) + ".")
         image = presenter.image
         if presenter.shows_focused and image is not None:
             text = self.tr("Focused with permittivity {value:g}.")

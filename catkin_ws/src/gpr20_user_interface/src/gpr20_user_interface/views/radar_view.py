@@ -6,7 +6,7 @@ from typing import Optional, Sequence, Tuple
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
 from gpr20_user_interface.mid.focused_image import FocusedImage
 from gpr20_user_interface.mid.radar_model import RadarModel
@@ -48,7 +48,6 @@ class RadarView(TranslatedWidget):
         super().__init__()
         self.presenter = RadarPresenter(model)
         self.enlarged: Optional[FixedPlot] = None
-        self._past = ""
         self._drawn: Tuple[object, ...] = ()
         self._markers: Tuple[Marked, ...] = ()
         self._texts = RadarTexts(self)
@@ -73,24 +72,14 @@ class RadarView(TranslatedWidget):
         self.fit_text = QLabel()
         self.readout = QLabel()
         self.note = QLabel()
-        self.back = QPushButton()
-        # For a band at the top of the tab.
-        self.top = QVBoxLayout()
         self._slow = QTimer(self)
         self._lay_out()
         self._connect()
         self.retranslate()
 
-    def show_model(self, model: RadarModel, past_survey: str = "") -> None:
-        """Follow another survey.
-
-        Args:
-            model: Its echoes.
-            past_survey: How a past one is called; empty: the survey that runs.
-        """
+    def show_model(self, model: RadarModel) -> None:
+        """Follow another survey."""
         self.presenter.show_model(model)
-        self._past = past_survey
-        self.back.setVisible(bool(past_survey))
         self.refresh()
 
     def set_image(self, image: Optional[FocusedImage]) -> None:
@@ -106,7 +95,7 @@ class RadarView(TranslatedWidget):
         if not self.isVisible():
             return
         self.presenter.notice_survey()
-        state = (*self.presenter.state, self._markers, self._past)
+        state = (*self.presenter.state, self._markers)
         if state != self._drawn:
             self._drawn = state
             self._draw()
@@ -125,7 +114,6 @@ class RadarView(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
-        self.back.setText(self.tr("Back to the running survey"))
         self.fit.setText(self.tr("Hyper-\nbola"))
         self.marker.setText(self.tr("Marker"))
         self.settings.setText(self.tr("Picture"))
@@ -217,7 +205,7 @@ class RadarView(TranslatedWidget):
             first, _line_end, second = title.partition("\n")
             enlarged = f"{first} {second} ⤡\n{readout}"
             key.setText(enlarged if plot is self.enlarged else f"{first} ⤢\n{second}".strip())
-        self.note.setText(texts.note(presenter, shown, self._past))
+        self.note.setText(texts.note(presenter))
         self.along.setText(texts.along_key(presenter.settings.along))
         self.source.setText(texts.source_key(presenter))
         hyperbola = presenter.hyperbola
@@ -344,8 +332,6 @@ class RadarView(TranslatedWidget):
         self.note.setObjectName("note")
         self.note.setTextFormat(Qt.TextFormat.PlainText)
         self.fit_text.setObjectName("title")
-        self.back.hide()
-        self.top.addWidget(self.back)
         ignored, fixed = QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed
         self._titles, self._plots = QHBoxLayout(), QHBoxLayout()
         for plot, key, part in (
@@ -381,6 +367,5 @@ class RadarView(TranslatedWidget):
         self._columns.addLayout(self._depths)
         self._columns.addLayout(self._keys)
         self._whole = QVBoxLayout(self)
-        self._whole.addLayout(self.top)
         self._whole.addLayout(self._columns, 1)
         self._arrange()

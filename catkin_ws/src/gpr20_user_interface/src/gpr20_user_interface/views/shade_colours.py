@@ -14,6 +14,8 @@ from gpr20_user_interface.mid.radar_records import Colours
 NOT_MEASURED = 255
 LAST_SHADE = NOT_MEASURED - 1
 TRANSPARENT = qRgba(0, 0, 0, 0)
+# What is written over a dark picture, in both themes.
+NOTICE_INK, NOTICE_GROUND = "#ffffff", "#2b0138"
 
 # From noise to the strongest echo, or from the most negative wave to the most positive one. The
 # first row is a part of viridis of matplotlib, which becomes evenly brighter.
