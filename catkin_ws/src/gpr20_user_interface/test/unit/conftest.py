@@ -18,7 +18,8 @@ def one_qt_application():
         yield None
         return
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    yield QApplication.instance() or QApplication([])
+    application = QApplication.instance() or QApplication([])
+    yield application
 
 
 @pytest.fixture
