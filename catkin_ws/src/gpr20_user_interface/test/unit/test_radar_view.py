@@ -281,10 +281,7 @@ def test_a_marker_is_asked_for_at_the_crosshair_and_drawn(view, model):
 
 def test_the_focused_image_and_its_candidates_are_drawn(view, model):
     add(view, model, *range(40))
-    wanted = []
-    view.focus_wanted.connect(lambda survey, permittivity: wanted.append((survey, permittivity)))
     click(view.source)
-    assert wanted == [(model.grid.survey_id, 4.0)]
     assert "not focused yet" in view.slice_plot.notice
     view.set_image(image_of(model.grid))
     touch(view.slice_plot, 150.0, 90.0)
