@@ -7,6 +7,7 @@ pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 import numpy as np
+from PyQt5 import sip
 from PyQt5.QtCore import QEvent, QPointF, Qt
 from PyQt5.QtGui import QColor, QMouseEvent
 from PyQt5.QtTest import QTest
@@ -43,7 +44,7 @@ def view(application, model):
     view.resize(800, 348)
     view.show()
     yield view
-    view.close()
+    delete(view)
 
 
 @pytest.fixture
@@ -52,7 +53,13 @@ def sheet(view):
     window.resize(800, 480)
     window.show()
     yield RadarBinding(window, view).sheet
-    window.close()
+    delete(window)
+
+
+def delete(widget):
+    """Let nothing of a widget stay that could be painted while Python collects it."""
+    widget.close()
+    sip.delete(widget)
 
 
 def click(button):
@@ -372,3 +379,4 @@ def test_one_rotation_is_enough(application):
     view.refresh()
     assert view.presenter.settings.polarization == 0
     assert "45°" in view.trace_key.text()
+    delete(view)
