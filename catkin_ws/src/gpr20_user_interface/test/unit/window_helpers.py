@@ -174,7 +174,9 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, imaging=None, clock=None):
+def new_window(
+    languages, survey=None, storage=None, profiles=None, imaging=None, clock=None, memory=None
+):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     tools = ServiceTools()
@@ -187,6 +189,7 @@ def new_window(languages, survey=None, storage=None, profiles=None, imaging=None
             Profiles(ProfileFolder(profiles)),
         ),
         languages,
+        memory,
         clock=clock or Clock(),
     )
     window.problems, window.languages, window.clock = problems, languages, clock

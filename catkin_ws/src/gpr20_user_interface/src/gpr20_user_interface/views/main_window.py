@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import replace
-from typing import Callable, Dict, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
@@ -15,6 +15,7 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.presenters import Presenters
+from gpr20_user_interface.mid.window_settings import WindowMemory
 from gpr20_user_interface.views.band_page import BandPage
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
@@ -35,6 +36,7 @@ from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.service_binding import ServiceBinding
 from gpr20_user_interface.views.service_view import ServiceView
+from gpr20_user_interface.views.settings_binding import SettingsBinding
 from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
@@ -44,7 +46,6 @@ from gpr20_user_interface.views.top_bar import TopBar
 from gpr20_user_interface.views.touch_binding import TouchBinding
 from gpr20_user_interface.views.traces_binding import TracesBinding
 from gpr20_user_interface.views.translation import Languages, TranslatedWidget
-from gpr20_user_interface.views.widgets import new_button
 
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
@@ -72,8 +73,8 @@ class MainWindow(TranslatedWidget):
     Args:
         presenters: What it shows and asks through.
         languages: Languages of the window.
-        look: Theme of the window; the scale follows its size.
-        clock: Measures how long a button is held, and the time after something has opened.
+        memory: What the operator has chosen for the window; None: the defaults.
+        clock: Measures how long a button is held, and the time after a touch and a change.
 
     Attributes:
         look: Theme and scale now.
@@ -83,15 +84,15 @@ class MainWindow(TranslatedWidget):
         self,
         presenters: Presenters,
         languages: Languages,
-        look: Look = Look(),  # noqa: B008 (it is immutable)
+        memory: Optional[WindowMemory] = None,
         clock: Clock = Clock(),  # noqa: B008 (it has no state)
     ) -> None:
         super().__init__()
-        self.look = look
+        memory = memory or WindowMemory()
+        self.look = Look(memory.settings.theme)
         survey, traces = presenters.survey, presenters.traces
         self.survey = survey
         self.traces = traces
-        self._languages = languages
         self.top_bar = TopBar()
         self.tabs = QTabWidget()
         self.control = ControlView()
@@ -104,7 +105,6 @@ class MainWindow(TranslatedWidget):
         self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = PastSurveysView(traces.past)
         self.service = ServiceView()
-        self.language_button = new_button(languages.use_next)
         # Planning a survey, or the job while there is one.
         self.control_pages = QStackedWidget()
         self.control_pages.addWidget(self.control)
@@ -151,6 +151,10 @@ class MainWindow(TranslatedWidget):
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
         self.export = self.surveys_binding.export
+        self.settings = SettingsBinding(
+            *(self, self.top_bar.stop, (self.notice, self.question), languages),
+            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+        )
         # The traces first: the others show what they have.
         self._imaging = presenters.imaging
         self._bindings: Tuple[Binding, ...] = (
@@ -168,6 +172,7 @@ class MainWindow(TranslatedWidget):
             self.map_binding,
             self.control_binding,
             self.surveys_binding,
+            self.settings,
             ServiceBinding(
                 survey,
                 presenters.service,
@@ -234,7 +239,8 @@ class MainWindow(TranslatedWidget):
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
         if look != self.look:
-            self.look = look
+            memory = memory or WindowMemory()
+        self.look = Look(memory.settings.theme)
             self.setStyleSheet(style_sheet(look))
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
@@ -256,15 +262,13 @@ class MainWindow(TranslatedWidget):
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
-        # The language that a touch changes to, by its own name.
-        self.language_button.setText(self._languages.language.next.own_name)
 
     def _lay_out(self) -> None:
         for page in self._pages.values():
             self.tabs.addTab(page, "")
         self.corner.setContentsMargins(0, 0, 0, 0)
         self.corner.setSpacing(GAP_PX)
-        self.corner.addWidget(self.language_button)
+        self.corner.addWidget(self.settings.button)
         corner = QWidget()
         corner.setLayout(self.corner)
         self.tabs.setCornerWidget(corner)

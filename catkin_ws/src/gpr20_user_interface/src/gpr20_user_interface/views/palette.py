@@ -6,17 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, NamedTuple
 
-
-class Theme(enum.Enum):
-    """Where the window is read: in sunlight, or in the dark without dazzling."""
-
-    SUN = "sun"
-    NIGHT = "night"
-
-    @property
-    def next(self) -> Theme:
-        """The other theme."""
-        return Theme.NIGHT if self is Theme.SUN else Theme.SUN
+from gpr20_user_interface.mid.window_settings import Theme
 
 
 class ColourPair(NamedTuple):

@@ -78,6 +78,8 @@ QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_P
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog {{ padding: 0; }}
+QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
 QPushButton#choice {{ {css(TextColours.ARROW)} }}
