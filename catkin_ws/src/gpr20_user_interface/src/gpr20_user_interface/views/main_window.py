@@ -239,8 +239,7 @@ class MainWindow(TranslatedWidget):
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
         if look != self.look:
-            memory = memory or WindowMemory()
-        self.look = Look(memory.settings.theme)
+            self.look = look
             self.setStyleSheet(style_sheet(look))
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
