@@ -19,10 +19,10 @@ from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CancelImaging, ExportSurvey, FindCandidates, FocusSurvey, ListVolumes
 from gpr20_survey.no_clearance import NO_CLEARANCE
 
-POINTS = 11
+POINTS = 13
 AREA = {
-    **{"x_start_mm": 130.0, "x_stop_mm": 230.0, "x_points": POINTS},
-    **{"y_start_mm": 130.0, "y_stop_mm": 230.0, "y_points": POINTS},
+    **{"x_start_mm": 80.0, "x_stop_mm": 272.0, "x_points": POINTS},
+    **{"y_start_mm": 80.0, "y_stop_mm": 272.0, "y_points": POINTS},
     "frequency_points": 101,
 }
 TRACES = 2 * POINTS * POINTS

@@ -87,7 +87,7 @@ class Field:
             window.survey_binding._ask_about_analyzer(verbatim("another one"), "Anritsu,MS2026C")
         elif chance < 0.7:
             window.on_event(SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40))))
-        elif chance < 0.8:
+        elif chance < 0.95:
             window.touch_binding.set_locked(False)
         else:
             window.draw()

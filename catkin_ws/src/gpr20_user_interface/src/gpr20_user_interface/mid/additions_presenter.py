@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import uuid
+from dataclasses import dataclass
 from typing import Callable, Dict, Optional, Tuple
 
 from gpr20_common.message import Message
@@ -22,6 +23,17 @@ from gpr20_user_interface.mid.survey_additions import (
 RETRY_REFRESHES = 100
 # Images of other surveys are kept for their return: the one that is refined, and its finer ones.
 IMAGES_KEPT = 4
+
+
+@dataclass(frozen=True)
+class NoAdditions:
+    """What a map without anything over its stops shows."""
+
+    related: Tuple[RelatedSurvey, ...] = ()
+    plan: Optional[FinerPlan] = None
+    candidates: Tuple[CandidateMark, ...] = ()
+    markers: Tuple[Marker, ...] = ()
+    image: Optional[FocusedImage] = None
 
 
 class AdditionsPresenter:

@@ -29,10 +29,11 @@ class Part(enum.IntEnum):
     """A diagonal in the lower left half; in the upper right half it is CROSS_ABOVE."""
     CROSS_ABOVE = 3
     DOT = 4
-    """In the middle, which both diagonals pass."""
-    LINE = 5
+    """In the middle of the upper right half; below it is DOT_BELOW."""
+    DOT_BELOW = 5
+    LINE = 6
     """Between two stops."""
-    FIELD = 6
+    FIELD = 7
     """Of stops that are too small for a pattern: the gaps of a hatching over all of them."""
 
 
@@ -55,11 +56,11 @@ _EVERYWHERE = {
 }
 # Missing: empty, with a dot. Partly: half of it done. Done: full. Failed: full, with a cross.
 _PATTERNS: Mapping[StopState, Mapping[Part, Ink]] = {
-    StopState.MISSING: {Part.DOT: Ink.MISSING},
+    StopState.MISSING: {Part.DOT: Ink.MISSING, Part.DOT_BELOW: Ink.MISSING},
     StopState.PARTLY: {
         Part.HALF: Ink.DONE,
         Part.CROSS: Ink.DONE,
-        Part.DOT: Ink.DONE,
+        Part.DOT_BELOW: Ink.DONE,
         Part.FIELD: Ink.DONE,
     },
     StopState.DONE: {},
@@ -67,6 +68,7 @@ _PATTERNS: Mapping[StopState, Mapping[Part, Ink]] = {
         Part.CROSS: Ink.PAPER,
         Part.CROSS_ABOVE: Ink.PAPER,
         Part.DOT: Ink.PAPER,
+        Part.DOT_BELOW: Ink.PAPER,
     },
 }
 
@@ -135,7 +137,9 @@ def _parts(x: np.ndarray, y: np.ndarray, cell_px: Tuple[float, float]) -> np.nda
     parts[cross] = Part.CROSS_ABOVE
     parts[cross & lower_left] = Part.CROSS
     dot = max(DOT, SMALLEST_DOT_PX / 2.0 / smallest_px)
-    parts[(np.abs(across - 0.5) < dot) & (np.abs(down - 0.5) < dot)] = Part.DOT
+    in_dot = (np.abs(across - 0.5) < dot) & (np.abs(down - 0.5) < dot)
+    parts[in_dot] = Part.DOT
+    parts[in_dot & lower_left] = Part.DOT_BELOW
     if smallest_px >= SMALLEST_WITH_LINES_PX:
         parts[:, np.flatnonzero(np.diff(x) < 0)] = Part.LINE
         parts[np.flatnonzero(np.diff(y) < 0)] = Part.LINE

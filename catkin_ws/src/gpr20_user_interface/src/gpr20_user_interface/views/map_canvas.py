@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Optional, Tuple, Union
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontMetrics, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
 from PyQt5.QtWidgets import QSizePolicy
 
-from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter, NoAdditions
 from gpr20_user_interface.mid.finer_plan import FinerPlan
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_geometry import Area, MapGeometry, fit
@@ -58,7 +58,7 @@ class MapCanvas(TranslatedWidget):
     # A place that was touched, X and Y, and how far from it a mark may be: all in mm.
     touched = pyqtSignal(float, float, float)
 
-    def __init__(self, model: MapModel, additions: AdditionsPresenter) -> None:
+    def __init__(self, model: MapModel, additions: Union[AdditionsPresenter, NoAdditions]) -> None:
         super().__init__()
         self._model = model
         self._additions = additions

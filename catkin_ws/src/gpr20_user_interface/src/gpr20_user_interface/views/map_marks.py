@@ -78,7 +78,6 @@ class MarkPainter:
 
     def failed(self, place_mm: Tuple[float, float]) -> None:
         """Ring a stop that failed, so that one among thousands is seen."""
-        self._rimmed(Mark.STOP_FAILED, 3)
         centre, radius = self._at(place_mm), self._px(FAILED_RING_PX)
         for pen in self._rimmed(Mark.STOP_FAILED, 3):
             self._painter.setPen(pen)
@@ -96,8 +95,7 @@ class MarkPainter:
         smallest = self._px(SMALLEST_FRAME_PX)
         width, height = (max(one * self._geometry.px_per_mm, smallest) for one in spacing_mm)
         frame = QRectF(centre.x() - width / 2.0, centre.y() - height / 2.0, width, height)
-        rim = Mark.INK if mark is Mark.CURRENT else Mark.PAPER
-        for pen in self._rimmed(mark, 3, rim):
+        for pen in self._rimmed(mark, 3):
             self._painter.setPen(pen)
             self._painter.drawRect(frame)
 
@@ -123,10 +121,10 @@ class MarkPainter:
                     step = QPointF(across, down)
                     self._painter.drawLine(centre - step, centre + step)
 
-    def _rimmed(self, mark: Mark, width: float, rim: Mark = Mark.PAPER) -> Tuple[QPen, QPen]:
+    def _rimmed(self, mark: Mark, width: float) -> Tuple[QPen, QPen]:
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         return (
-            QPen(self._ink(rim), self._px(width) + 2 * self._px(1.5)),
+            QPen(self._ink(Mark.PAPER), self._px(width) + 2 * self._px(1.5)),
             QPen(self._ink(mark), self._px(width)),
         )
 

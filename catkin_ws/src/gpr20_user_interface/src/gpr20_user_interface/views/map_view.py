@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import Dict, Optional, Tuple
 
 import numpy as np
-from PyQt5.QtCore import QSize, Qt, pyqtSignal
+from PyQt5.QtCore import QSize, pyqtSignal
 from PyQt5.QtGui import QPixmap, QShowEvent
 from PyQt5.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QScrollArea,
-    QScroller,
     QVBoxLayout,
     QWidget,
 )
 
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.map_grid import Cell
+from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.map_patterns import StopPattern
 from gpr20_user_interface.mid.map_selection import (
@@ -34,6 +32,7 @@ from gpr20_user_interface.mid.map_texts import STATE_NAMES, place_lines, summary
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.map_canvas import MapCanvas, stops_image
+from gpr20_user_interface.views.pulled_text import PulledText
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.views.widgets import new_button
 
@@ -68,7 +67,7 @@ class MapView(TranslatedWidget):
         self.canvas = MapCanvas(model, additions)
         self.legend: Dict[StopState, QLabel] = {state: QLabel() for state in StopState}
         self.swatches: Dict[StopState, QLabel] = {state: QLabel() for state in StopState}
-        self.text = QLabel()
+        self.text = PulledText()
         self.next_problem = new_button(self._on_next_problem)
         self.next_candidate = new_button(self._on_next_candidate)
         self.trace = new_button(self._on_trace)
@@ -104,6 +103,12 @@ class MapView(TranslatedWidget):
         self.selected = selected
         self.canvas.set_selected(selected)
         self.refresh()
+
+    def select_stop(self, stop: Stop) -> None:
+        """Show a stop."""
+        if self._model.grid is not None:
+            number = 0 if self.selected is None else self.selected.cell.polarization
+            self.select(select_cell(self._model.grid, Cell(stop, number)))
 
     def select_mark(self, mark: Mark) -> None:
         """Show a candidate or a marker."""
@@ -206,11 +211,10 @@ class MapView(TranslatedWidget):
             self.select(select_place(grid, marks, (x_mm, y_mm), reach_mm, self.selected))
 
     def _on_next_problem(self) -> None:
-        grid = self._model.grid
         after = None if self.selected is None else self.selected.cell.stop
         stop = self._model.next_problem(after)
-        if stop is not None and grid is not None:
-            self.select(select_cell(grid, Cell(stop, 0)))
+        if stop is not None:
+            self.select_stop(stop)
 
     def _on_next_candidate(self) -> None:
         candidate = next_candidate(self._additions.candidates, self.selected)
@@ -230,22 +234,10 @@ class MapView(TranslatedWidget):
         self.finer_wanted.emit(self.selected)
 
     def _lay_out(self) -> None:
-        self.text.setWordWrap(True)
-        self.text.setTextFormat(Qt.TextFormat.PlainText)
-        self.text.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
-        rest = QScrollArea()
-        rest.setObjectName("plain")
-        rest.setFrameShape(QScrollArea.Shape.NoFrame)
-        rest.setWidgetResizable(True)
-        rest.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        rest.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        rest.setWidget(self.text)
-        # A long text is pulled up with the finger.
-        QScroller.grabGesture(rest.viewport(), QScroller.ScrollerGestureType.LeftMouseButtonGesture)
         column = QVBoxLayout(self._panel)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(self._new_legend())
-        column.addWidget(rest, 1)
+        column.addWidget(self.text, 1)
         buttons = (
             *(self.next_problem, self.next_candidate, self.trace),
             *(self.set_marker, self.markers, self.finer),
