@@ -134,6 +134,9 @@ class MotionRunner(Protocol):
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
         """Carry out a motion and return when the motor is at rest."""
 
+    def read_endstop(self) -> None:
+        """Note in the step counter whether the endstop is pressed now; the motor is at rest."""
+
     def close(self) -> None:
         """Leave the step and direction pins low and release the hardware."""
 

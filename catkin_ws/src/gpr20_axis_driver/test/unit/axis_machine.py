@@ -104,6 +104,10 @@ class Count:
     def __init__(self):
         self.steps = 0
         self.trusted = False
+        self.endstop_pressed = None
+
+    def note_endstop(self, pressed):
+        self.endstop_pressed = pressed
 
     def begin(self):
         self.trusted = False

@@ -28,7 +28,7 @@ from gpr20_axis_driver.mid import pulse_client
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import never
-from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
 
@@ -291,3 +291,30 @@ def test_a_user_without_rights_gets_ordinary_scheduling_and_the_reason():
     assert "realtime=False" in answer
     assert "SCHED_FIFO (Operation not permitted)" in answer
     assert "limits.d" in answer
+
+
+def test_the_endstop_of_an_axis_at_rest_is_read_all_the_time(tmp_path):
+    axis = SimulatedAxis(tmp_path, AxisId.X, 50.0)
+    try:
+        wait_until(lambda: axis.pulses.endstop_pressed is False)
+        axis.world.set_endstop_fault(AxisId.X, EndstopFault.STUCK_CLOSED)
+        begun_s = time.monotonic()
+        wait_until(lambda: axis.pulses.endstop_pressed)
+        # At least 5 Hz; more only on a computer that stalls.
+        assert time.monotonic() - begun_s < 1.0
+        axis.world.set_endstop_fault(AxisId.X, EndstopFault.NONE)
+        wait_until(lambda: axis.pulses.endstop_pressed is False)
+        os.kill(axis.pulses.process_id, signal.SIGKILL)
+        wait_until(lambda: axis.pulses.endstop_pressed is None)
+    finally:
+        axis.driver.close(LIMIT_S)
+
+
+def test_each_touch_of_a_homing_is_counted(tmp_path):
+    axis = SimulatedAxis(tmp_path, AxisId.X, 50.0)
+    try:
+        axis.driver.homing()
+        assert axis.driver.endstop_pressed is False
+        assert axis.driver.endstop_presses == 2
+    finally:
+        axis.driver.close(LIMIT_S)

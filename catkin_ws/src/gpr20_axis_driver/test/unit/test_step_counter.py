@@ -114,3 +114,17 @@ class Flushed:
 
     def flush(self):
         self.flushed.append((self.memory.steps, self.memory.trusted))
+
+
+def test_the_endstop_is_unknown_until_it_is_read_and_each_press_counts(tmp_path):
+    counter = open_step_counter(tmp_path / "steps", 0.01, 0.0)
+    assert counter.endstop_pressed is None
+    for pressed in (False, True, True, False, True):
+        counter.note_endstop(pressed)
+        assert counter.endstop_pressed is pressed
+    assert counter.endstop_presses == 2
+    counter.close()
+    # Another process may have another switch.
+    reopened = open_step_counter(tmp_path / "steps", 0.01, 0.0)
+    assert reopened.endstop_pressed is None
+    reopened.close()

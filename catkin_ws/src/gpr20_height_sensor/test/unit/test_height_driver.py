@@ -245,3 +245,12 @@ def test_two_measurements_at_once_do_not_wait_for_each_other():
     for thread in threads:
         thread.join(10.0)
     assert len(heights) == 2
+
+
+def test_the_voltage_is_known_where_there_is_no_height():
+    clock = FakeClock()
+    driver = HeightDriver(FakeAdc([1023] * 5, clock), PARAMETERS, clock, lambda: NOW_US)
+    readings = driver.take_readings()
+    assert readings.voltage_v == pytest.approx(3.3 * 1023 / 1024)
+    with pytest.raises(SensorStuckError):
+        driver.height_from(readings)

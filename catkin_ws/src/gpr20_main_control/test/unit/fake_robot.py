@@ -104,6 +104,9 @@ class FakeAxis:
             raise DeviceError(verbatim(self.fail_homing))
         self.coordinate, self.homed = 0.0, True
 
+    def set_zero(self):
+        self.coordinate, self.homed = 0.0, True
+
     def stop(self):
         self.stops += 1
 
@@ -287,6 +290,7 @@ class Bench:
         self.storage = storage or FakeStorage()
         self.history = []
         self.coverages = []
+        self.activities = []
         self.parameters = []
         self._changed = threading.Condition()
         self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
@@ -307,6 +311,7 @@ class Bench:
             self.board,
             clock,
             defaults,
+            self.activities.append,
         )
 
     def _note(self, _before, after):

@@ -59,7 +59,7 @@ def test_a_wait_ends_when_its_check_fails_and_a_call_that_has_not_begun_is_never
     assert begun.wait(LIMIT_S)
 
     def stop():
-        raise StopRequested(Message("a stop of the survey was requested"))
+        raise StopRequested(Message("a stop was requested"))
 
     with pytest.raises(StopRequested):
         result_of(workers.begin(lambda: made.append(1)), stop)

@@ -4,6 +4,7 @@ import os
 import time
 
 import pytest
+from fake_clock import FakeClock
 
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -14,13 +15,16 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
+from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
@@ -37,6 +41,7 @@ class Survey:
         self.preview = None
         self.asked = []
         self.annotations = []
+        self.finer = None
 
     def refresh(self):
         return self.snapshot
@@ -52,6 +57,9 @@ class Survey:
 
     def set_parameters(self, parameters):
         pass
+
+    def preview_of(self, parameters):
+        return self.preview
 
     def check_master(self):
         pass
@@ -97,24 +105,59 @@ class Storage:
     def annotate(self, survey, annotation):
         self.asked.append(("annotate", survey, annotation))
 
+    def read_additions(self, survey):
+        self.asked.append(("additions", survey))
 
-class Program:
-    """In place of the command gpr20: remembers what it was started with."""
+    def add_marker(self, survey, marker):
+        self.asked.append(("add marker", survey, marker))
+
+    def remove_marker(self, survey, marker_id, author):
+        self.asked.append(("remove marker", survey, marker_id, author))
+
+
+class ServiceTools:
+    """In place of the client of SERVICE: remembers what it was asked."""
 
     def __init__(self):
-        self.installed = True
-        self.started = []
-        self.cancelled = 0
+        self.asked = []
 
-    def is_installed(self):
-        return self.installed
+    def set_watched(self, watched):
+        self.asked.append(("watch", watched))
 
-    def start(self, arguments):
-        self.started.append(arguments)
-        return len(self.started)
+    def move(self, axis, action, distance):
+        self.asked.append((axis.value, action.name, distance))
 
-    def cancel(self):
-        self.cancelled += 1
+    def measure_height(self):
+        self.asked.append("height")
+
+    def test_analyzer(self):
+        self.asked.append("analyzer")
+
+
+class ImagingNode:
+    """In place of the imaging node: answers nothing, remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+        self.cancelled = []
+
+    def focus(self, *request):
+        self.asked.append(("focus", *request))
+
+    def find_candidates(self, *request):
+        self.asked.append(("find", *request))
+
+    def export(self, *request):
+        self.asked.append(("export", *request))
+
+    def list_volumes(self):
+        self.asked.append(("volumes",))
+
+    def cancel(self, request_id):
+        self.cancelled.append(request_id)
+
+    def of(self, kind):
+        return [one[1:] for one in self.asked if one[0] == kind]
 
 
 @pytest.fixture(scope="session")
@@ -131,17 +174,26 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None):
+def new_window(
+    languages, survey=None, storage=None, profiles=None, imaging=None, clock=None, memory=None
+):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
+    tools = ServiceTools()
     window = MainWindow(
-        survey or Survey(),
-        TracePresenter(storage or Storage(), problems.append),
-        Profiles(ProfileFolder(profiles)),
+        Presenters(
+            survey or Survey(),
+            TracePresenter(storage or Storage(), problems.append),
+            ImagingPresenter(imaging or ImagingNode(), time.monotonic),
+            ServiceModel(tools, clock or Clock()),
+            Profiles(ProfileFolder(profiles)),
+        ),
         languages,
-        CandidateSearch(program or Program(), time.monotonic),
+        memory,
+        clock=clock or Clock(),
     )
-    window.problems, window.languages = problems, languages
+    window.problems, window.languages, window.clock = problems, languages, clock
+    window.tools = tools
     return window
 
 
@@ -188,3 +240,26 @@ def enter(window, name, text):
 
 def click(button):
     QTest.mouseClick(button, Qt.LeftButton)
+
+
+def hold(button, seconds=1.1):
+    """Hold a HoldButton for a time that need not pass."""
+    clock = FakeClock()
+    button.set_clock(clock)
+    QTest.mousePress(button, Qt.LeftButton)
+    for _ in range(round(seconds / 0.05)):
+        clock.advance(0.05)
+        button.tick()
+    QTest.mouseRelease(button, Qt.LeftButton)
+
+
+def start(window):
+    """Press START and hold the button of its sheet, if it opens."""
+    click(window.control.start)
+    hold_to_start(window)
+
+
+def hold_to_start(window):
+    """Hold the button of the sheet before the robot moves, if it is open."""
+    if window.start_sheet.isVisible():
+        hold(window.start_sheet.hold)

@@ -7,6 +7,7 @@ import time
 from typing import Callable, Optional, Tuple
 
 import rospy
+from std_msgs.msg import Bool
 
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goals import ClientContact, GoalServer
@@ -42,7 +43,8 @@ SHUTDOWN_LIMIT_S = 5.0
 class AxisNode:
     """Action `axis`, topic `current_coord`, services `homing` and `stop` of one axis.
 
-    An axis without endstop has the service `set_zero` as well.
+    An axis with an endstop publishes its state on the topic `endstop`; one without endstop has the
+    service `set_zero`.
     """
 
     def __init__(
@@ -57,6 +59,10 @@ class AxisNode:
         self._fast = False
         self._moved_s = -math.inf
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
+        self._presses = driver.endstop_presses
+        self._endstop_publisher: Optional[rospy.Publisher] = None
+        if hardware.parameters.sensor_pin is not None:
+            self._endstop_publisher = rospy.Publisher("endstop", Bool, queue_size=1)
         self._server = GoalServer("axis", AxisAction, self._execute)
         self._diagnostics = diagnostics.Diagnostics(hardware.description.name, self._health)
         self._periodic = Periodic(RESTING_PERIOD_S, self._tick)
@@ -168,12 +174,22 @@ class AxisNode:
 
     def _tick(self) -> None:
         self._ticks += 1
+        self._publish_endstop()
         moving = self._driver.moving
         if moving or not self._fast or self._ticks % RESTING_TICKS == 0:
             self._publish()
         if self._fast and not moving and time.monotonic() - self._moved_s > SOON_S:
             self._fast = False
             self._periodic.set_period(RESTING_PERIOD_S)
+
+    def _publish_endstop(self) -> None:
+        publisher, pressed = self._endstop_publisher, self._driver.endstop_pressed
+        # Nearly always nobody subscribes.
+        if publisher is None or pressed is None or not publisher.get_num_connections():
+            return
+        # In a homing the switch is closed for a few milliseconds only; each touch is shown.
+        presses, self._presses = self._presses, self._driver.endstop_presses
+        publisher.publish(pressed or self._presses != presses)
 
     def _publish(self) -> None:
         message = CurrentCoordinate()
@@ -189,6 +205,7 @@ class AxisNode:
             f"coordinate [{self._unit}]": self._driver.current_coord,
             "homed": self._driver.homing_done,
             "moving": self._driver.moving,
+            "endstop": _endstop_state(self._driver.endstop_pressed),
             "last error": self._last_error or "",
             "pulses": self._pulses.scheduling,
             "last motion [s]": f"{self._driver.last_motion.duration_s:.6f}",
@@ -224,6 +241,12 @@ class AxisNode:
         self._stops += 1
         self._driver.close(SHUTDOWN_LIMIT_S)
         self._server.stop_status()
+
+
+def _endstop_state(pressed: Optional[bool]) -> str:
+    if pressed is None:
+        return ""
+    return "pressed" if pressed else "open"
 
 
 def own_axis() -> AxisId:

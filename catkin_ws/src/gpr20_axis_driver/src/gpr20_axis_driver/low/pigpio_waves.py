@@ -103,10 +103,13 @@ class StepWaves:
         with self._errors():
             self._pi.write(self._dir, int(forward))
 
+    @property
+    def has_endstop(self) -> bool:
+        """Whether there is an endstop to read."""
+        return self._sensor is not None
+
     def is_pressed(self) -> bool:
         """Return whether the endstop, which pulls its pin low, is pressed now."""
-        if self._sensor is None:
-            return False
         with self._errors():
             return self._pi.read(self._sensor) == 0
 

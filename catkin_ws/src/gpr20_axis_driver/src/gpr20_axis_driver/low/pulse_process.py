@@ -30,6 +30,8 @@ POLL_S = 0.005
 # The parent counts a beat with every poll; one that counts none for this long can no longer
 # stop the motion.
 SILENT_PARENT_S = 2.0
+# How often the endstop of an axis at rest is read [s].
+ENDSTOP_PERIOD_S = 0.1
 PARENT_GONE = (EOFError, BrokenPipeError, ConnectionResetError)
 
 
@@ -180,7 +182,12 @@ def serve(connection: Connection, counter: StepCounter, parent: int) -> None:
     runner = hardware.open(counter)
     try:
         connection.send(scheduling)
+        # Without an endstop there is nothing to read, and the process sleeps until a motion comes.
+        period_s = None if hardware.parameters.sensor_pin is None else ENDSTOP_PERIOD_S
         while True:
+            runner.read_endstop()
+            while not connection.poll(period_s):
+                runner.read_endstop()
             motion = connection.recv()
             connection.send(runner.run(motion, _Parent(counter, parent).wants_stop))
     finally:

@@ -13,6 +13,7 @@ import tempfile
 import time
 from enum import IntEnum
 from pathlib import Path
+from typing import Optional
 
 from gpr20_axis_driver.axis_exceptions import StepCounterError
 from gpr20_common.message import Message
@@ -35,6 +36,16 @@ class _Word(IntEnum):
     RESTING = 3
     STOP = 4
     BEATS = 5
+    ENDSTOP = 6
+    PRESSES = 7
+
+
+class _Endstop(IntEnum):
+    """The last reading of the endstop."""
+
+    UNKNOWN = 0
+    OPEN = 1
+    PRESSED = 2
 
 
 class StepCounter:
@@ -80,6 +91,25 @@ class StepCounter:
         """Count a beat, which shows that the parent process still runs."""
         self._words[_Word.BEATS] += 1
 
+    @property
+    def endstop_pressed(self) -> Optional[bool]:
+        """Whether the endstop was pressed when it was last read; None if it was not read yet."""
+        reading = self._words[_Word.ENDSTOP]
+        return None if reading == _Endstop.UNKNOWN else reading == _Endstop.PRESSED
+
+    @property
+    def endstop_presses(self) -> int:
+        """How many times the endstop has closed, as far as it was read."""
+        return self._words[_Word.PRESSES]
+
+    def note_endstop(self, pressed: bool) -> None:
+        """Note a reading of the endstop."""
+        reading = _Endstop.PRESSED if pressed else _Endstop.OPEN
+        # Only a change is written: the file may be on a disk.
+        if self._words[_Word.ENDSTOP] != reading:
+            self._words[_Word.ENDSTOP] = reading
+            self._words[_Word.PRESSES] += pressed
+
     def begin(self) -> None:
         """Mark the count as not trusted, as a motion begins; durable before the first pulse."""
         self._words[_Word.RESTING] = 0
@@ -108,6 +138,7 @@ class StepCounter:
             self.begin()
             self._words[_Word.STEP_SIZE_NANO] = size_nano
         self.stop_requested = False
+        self._words[_Word.ENDSTOP] = _Endstop.UNKNOWN
 
     def is_one_of_ours(self) -> bool:
         """Return whether the file is a step count of this version."""

@@ -57,6 +57,16 @@ class AxisDriver:
         return self._motion.locked()
 
     @property
+    def endstop_pressed(self) -> Optional[bool]:
+        """Whether the endstop is pressed; None if there is none, or it cannot be read."""
+        return self._pulses.endstop_pressed
+
+    @property
+    def endstop_presses(self) -> int:
+        """How many times the endstop has closed, as far as it was read."""
+        return self._pulses.endstop_presses
+
+    @property
     def failure(self) -> Optional[Message]:
         """Why no motion is possible now; None if one is."""
         return self._pulses.failure

@@ -59,6 +59,19 @@ class PulseClient:
             return self._failure
 
     @property
+    def endstop_pressed(self) -> Optional[bool]:
+        """Whether the endstop is pressed, as read within the last tenth of a second.
+
+        None if there is no endstop, or the process that reads it has ended.
+        """
+        return self._counter.endstop_pressed if self.failure is None else None
+
+    @property
+    def endstop_presses(self) -> int:
+        """How many times the endstop has closed, as far as it was read."""
+        return self._counter.endstop_presses
+
+    @property
     def scheduling(self) -> Message:
         """How punctual the system lets the pulses be."""
         return self._process.scheduling.message

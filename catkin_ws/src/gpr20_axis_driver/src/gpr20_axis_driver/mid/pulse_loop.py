@@ -127,6 +127,10 @@ class PulseLoop:
             Lateness.of(schedule.lateness_s, schedule.slowed),
         )
 
+    def read_endstop(self) -> None:
+        """Note whether the endstop is pressed now."""
+        self._pressed()
+
     def close(self) -> None:
         """Leave the pins low and release them."""
         self._stepper.close()
@@ -179,4 +183,8 @@ class PulseLoop:
         return None
 
     def _pressed(self) -> bool:
-        return self._endstop is not None and self._endstop.sample()
+        if self._endstop is None:
+            return False
+        pressed = self._endstop.sample()
+        self._counter.note_endstop(pressed)
+        return pressed

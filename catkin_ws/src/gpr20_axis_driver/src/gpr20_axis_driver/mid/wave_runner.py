@@ -68,11 +68,15 @@ class WaveRunner:
         return MotionReport(
             ending,
             queue.made,
-            self._waves.is_pressed(),
+            self._pressed(),
             duration_s,
             queue.gap_s,
             Lateness(slowed=queue.slowed),
         )
+
+    def read_endstop(self) -> None:
+        """Note whether the endstop is pressed now."""
+        self._pressed()
 
     def close(self) -> None:
         """Leave the pins low and release the transmitter for another axis."""
@@ -86,7 +90,7 @@ class WaveRunner:
             queue.retire()
             if queue.gap_s:
                 return Ending.GAP
-            if motion.guarded and self._waves.is_pressed():
+            if motion.guarded and self._pressed():
                 return Ending.PRESSED
             if queue.empty and self._until_holds(motion):
                 return Ending.UNTIL
@@ -102,7 +106,14 @@ class WaveRunner:
     def _until_holds(self, motion: Motion) -> bool:
         if motion.until is Until.NOTHING:
             return False
-        return self._waves.is_pressed() == (motion.until is Until.PRESSED)
+        return self._pressed() == (motion.until is Until.PRESSED)
+
+    def _pressed(self) -> bool:
+        if not self._waves.has_endstop:
+            return False
+        pressed = self._waves.is_pressed()
+        self._counter.note_endstop(pressed)
+        return pressed
 
 
 class _WaveQueue:

@@ -33,6 +33,7 @@ class HeightNode:
     def __init__(self, driver: HeightDriver, hardware: Hardware) -> None:
         self._driver = driver
         self._height: Optional[HeightMeasurement] = None
+        self._voltage_v = math.nan
         self._last_error: Optional[Message] = None
         self._publisher = rospy.Publisher("measured_height", Range, queue_size=10)
         self._service = advertise("get_height", GetHeight, self._get_height)
@@ -44,8 +45,11 @@ class HeightNode:
         self._periodic = Periodic(1.0 / driver.parameters.publish_rate_hz, self._publish_height)
 
     def _get_height(self, _request: GetHeightRequest) -> GetHeightResponse:
+        voltage_v = math.nan
         try:
-            measured = self._driver.take_measurement()
+            readings = self._driver.take_readings()
+            voltage_v = readings.voltage_v
+            measured = self._driver.height_from(readings)
         except HeightError as error:
             rospy.logwarn("get_height refused: %s", error)
             # NaN, because a zero could be taken for a height.
@@ -53,6 +57,7 @@ class HeightNode:
                 success=False,
                 height_m=math.nan,
                 spread_m=math.nan,
+                voltage_v=voltage_v,
                 **message_fields(error.message),
             )
         return GetHeightResponse(
@@ -61,15 +66,20 @@ class HeightNode:
             spread_m=measured.spread_m,
             samples=measured.samples,
             measured=ros_time(measured.measured_us),
+            voltage_v=voltage_v,
         )
 
     def _publish_height(self) -> None:
+        voltage_v = math.nan
         try:
-            self._height, self._last_error = self._driver.take_measurement(), None
+            readings = self._driver.take_readings()
+            voltage_v = readings.voltage_v
+            self._height, self._last_error = self._driver.height_from(readings), None
         except HeightStoppedError:
             return
         except HeightError as error:
             self._height, self._last_error = None, error.message
+        self._voltage_v = voltage_v
         self._publish(self._height)
 
     def _publish(self, measured: Optional[HeightMeasurement]) -> None:
@@ -90,6 +100,7 @@ class HeightNode:
         values = {
             "height [m]": f"{height.height_m:.4f}" if height else "none",
             "spread [m]": f"{height.spread_m:.4f}" if height else "none",
+            "voltage [V]": f"{self._voltage_v:.4f}",
             "last error": last_error or "",
         }
         if last_error:

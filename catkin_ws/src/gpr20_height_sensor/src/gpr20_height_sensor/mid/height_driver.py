@@ -47,6 +47,26 @@ class HeightMeasurement:
     measured_us: int
 
 
+@dataclass(frozen=True)
+class HeightReadings:
+    """Readings of the sensor, before anything is concluded from them.
+
+    Attributes:
+        codes: Of the converter, 0..1023.
+        voltages_v: At its input [V].
+        measured_us: When the last one was taken [microseconds since 1970, UTC].
+    """
+
+    codes: np.ndarray
+    voltages_v: np.ndarray
+    measured_us: int
+
+    @property
+    def voltage_v(self) -> float:
+        """Median of the voltages [V]."""
+        return float(np.median(self.voltages_v))
+
+
 class HeightDriver:
     """Computes a robust height from fresh readings, or raises an error with the reason.
 
@@ -100,19 +120,34 @@ class HeightDriver:
         Raises:
             HeightError: The sensor is stuck, out of its range, too noisy, or does not answer.
         """
+        return self.height_from(self.take_readings())
+
+    def take_readings(self) -> HeightReadings:
+        """Return readings that the sensor made after this call.
+
+        Raises:
+            HeightError: The converter does not answer.
+        """
         codes = np.array(self._fresh_samples(), dtype=np.float64)
-        measured_us = self._now_us()
-        self._check_not_stuck(codes)
         # The converter's result is code / 1024 of its reference (data sheet, equation 4-2).
         voltages_v = codes * (self._parameters.reference_voltage_v / (LARGEST_CODE + 1))
-        distances_m = self._parameters.distances_m(voltages_v)
+        return HeightReadings(codes, voltages_v, self._now_us())
+
+    def height_from(self, readings: HeightReadings) -> HeightMeasurement:
+        """Return the height that the last readings mean.
+
+        Raises:
+            HeightError: The sensor is stuck, out of its range, or too noisy.
+        """
+        self._check_not_stuck(readings.codes)
+        distances_m = self._parameters.distances_m(readings.voltages_v)
         distance_m = float(np.median(distances_m))
         self._check_in_range(distance_m)
         self._check_not_frozen()
         spread_m = NORMAL_MAD_SCALE * float(np.median(np.abs(distances_m - distance_m)))
         self._check_quiet(spread_m, distances_m)
         height_m = distance_m + self._parameters.height_offset_m
-        return HeightMeasurement(height_m, spread_m, len(codes), measured_us)
+        return HeightMeasurement(height_m, spread_m, len(readings.codes), readings.measured_us)
 
     def shut_down(self) -> None:
         """End all measurements, refuse new ones, and release the bus."""

@@ -23,6 +23,7 @@ from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.survey_topics import SurveyTopics
+from gpr20_main_control.mid.axis_service import axis_move
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import (
@@ -39,10 +40,14 @@ from gpr20_msgs.srv import (
     CommandResponse,
     ResumeSurvey,
     ResumeSurveyResponse,
+    ServiceMove,
+    ServiceMoveResponse,
     SetSurveyParameters,
     SetSurveyParametersResponse,
     StartSurvey,
     StartSurveyResponse,
+    TestAnalyzer,
+    TestAnalyzerResponse,
 )
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan import annotation
@@ -79,9 +84,12 @@ class MainControlNode:
             advertise("pause_survey", Command, self._pause),
             advertise("stop_survey", Command, self._stop),
             advertise("resume_survey", ResumeSurvey, self._resume),
+            advertise("service_move", ServiceMove, self._service_move),
+            advertise("test_analyzer", TestAnalyzer, self._test_analyzer),
         ]
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
+        topics.publish_service(None)
         self._periodics = [
             Periodic(1.0 / COORDINATE_RATE_HZ, lambda: topics.publish_current(robot)),
             Periodic(1.0 / PROGRESS_RATE_HZ, lambda: topics.publish_progress(status.status)),
@@ -106,7 +114,7 @@ class MainControlNode:
         )
 
     def _start(self, request: Any) -> StartSurveyResponse:
-        survey_id = self._control.start(annotation.from_fields(request.annotation))
+        survey_id = self._control.start(annotation.from_fields(request.annotation), request.refines)
         started = message_fields(Message("Survey started"))
         return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 
@@ -123,6 +131,24 @@ class MainControlNode:
             refused = message_fields(error.message)
             return ResumeSurveyResponse(other_analyzer=error.identity, **refused)
         return ResumeSurveyResponse(success=True, **message_fields(resuming))
+
+    def _service_move(self, request: Any) -> ServiceMoveResponse:
+        move = axis_move(request.axis, request.action, request.distance)
+        message = self._control.move_for_service(move)
+        return ServiceMoveResponse(success=True, **message_fields(message))
+
+    def _test_analyzer(self, request: Any) -> TestAnalyzerResponse:
+        test = self._control.test_analyzer(request.address)
+        return TestAnalyzerResponse(
+            success=test.failure is None,
+            address=test.address,
+            identity=test.identity,
+            calibration="" if test.calibration is None else test.calibration.name,
+            points=test.points,
+            sweep_duration_s=test.duration_s,
+            level_db=test.level_db,
+            **message_fields(test.failure or Message("The VNA works.")),
+        )
 
     def _health(self) -> diagnostics.Health:
         status = self._status.status
@@ -171,7 +197,9 @@ def build_main_control_node() -> MainControlNode:
         nodes=nodes,
         description=description,
     )
-    control = MainControl(robot, settings, status, clock, description.site.annotation)
+    control = MainControl(
+        robot, settings, status, clock, description.site.annotation, topics.publish_service
+    )
     node = MainControlNode(control, robot, status, topics)
     own = {**asdict(settings), **asdict(limits)}
     description.note(NodeDescription(NODE, NO_HARDWARE, own))

@@ -25,6 +25,8 @@ from gpr20_survey.plan.robot_description import PLAIN_NAMES
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
 SERVER_POLL_S = 0.001
 STOP_LIMIT_S = 5.0
+# Nothing moves, but its process of the pulses may have to be started.
+SET_ZERO_LIMIT_S = 30.0
 # The node of an axis, in the axis's namespace.
 DRIVER = "axis_driver"
 
@@ -55,6 +57,7 @@ class RosAxis:
         self._client = actionlib.ActionClient(f"{group}/axis", AxisAction)
         self._goal: Optional[actionlib.ClientGoalHandle] = None
         self._homing = ServiceClient(f"{group}/homing", Command)
+        self._set_zero = ServiceClient(f"{group}/set_zero", Command)
         self._stop = ServiceClient(f"{group}/stop", Command)
         self._stops: List[threading.Thread] = []
         self._subscriber = rospy.Subscriber(
@@ -108,8 +111,20 @@ class RosAxis:
             DeviceError: It failed.
         """
         self._await_stops()
+        self._call(self._homing, time_limit_s)
+
+    def set_zero(self) -> None:
+        """Make the present position of an axis without endstop its zero.
+
+        Raises:
+            NodeLostError: No answer came.
+            DeviceError: It was refused.
+        """
+        self._call(self._set_zero, SET_ZERO_LIMIT_S)
+
+    def _call(self, service: ServiceClient, time_limit_s: float) -> None:
         try:
-            response = self._homing.call(time_limit_s)
+            response = service.call(time_limit_s)
         except ServiceUnavailableError as error:
             raise NodeLostError(self._no_answer(error)) from error
         if not response.success:

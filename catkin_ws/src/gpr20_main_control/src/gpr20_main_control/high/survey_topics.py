@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Tuple
+from typing import Optional, Tuple
 
 import rospy
 
 from gpr20_common.high.graph_message import message_fields
+from gpr20_common.message import Message
 from gpr20_main_control.mid.robot import Robot
 from gpr20_main_control.mid.survey_status import Status
-from gpr20_msgs.msg import ControlStatus, Coordinates, SurveyCoverage, SurveyData
+from gpr20_msgs.msg import (
+    ControlStatus,
+    Coordinates,
+    ServiceStatus,
+    SurveyCoverage,
+    SurveyData,
+)
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -39,6 +46,7 @@ class SurveyTopics:
         self._coverage = rospy.Publisher(
             "survey_coverage", SurveyCoverage, queue_size=10, latch=True
         )
+        self._service = rospy.Publisher("service_status", ServiceStatus, queue_size=10, latch=True)
         self._parameters = rospy.Publisher(
             "survey_parameters", SurveyParametersMessage, queue_size=10, latch=True
         )
@@ -87,6 +95,15 @@ class SurveyTopics:
     def publish_parameters(self, parameters: SurveyParameters) -> None:
         """Publish the parameters of the next or present survey."""
         self._parameters.publish(SurveyParametersMessage(**asdict(parameters)))
+
+    def publish_service(self, activity: Optional[Message]) -> None:
+        """Publish what is done for maintenance; None: nothing."""
+        fields = message_fields(activity) if activity is not None else {}
+        message = ServiceStatus(busy=activity is not None, **fields)
+        message.header.stamp = rospy.Time.now()
+        if activity is not None:
+            rospy.loginfo("service: %s", activity)
+        self._service.publish(message)
 
     def publish_current(self, robot: Robot) -> None:
         """Publish the position of the axes, once all of them have reported theirs.

@@ -1,4 +1,4 @@
-"""The requests to the main control: set parameters, start, pause, stop, resume."""
+"""The requests to the main control: set parameters, start, pause, stop, resume, service."""
 
 from __future__ import annotations
 
@@ -6,21 +6,25 @@ import contextlib
 import threading
 import uuid
 from dataclasses import replace
-from typing import Iterator, Optional
+from typing import Callable, Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, AnalyzerTest, run_analyzer_test
+from gpr20_main_control.mid.axis_service import AxisMove, AxisService
 from gpr20_main_control.mid.engine import SurveyEngine
 from gpr20_main_control.mid.interruption import Interruption
 from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyEnd
+from gpr20_main_control.mid.service_slot import ServiceSlot
 from gpr20_main_control.mid.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_status import Status, SurveyStatus
 from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.refines import check_refines
+from gpr20_survey.plan.survey_parameters import SurveyParameters, check_address
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -45,6 +49,7 @@ class MainControl:
         status: SurveyStatus,
         clock: Clock,
         defaults: Annotation = EMPTY,
+        on_service: Callable[[Optional[Message]], None] = lambda _activity: None,
     ) -> None:
         """Build it; no survey runs.
 
@@ -54,12 +59,14 @@ class MainControl:
             status: What is shown of the survey.
             clock: For time limits.
             defaults: Operator, site and position of surveys that are started without.
+            on_service: Called with what is done for maintenance, and None when it has ended.
         """
         self._defaults = defaults
         self._robot = robot
         self._settings = settings
         self._status = status
         self._interruption = Interruption(robot.nodes, clock)
+        self._service = ServiceSlot(robot.axes, clock, on_service)
         self._requests = threading.Lock()
         self._plan: Optional[SurveyPlan] = None
         self._positioner: Optional[Positioner] = None
@@ -91,13 +98,15 @@ class MainControl:
             self._status.enter(SurveyState.CONFIGURED, ready)
             return self._plan
 
-    def start(self, annotation: Annotation = EMPTY) -> str:
+    def start(self, annotation: Annotation = EMPTY, refines: str = "") -> str:
         """Start a survey with the parameters set before and return its id.
 
         Args:
             annotation: What people add to the survey; empty fields become the robot's defaults.
+            refines: Id of the survey that this one measures more finely; empty: none.
 
         Raises:
+            InvalidValueError: `refines` is not the id of a survey.
             RequestRefusedError: A survey is running, or no parameters have been set.
         """
         with self._one_at_a_time():
@@ -107,6 +116,7 @@ class MainControl:
                     "its end"
                 )
             )
+            self._service.refuse_while_busy()
             if self._plan is None:
                 raise RequestRefusedError(
                     Message("no parameters have been set; set them, then start")
@@ -116,7 +126,12 @@ class MainControl:
                 self._plan.parameters, self._robot.description.config(), self._settings
             )
             annotation = annotation.with_defaults(self._defaults)
-            plan = replace(plan, survey_id=str(uuid.uuid4()), annotation=annotation)
+            plan = replace(
+                plan,
+                survey_id=str(uuid.uuid4()),
+                annotation=annotation,
+                refines=check_refines(refines),
+            )
             self._begin(plan)
             return plan.survey_id
 
@@ -141,12 +156,16 @@ class MainControl:
             return pausing
 
     def stop(self) -> Message:
-        """Stop the survey now; returns, with what happens now, while the axes still slow down.
+        """Stop the survey, or what is done for maintenance, now.
+
+        Returns, with what happens now, while the axes still slow down.
 
         Raises:
-            RequestRefusedError: No survey is running.
+            RequestRefusedError: There is nothing to stop.
         """
         # No lock: a stop does not wait for other requests.
+        if self._service.stop():
+            return Message("Stopping the axes")
         if not self._status.status.state.running:
             raise RequestRefusedError(Message("no survey is running; there is nothing to stop"))
         self._interruption.stop.set()
@@ -192,6 +211,7 @@ class MainControl:
                     "its end"
                 )
             )
+            self._service.refuse_while_busy()
             if not survey:
                 raise RequestRefusedError(
                     Message(
@@ -200,9 +220,49 @@ class MainControl:
                 )
             return self._unless_refused(self._resume_from_disk(survey, accept_analyzer))
 
+    def move_for_service(self, move: AxisMove) -> Message:
+        """Move one axis for maintenance and return, when it is at rest, where it is.
+
+        Raises:
+            RequestRefusedError: A survey has not ended, or the move is not possible now.
+            DeviceError: The axis failed.
+            StopRequested: A stop was requested; the axis is at rest.
+        """
+        with self._in_service(move.activity):
+            return AxisService(self._robot, self._service.interruption).execute(move)
+
+    def test_analyzer(self, address: str) -> AnalyzerTest:
+        """Test the analyzer at an address; empty: as the robot is configured.
+
+        Raises:
+            RequestRefusedError: A survey has not ended, or something else is in service.
+            InvalidValueError: It is no address.
+        """
+        check_address(address)
+        with self._in_service(Message("testing the VNA")):
+            plan = self._plan
+            settings = TEST_SWEEP if plan is None else plan.parameters.sweep_settings
+            return run_analyzer_test(self._robot, address, settings, self._service.interruption)
+
+    @contextlib.contextmanager
+    def _in_service(self, activity: Message) -> Iterator[None]:
+        with self._one_at_a_time():
+            self._refuse_while_running(
+                Message(
+                    "no service is possible while a survey is running or paused; stop the survey "
+                    "or wait for its end"
+                )
+            )
+            self._service.claim(activity)
+        try:
+            yield
+        finally:
+            self._service.release()
+
     def shut_down(self, time_limit_s: float) -> None:
         """Interrupt a running survey, which can be resumed, and wait until it is closed."""
         self._interruption.shut_down()
+        self._service.shut_down()
         if self._thread is not None:
             self._thread.join(time_limit_s)
 

@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.interruption import Interruption
+from gpr20_main_control.mid.interruption import StopInterruption
 from gpr20_main_control.mid.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.robot import Axis, AxisReading, Position
 from gpr20_main_control.mid.workers import Workers, result_of
@@ -42,7 +42,7 @@ class Positioner:
         self,
         axes: Mapping[AxisId, Axis],
         parameters: Dict[AxisId, AxisParameters],
-        interruption: Interruption,
+        interruption: StopInterruption,
         workers: Workers,
     ) -> None:
         self._workers = workers
@@ -67,15 +67,34 @@ class Positioner:
             if self._stale():
                 return False
             elapsed_s = self._clock.now_s() - begun_s
-            return all(self._reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
+            return all(self.reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
 
         self._wait(all_publish, CONNECTION_LIMIT_S)
         for axis_id in self._axes:
             try:
-                self._reading(axis_id)
+                self.reading(axis_id)
             except NodeLostError as error:
                 # Its node is there, and waiting longer does not help.
                 raise DeviceError(error.message) from error
+
+    def reading(self, axis_id: AxisId) -> AxisReading:
+        """Return the last reading of an axis.
+
+        Raises:
+            NodeLostError: The axis does not publish.
+        """
+        reading = self._axes[axis_id].reading()
+        if reading is None or not _is_fresh(reading):
+            raise NodeLostError(
+                Message(
+                    "the {axis} axis has not reported its position for {limit_s:g} s; check that "
+                    "its driver runs",
+                    axis=axis_id.value,
+                    limit_s=READING_LIMIT_S,
+                    details=f"{axis_id.value}_axis/current_coord",
+                )
+            )
+        return reading
 
     def position(self) -> Position:
         """Return the position of the axes.
@@ -84,7 +103,7 @@ class Positioner:
             NodeLostError: An axis does not publish.
             DeviceError: An axis is not homed.
         """
-        readings = {axis_id: self._reading(axis_id) for axis_id in self._axes}
+        readings = {axis_id: self.reading(axis_id) for axis_id in self._axes}
         for axis_id, reading in readings.items():
             if not reading.homed:
                 raise DeviceError(
@@ -114,7 +133,7 @@ class Positioner:
             NodeLostError: A node is lost; axes may still be homing.
             StopRequested: A stop of the survey was requested.
         """
-        pending = [one for one in self._axes if again or not self._reading(one).homed]
+        pending = [one for one in self._axes if again or not self.reading(one).homed]
         homings = [self._workers.begin(partial(self._home, axis_id)) for axis_id in pending]
         failures = []
         for homing in homings:
@@ -127,7 +146,7 @@ class Positioner:
         self._interruption.check()
         if failures:
             raise failures[0]
-        self._wait(lambda: all(self._reading(axis_id).homed for axis_id in pending))
+        self._wait(lambda: all(self.reading(axis_id).homed for axis_id in pending))
         return pending
 
     def move_to(self, point: SurveyPoint, on_begun: Callable[[], None]) -> None:
@@ -144,8 +163,21 @@ class Positioner:
         """
         targets = {AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}
         self.position()
+        self._move(targets, on_begun)
+
+    def move_axis(self, axis_id: AxisId, target: float) -> None:
+        """Move one axis to a target [mm or deg] and return when it rests there.
+
+        Raises:
+            DeviceError: The axis failed.
+            NodeLostError: There is no contact with the axis.
+            StopRequested: A stop was requested; the axis has been stopped.
+        """
+        self._move({axis_id: target}, lambda: None)
+
+    def _move(self, targets: Mapping[AxisId, float], on_begun: Callable[[], None]) -> None:
         try:
-            moving = [axis_id for axis_id in self._axes if self._begin(axis_id, targets[axis_id])]
+            moving = [axis_id for axis_id in targets if self._begin(axis_id, targets[axis_id])]
             on_begun()
             for axis_id in moving:
                 self._finish(axis_id, targets[axis_id])
@@ -201,7 +233,7 @@ class Positioner:
     def _begin(self, axis_id: AxisId, target: float) -> bool:
         # A move of zero length is not sent: actionlib may lose the result of a goal that
         # ends before its sender has returned.
-        if self._at_target(axis_id, self._reading(axis_id), target):
+        if self._at_target(axis_id, self.reading(axis_id), target):
             return False
         axis = self._axes[axis_id]
         if not self._wait(axis.is_connected, CONNECTION_LIMIT_S):
@@ -212,7 +244,7 @@ class Positioner:
         return True
 
     def _finish(self, axis_id: AxisId, target: float) -> None:
-        distance = target - self._reading(axis_id).coordinate
+        distance = target - self.reading(axis_id).coordinate
         duration_s = axis_move_duration_s(self._parameters[axis_id], distance)
         limit_s = TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
         deadline_s = self._clock.now_s() + limit_s
@@ -234,7 +266,7 @@ class Positioner:
                         limit_s=limit_s,
                     )
                 )
-            reading = self._reading(axis_id)
+            reading = self.reading(axis_id)
             if reading.moving or not self._at_target(axis_id, reading, target):
                 arrived_s = None
             elif arrived_s is None:
@@ -257,13 +289,13 @@ class Positioner:
         """Wait until the axis reports that it rests at the target."""
 
         def arrived() -> bool:
-            reading = self._reading(axis_id)
+            reading = self.reading(axis_id)
             return (
                 reading.homed and not reading.moving and self._at_target(axis_id, reading, target)
             )
 
         if not self._wait(arrived, changed=self._axes[axis_id].received):
-            if not self._reading(axis_id).homed:
+            if not self.reading(axis_id).homed:
                 raise DeviceError(
                     Message(
                         "the {axis} axis has lost its zero; resume the survey to home it",
@@ -275,7 +307,7 @@ class Positioner:
                     "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
                     "home it",
                     axis=axis_id.value,
-                    coordinate=self._reading(axis_id).coordinate,
+                    coordinate=self.reading(axis_id).coordinate,
                     unit=axis_id.unit,
                     target=target,
                 )
@@ -312,20 +344,6 @@ class Positioner:
     def _stale(self) -> List[AxisId]:
         readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
         return [axis_id for axis_id, reading in readings.items() if not _is_fresh(reading)]
-
-    def _reading(self, axis_id: AxisId) -> AxisReading:
-        reading = self._axes[axis_id].reading()
-        if reading is None or not _is_fresh(reading):
-            raise NodeLostError(
-                Message(
-                    "the {axis} axis has not reported its position for {limit_s:g} s; check that "
-                    "its driver runs",
-                    axis=axis_id.value,
-                    limit_s=READING_LIMIT_S,
-                    details=f"{axis_id.value}_axis/current_coord",
-                )
-            )
-        return reading
 
 
 def _is_fresh(reading: Optional[AxisReading]) -> bool:

@@ -97,6 +97,9 @@ class Axis(Protocol):
     def home(self, time_limit_s: float) -> None:
         """Home the axis and return when it is homed."""
 
+    def set_zero(self) -> None:
+        """Make the present position of an axis without endstop its zero."""
+
     def stop(self) -> None:
         """End any motion; returns at once."""
 

@@ -88,6 +88,10 @@ class SerialCalls:
         """
         return result_of(self._worker.begin(call), check)
 
+    def begin(self, call: Callable[[], object]) -> None:
+        """Begin a call whose result nobody needs when those before it have ended."""
+        self._worker.begin(call)
+
 
 def wait_for(future: Future[Result], check: Callable[[], None]) -> None:
     """Return as soon as a call has ended.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Protocol, Sequence
+from typing import Any, Dict, Iterable, List, Mapping, Protocol, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -87,11 +87,27 @@ def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
         InvalidValueError: A node has not described itself, some are simulated and others are
             not, or an axis has other parameters than this version knows.
     """
-    _refuse_missing(nodes)
+    _refuse_missing(PLAIN_NAMES, nodes)
     _refuse_mixed(nodes)
     hardware = nodes[ANALYZER].hardware
-    axes = {axis_id: _axis_parameters(axis_id, nodes) for axis_id in AxisId}
+    axes = {axis_id: axis_parameters(axis_id, nodes) for axis_id in AxisId}
     return RobotConfig(axes, hardware.simulated, hardware.time_scale)
+
+
+def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> AxisParameters:
+    """Return the parameters of one axis.
+
+    Args:
+        axis_id: Which axis.
+        nodes: The descriptions received so far, by their nodes.
+
+    Raises:
+        InvalidValueError: The axis driver has not described itself, or has other parameters than
+            this version knows.
+    """
+    name = f"{axis_id.value}_axis/axis_driver"
+    _refuse_missing([name], nodes)
+    return record_from(AxisParameters, nodes[name].configuration, name)
 
 
 def is_simulated_identity(identity: str) -> bool:
@@ -113,8 +129,8 @@ def recorded_nodes(nodes: Mapping[str, NodeDescription]) -> List[Dict[str, Any]]
     ]
 
 
-def _refuse_missing(nodes: Mapping[str, NodeDescription]) -> None:
-    missing = [name for name in PLAIN_NAMES if name not in nodes]
+def _refuse_missing(needed: Iterable[str], nodes: Mapping[str, NodeDescription]) -> None:
+    missing = [name for name in needed if name not in nodes]
     if missing:
         raise InvalidValueError(
             Message(
@@ -146,11 +162,6 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
                 scales=", ".join(f"{scale:g}" for scale in scales),
             )
         )
-
-
-def _axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> AxisParameters:
-    name = f"{axis_id.value}_axis/axis_driver"
-    return record_from(AxisParameters, nodes[name].configuration, name)
 
 
 def _joined(names: Sequence[str]) -> Message:

@@ -148,7 +148,7 @@ def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Pro
     """Return every rule that the parameters break; empty if they break none."""
     p = parameters
     checks: List[Tuple[Rule, Callable[[], object]]] = [
-        (Rule.ADDRESS, lambda: _address(p.vna_address)),
+        (Rule.ADDRESS, lambda: check_address(p.vna_address)),
         (
             Rule.START_FREQUENCY,
             lambda: _frequency(Message("start frequency"), p.start_frequency_hz),
@@ -190,7 +190,12 @@ def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Pro
             yield Problem(rule, error.message)
 
 
-def _address(address: str) -> None:
+def check_address(address: str) -> None:
+    """Return if the text can be the address of an analyzer.
+
+    Raises:
+        InvalidValueError: It cannot.
+    """
     # Empty: that of the robot's configuration. Which of the two forms it must have is known to the
     # driver alone.
     if "::" in address:

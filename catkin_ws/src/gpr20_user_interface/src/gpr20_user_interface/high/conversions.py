@@ -19,6 +19,7 @@ from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
     Replay,
+    ServiceStatus,
     SurveyCoverage,
     SurveyData,
     SurveySummary,
@@ -40,8 +41,13 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.past_surveys import PastSurvey, coverage_map
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
+from gpr20_user_interface.mid.service_events import (
+    AnalyzerTested,
+    HeightTested,
+    ServiceActivity,
+)
 from gpr20_user_interface.mid.trace_events import (
     AnnotationFailed,
     AnnotationRead,
@@ -144,6 +150,30 @@ def measured_height(message: Range) -> MeasuredHeight:
     return MeasuredHeight(message.range if within else math.nan)
 
 
+def service_activity(message: ServiceStatus) -> ServiceActivity:
+    """Convert `service_status`."""
+    return ServiceActivity(message_from(message) if message.busy else None)
+
+
+def height_tested(response: Any) -> HeightTested:
+    """Convert the answer of `get_height`."""
+    failure = None if response.success else message_from(response)
+    return HeightTested(response.height_m, response.spread_m, response.voltage_v, failure)
+
+
+def analyzer_tested(response: Any) -> AnalyzerTested:
+    """Convert the answer of `test_analyzer`."""
+    return AnalyzerTested(
+        address=response.address,
+        identity=response.identity,
+        calibration=response.calibration,
+        points=response.points,
+        sweep_duration_s=response.sweep_duration_s,
+        level_db=response.level_db,
+        failure=None if response.success else message_from(response),
+    )
+
+
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     """Convert `survey_coverage`."""
     return CoverageRuns(
@@ -202,6 +232,10 @@ def _past_survey(message: SurveySummary) -> PastSurvey:
         complete=message.complete,
         simulated=message.simulated,
         problem=_message_or_none(message.problem, message.problem_json),
+        name=message.name,
+        width_mm=message.width_mm,
+        height_mm=message.height_mm,
+        coverage=coverage_map(message.map_columns, message.map_rows, message.map_percent),
     )
 
 

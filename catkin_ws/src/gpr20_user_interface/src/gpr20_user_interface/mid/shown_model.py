@@ -21,13 +21,21 @@ from gpr20_user_interface.mid.events import (
 from gpr20_user_interface.mid.message_source import MessageSources, Received, SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.robot_health import EXPECTED_NODES, SIMULATOR, HealthReport
+from gpr20_user_interface.mid.service_events import ServiceActivity
 from gpr20_user_interface.mid.survey_model import Refusal, Snapshot, SurveyModel
 
 # A robot that was heard within this time [s] is there, whatever is replayed beside it. Longer than
 # any of the times after which its messages are stale.
 ROBOT_LIMIT_S = 10.0
 # What the main control alone publishes.
-CONTROL_EVENTS = (ControlState, Progress, CurrentPosition, TargetPosition, ControlParameters)
+CONTROL_EVENTS = (
+    ControlState,
+    Progress,
+    CurrentPosition,
+    TargetPosition,
+    ControlParameters,
+    ServiceActivity,
+)
 ROBOT_EVENTS = (*CONTROL_EVENTS, MeasuredHeight)
 
 

@@ -33,6 +33,7 @@ from gpr20_user_interface.mid.robot_health import (
     HealthReport,
     HealthTracker,
 )
+from gpr20_user_interface.mid.service_events import ServiceActivity
 
 # The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
 CONTROL_SILENCE_S = 5.0
@@ -78,6 +79,8 @@ class Snapshot:
     health: HealthReport = field(default_factory=HealthReport)
     alarm: Optional[Alarm] = None
     master_alive: bool = True
+    # What is done for maintenance, outside a survey.
+    service: Optional[Message] = None
     # What is shown is a replay, not a robot.
     replay: Optional[ReplayView] = None
 
@@ -108,7 +111,7 @@ class Snapshot:
     @property
     def can_start(self) -> bool:
         """Whether START makes sense, if the parameters are right."""
-        return self.control_alive and not self.fields_locked
+        return self.control_alive and not self.fields_locked and self.service is None
 
     @property
     def can_stop(self) -> bool:
@@ -119,7 +122,7 @@ class Snapshot:
         """
         if self.replay is not None:
             return False
-        asked = self.fields_locked or Request.RESUME in self.pending
+        asked = self.fields_locked or Request.RESUME in self.pending or self.service is not None
         return asked or not self.control_alive or not self.master_alive
 
     @property
@@ -172,6 +175,7 @@ class SurveyModel:
         self._pending: Set[Request] = set()
         self._limits = AxisLimits(None)
         self._parameters: Optional[SurveyParameters] = None
+        self._service: Optional[Message] = None
         self._health = HealthTracker(clock)
         self._started_id = ""
         self._started_s = -math.inf
@@ -212,6 +216,8 @@ class SurveyModel:
             self._note_limits(event)
         elif isinstance(event, ControlParameters):
             self._parameters = event.parameters
+        elif isinstance(event, ServiceActivity):
+            self._service = event.activity
         elif isinstance(event, NodeHealth):
             self._health.note(event)
 
@@ -234,6 +240,7 @@ class SurveyModel:
             figures=self._limits.figures,
             defaults=self._limits.defaults,
             health=health,
+            service=self._service,
             master_alive=self._limits.master_alive,
             alarm=self._worst_alarm(silent_s, health),
         )

@@ -7,6 +7,7 @@ from typing import Optional
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
+from gpr20_user_interface.mid.additions_presenter import NoAdditions
 from gpr20_user_interface.mid.job import area_of, job_of
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -46,7 +47,7 @@ class JobView(TranslatedWidget):
         self.line.setObjectName("figure")
         self.area = ElidedLabel()
         self.message = LinesLabel()
-        self.map = MapCanvas(model)
+        self.map = MapCanvas(model, NoAdditions())
         self.map.setMinimumSize(1, 1)
         self.map.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.plan = new_button(self.plan_pressed.emit)

@@ -42,6 +42,11 @@ QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
+QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
+    {css(TextColours.REPLAY)} }}
+QWidget#lock_band, QLabel#locked {{ {css(TextColours.SIMULATED)} font-weight: bold; }}
+QLabel#locked[flash="true"] {{ {css(TextColours.ALARM)} }}
 QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
     font-weight: bold; padding: {px(4)}px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-weight: bold; padding: 0 {px(6)}px; }}
@@ -49,6 +54,7 @@ QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 {px(6)}px; }}
 QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 {px(6)}px; }}
 QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 {px(6)}px; }}
 QLabel[level="wrong"] {{ {css(TextColours.WRONG)} }}
+QLabel[lamp="on"] {{ {css(TextColours.DOUBTFUL)} font-weight: bold; }}
 QFrame#sheet {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)}; }}
 """
 
@@ -71,12 +77,19 @@ QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
 QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_PX - 20)}px; }}
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
+QPushButton#jog {{ padding: 0; }}
+QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
-QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
+QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
+QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton:checked, QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
-QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
+QPushButton#arrow:disabled, QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
+    border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
 QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(10)}px;
     border: 1px solid {border}; }}

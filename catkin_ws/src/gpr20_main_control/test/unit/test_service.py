@@ -1,0 +1,253 @@
+"""Maintenance: single axes are moved and the analyzer is tested, never beside a survey."""
+
+import math
+import random
+import threading
+
+import pytest
+from fake_robot import LIMIT_S
+from survey_examples import AXES
+
+from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
+from gpr20_main_control.mid.axis_service import AxisAction, AxisMove, axis_move, jog_target
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+X, Y, Z = AxisId.X, AxisId.Y, AxisId.Z
+
+
+def home(bench, axis):
+    return bench.control.move_for_service(AxisMove(axis, AxisAction.HOME))
+
+
+def jog(bench, axis, distance):
+    return bench.control.move_for_service(AxisMove(axis, AxisAction.JOG, distance))
+
+
+class InBackground:
+    """A call that waits, and how it ended."""
+
+    def __init__(self, call):
+        self.error = None
+        self._call = call
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self):
+        try:
+            self._call()
+        except Exception as error:
+            self.error = error
+
+    def join(self):
+        self._thread.join(LIMIT_S)
+        assert not self._thread.is_alive()
+        return self.error
+
+
+def block_the_next_move(axis):
+    """Let an axis move until `blocked` is set, from its next move on."""
+    begin_move = axis.begin_move
+
+    def begin(target):
+        axis.blocked.clear()
+        begin_move(target)
+
+    axis.begin_move = begin
+
+
+def test_one_axis_is_homed_also_if_it_is_homed_already(bench):
+    for homings in (1, 2):
+        assert "The y axis is homed." in str(home(bench, Y))
+        assert [axis.homings for axis in bench.axes] == [0, homings, 0]
+    assert [str(one) for one in bench.activities] == ["homing the y axis", "None"] * 2
+
+
+def test_an_axis_is_jogged_by_the_distance(bench):
+    home(bench, X)
+    assert "10 mm" in str(jog(bench, X, 10.0))
+    assert "9 mm" in str(jog(bench, X, -1.0))
+    assert bench.x.moves == [10.0, 9.0]
+
+
+def test_a_jog_before_homing_is_refused(bench):
+    for axis, advice in ((X, "home it"), (Z, "set its zero")):
+        with pytest.raises(RequestRefusedError, match=advice):
+            jog(bench, axis, 1.0)
+    assert bench.x.moves == bench.z.moves == []
+
+
+def test_a_jog_ends_at_the_end_of_the_axis(bench):
+    home(bench, X)
+    assert "650 mm, the end of its range." in str(jog(bench, X, 1e300))
+    with pytest.raises(RequestRefusedError, match="from 0 to 650 mm; move it the other way"):
+        jog(bench, X, 1.0)
+    assert bench.x.moves == [650.0]
+
+
+def test_the_zero_of_the_antennas_is_where_they_are(bench):
+    bench.control.move_for_service(AxisMove(Z, AxisAction.SET_ZERO))
+    jog(bench, Z, 100.0)
+    assert bench.z.moves == [90.0]
+    with pytest.raises(RequestRefusedError, match="the endstop determines the zero"):
+        bench.control.move_for_service(AxisMove(X, AxisAction.SET_ZERO))
+
+
+def test_no_jog_leaves_the_axis_or_goes_the_wrong_way():
+    for seed in range(2000):
+        check_a_jog(random.Random(seed))
+
+
+def check_a_jog(draw):
+    axis = AXES[draw.choice(list(AxisId))]
+    coordinate = axis.coordinate_of(
+        draw.randint(axis.distance_steps(axis.min_coord), axis.distance_steps(axis.max_coord))
+    )
+    distance = draw.choice([-1, 1]) * 10 ** draw.uniform(-4, 4)
+    target = jog_target(axis, coordinate, distance)
+    assert axis.min_coord <= target <= axis.max_coord
+    assert (target - coordinate) * distance >= 0.0
+    assert abs(target - coordinate) <= max(abs(distance), axis.step_size) + axis.step_size / 2
+    if axis.min_coord < coordinate < axis.max_coord:
+        assert target != coordinate
+    assert axis.coordinate_of(axis.distance_steps(target)) == target
+
+
+@pytest.mark.parametrize(
+    ("axis", "action", "distance"),
+    [
+        ("w", 1, 1.0),
+        ("", 0, 0.0),
+        ("x", 3, 1.0),
+        ("x", 1, 0.0),
+        ("x", 1, math.nan),
+        ("x", 1, math.inf),
+    ],
+)
+def test_absurd_requests_are_refused(axis, action, distance):
+    with pytest.raises(RequestRefusedError):
+        axis_move(axis, action, distance)
+
+
+def test_there_is_no_service_while_a_survey_has_not_ended(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    moves, connections = list(bench.x.moves), len(bench.analyzer.connections)
+    for request in (
+        lambda: jog(bench, X, 1.0),
+        lambda: home(bench, X),
+        lambda: bench.control.test_analyzer(""),
+    ):
+        with pytest.raises(RequestRefusedError, match="while a survey is running or paused"):
+            request()
+    assert bench.x.moves == moves
+    assert len(bench.analyzer.connections) == connections
+    assert bench.activities == []
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    home(bench, X)
+
+
+def test_no_survey_starts_during_a_service_move(bench):
+    home(bench, X)
+    block_the_next_move(bench.x)
+    moving = InBackground(lambda: jog(bench, X, 100.0))
+    bench.x.begun.wait(LIMIT_S)
+    for request in (bench.start, lambda: bench.control.resume("survey"), lambda: home(bench, Y)):
+        with pytest.raises(RequestRefusedError, match="press STOP"):
+            request()
+    bench.x.coordinate = 100.0
+    bench.x.blocked.set()
+    assert moving.join() is None
+    del bench.x.begin_move
+    bench.start()
+    bench.complete()
+
+
+def test_a_stop_ends_a_jog_and_the_answer_says_where_the_axis_is(bench):
+    home(bench, X)
+    block_the_next_move(bench.x)
+    moving = InBackground(lambda: jog(bench, X, 100.0))
+    bench.x.begun.wait(LIMIT_S)
+    assert "Stopping" in str(bench.control.stop())
+    assert all(axis.stops for axis in bench.axes)
+    bench.x.coordinate = 12.5
+    bench.x.blocked.set()
+    error = moving.join()
+    assert isinstance(error, StopRequested)
+    assert "stopped; the x axis is at 12.5 mm" in str(error)
+    del bench.x.begin_move
+    with pytest.raises(RequestRefusedError, match="nothing to stop"):
+        bench.control.stop()
+    assert "22.5 mm" in str(jog(bench, X, 10.0))
+
+
+def test_a_stop_ends_a_homing(bench):
+    bench.y.hanging.clear()
+    homing = InBackground(lambda: home(bench, Y))
+    while not bench.y.homings:
+        pass
+    bench.control.stop()
+    assert "the y axis is not homed" in str(homing.join())
+
+
+def test_a_lost_analyzer_does_not_keep_the_axes_from_service(bench):
+    bench.nodes.note_silent("vna_acquisition")
+    home(bench, X)
+    jog(bench, X, 5.0)
+    assert bench.x.moves == [5.0]
+
+
+def test_a_failed_axis_is_stopped_and_reported(bench):
+    bench.x.fail_homing = "the endstop was not reached"
+    with pytest.raises(DeviceError, match="endstop was not reached"):
+        home(bench, X)
+    assert bench.x.stops
+    assert str(bench.activities[-1]) == "None"
+
+
+def test_a_silent_axis_is_not_jogged(bench):
+    home(bench, X)
+    bench.x.silent = True
+    with pytest.raises(DeviceError, match="has not reported its position"):
+        jog(bench, X, 1.0)
+    assert bench.x.moves == []
+
+
+def test_the_analyzer_is_tested_and_released(bench):
+    test = bench.control.test_analyzer("")
+    assert test.failure is None
+    assert test.address == "127.0.0.2"
+    assert "MS2026C" in test.identity
+    assert test.calibration.name == "HIGH"
+    assert (test.points, test.level_db) == (101, pytest.approx(3.01, abs=0.01))
+    # The release is not waited for.
+    bench.robot.analyzer_calls.call(lambda: None, lambda: None)
+    assert bench.analyzer.releases == 1
+
+
+def test_a_test_of_the_analyzer_ends_at_its_first_failure(bench):
+    bench.analyzer.calibration_refusal = "there is no calibration"
+    test = bench.control.test_analyzer("10.0.0.1")
+    assert bench.analyzer.connections == ["10.0.0.1"]
+    assert test.identity
+    assert "no calibration" in str(test.failure)
+    assert (test.calibration, test.points, bench.analyzer.sweeps) == (None, 0, 0)
+
+
+def test_a_test_of_the_analyzer_can_be_stopped(bench):
+    may_sweep, sweeping = threading.Event(), threading.Event()
+
+    def hang():
+        sweeping.set()
+        may_sweep.wait(LIMIT_S)
+
+    bench.analyzer.on_sweep = hang
+    results = []
+    testing = InBackground(lambda: results.append(bench.control.test_analyzer("")))
+    assert sweeping.wait(LIMIT_S)
+    bench.control.stop()
+    assert testing.join() is None
+    may_sweep.set()
+    assert "stopped" in str(results[0].failure)

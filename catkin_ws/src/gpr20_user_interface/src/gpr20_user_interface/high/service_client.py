@@ -1,0 +1,126 @@
+"""The services and topics of SERVICE as events."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, List
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import Bool
+
+from gpr20_common.high.graph_message import message_from
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.message import Message
+from gpr20_msgs.msg import ServiceStatus
+from gpr20_msgs.srv import GetHeight, ServiceMove, TestAnalyzer
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.mid.service_events import (
+    AnalyzerTested,
+    AxisAction,
+    AxisMoved,
+    ClockOffset,
+    EndstopState,
+    HeightTested,
+)
+
+# At the lowest speed an axis of 800 mm takes 800 s to its endstop. The motion can be stopped
+# meanwhile, and goes to its end whether this client waits or not.
+MOVE_TIMEOUT_S = 1200.0
+HEIGHT_TIMEOUT_S = 10.0
+# Several requests to the VNA, of which each has its own limit in the main control.
+ANALYZER_TIMEOUT_S = 300.0
+ENDSTOP_AXES = (AxisId.X, AxisId.Y)
+
+
+class ServiceToolsClient(RosEvents):
+    """Asks the main control and the height sensor without waiting; implements `ServiceRequests`."""
+
+    def __init__(self, listener: Callable[[Any], None]) -> None:
+        super().__init__(listener)
+        self._move = ServiceClient("service_move", ServiceMove)
+        self._height = ServiceClient("get_height", GetHeight)
+        self._analyzer = ServiceClient("test_analyzer", TestAnalyzer)
+        self._watched: List[rospy.Subscriber] = []
+
+    def listen(self) -> None:
+        """Subscribe to what is done for maintenance."""
+        self._subscribe("service_status", ServiceStatus, conversions.service_activity, None)
+
+    def close(self) -> None:
+        """Call the listener no more."""
+        self.set_watched(False)
+        super().close()
+
+    def set_watched(self, watched: bool) -> None:
+        """Follow endstops and clocks, or no longer: each message costs time."""
+        for subscriber in self._watched:
+            subscriber.unregister()
+        self._watched.clear()
+        if watched:
+            self._watched = [
+                rospy.Subscriber(
+                    f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis, queue_size=10
+                )
+                for axis in ENDSTOP_AXES
+            ]
+            self._watched.append(
+                rospy.Subscriber(
+                    "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20
+                )
+            )
+
+    def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
+        """Ask to home or to jog an axis [mm or deg], or to set its zero; the answer is an event."""
+
+        def ask() -> AxisMoved:
+            try:
+                response = self._move.call(
+                    MOVE_TIMEOUT_S, axis=axis.value, action=int(action), distance=distance
+                )
+            except ServiceUnavailableError as error:
+                return AxisMoved(False, _no_answer(error))
+            return AxisMoved(response.success, message_from(response))
+
+        in_background(lambda: self._emit(ask()))
+
+    def measure_height(self) -> None:
+        """Ask for one height; the answer is an event."""
+
+        def ask() -> HeightTested:
+            try:
+                response = self._height.call(HEIGHT_TIMEOUT_S)
+            except ServiceUnavailableError as error:
+                no_answer = Message(
+                    "the height sensor does not answer; check that it is running", details=error
+                )
+                return HeightTested(math.nan, math.nan, math.nan, no_answer)
+            return conversions.height_tested(response)
+
+        in_background(lambda: self._emit(ask()))
+
+    def test_analyzer(self) -> None:
+        """Ask for a test of the VNA; the answer is an event."""
+
+        def ask() -> AnalyzerTested:
+            try:
+                response = self._analyzer.call(ANALYZER_TIMEOUT_S)
+            except ServiceUnavailableError as error:
+                return AnalyzerTested("", "", "", 0, 0.0, 0.0, _no_answer(error))
+            return conversions.analyzer_tested(response)
+
+        in_background(lambda: self._emit(ask()))
+
+    def _on_endstop(self, message: Bool, axis: AxisId) -> None:
+        self._emit_received(message, EndstopState(axis, message.data))
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
+        for health in conversions.node_healths(message, rospy.get_namespace()):
+            self._emit_received(message, ClockOffset(health.name, offset_s))
+
+
+def _no_answer(error: Exception) -> Message:
+    return Message("the main control does not answer; check that it is running", details=error)

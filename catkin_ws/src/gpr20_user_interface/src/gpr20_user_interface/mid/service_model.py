@@ -1,0 +1,280 @@
+"""SERVICE: whether the robot may be serviced, what was asked for, and what came back."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Deque, Dict, Optional, Protocol, Tuple
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_user_interface.mid.doctor import Facts, Finding, findings
+from gpr20_user_interface.mid.events import AxisLimits, HealthLevel, Position, Request
+from gpr20_user_interface.mid.message_source import Received
+from gpr20_user_interface.mid.service_events import (
+    AnalyzerTested,
+    AxisAction,
+    AxisMoved,
+    ClockOffset,
+    EndstopState,
+    HeightTested,
+)
+from gpr20_user_interface.mid.survey_model import Snapshot
+
+# Service ends by itself when nothing was touched for this long [s].
+IDLE_LIMIT_S = 120.0
+# An endstop's state is published 10 times a second; an older one [s] is not shown.
+ENDSTOP_LIMIT_S = 1.0
+# A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
+LAMP_S = 0.5
+# The smallest of this many offsets has the least delay in it.
+OFFSETS = 5
+STEPS = (1, 10, 100)
+
+
+class ServiceRequests(Protocol):
+    """Requests for SERVICE, without waiting; the answers come as events."""
+
+    def set_watched(self, watched: bool) -> None:
+        """Follow endstops and clocks, or no longer."""
+
+    def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
+        """Ask to home or to jog an axis [mm or deg], or to set its zero."""
+
+    def measure_height(self) -> None:
+        """Ask for one height."""
+
+    def test_analyzer(self) -> None:
+        """Ask for a test of the VNA."""
+
+
+@dataclass(frozen=True)
+class AxisState:
+    """What is known about an axis.
+
+    Attributes:
+        axis: Which axis.
+        coordinate: Where it is [mm or deg]; None: not known.
+        homed: Whether its zero is known; None: not known now.
+        pressed: Whether its endstop is pressed; None: not known now, or there is none.
+    """
+
+    axis: AxisId
+    coordinate: Optional[float]
+    homed: Optional[bool]
+    pressed: Optional[bool]
+
+
+@dataclass(frozen=True)
+class ServiceState:
+    """What SERVICE shows.
+
+    Attributes:
+        entered: Whether the axes may be moved.
+        obstacle: Why the robot cannot be serviced now; None: it can.
+        busy: Whether a request is in progress.
+        outcome: The last answer about an axis, or what is done now; None: there was none.
+        failed: Whether the last answer was a failure.
+        axes: X, Y and Z.
+        height: The last height; None: none was measured.
+        analyzer: The last test of the VNA; None: there was none.
+    """
+
+    entered: bool
+    obstacle: Optional[Message]
+    busy: bool
+    outcome: Optional[Message]
+    failed: bool
+    axes: Tuple[AxisState, ...]
+    height: Optional[HeightTested]
+    analyzer: Optional[AnalyzerTested]
+
+
+class ServiceModel:
+    """Takes events and touches, gives states. Belongs to one thread."""
+
+    def __init__(self, requests: ServiceRequests, clock: Clock) -> None:
+        self._requests = requests
+        self._clock = clock
+        self._snapshot: Optional[Snapshot] = None
+        self._entered = False
+        self._touched_s = 0.0
+        self._pending = False
+        self._answer: Optional[AxisMoved] = None
+        self._height: Optional[HeightTested] = None
+        self._analyzer: Optional[AnalyzerTested] = None
+        self._endstops: Dict[AxisId, _Lamp] = {}
+        self._offsets_s: Dict[str, Deque[float]] = {}
+        self._configuration_problem: Optional[Message] = None
+
+    def on_event(self, event: object) -> None:
+        """Take an event."""
+        content = event.event if isinstance(event, Received) else event
+        if isinstance(content, EndstopState):
+            lamp = self._endstops.setdefault(content.axis, _Lamp(self._clock))
+            lamp.note(content.pressed)
+        elif isinstance(content, ClockOffset):
+            offsets_s = self._offsets_s.setdefault(content.node, deque(maxlen=OFFSETS))
+            offsets_s.append(content.offset_s)
+        elif isinstance(content, AxisLimits):
+            if content.master_alive:
+                self._configuration_problem = content.reason
+        elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTested)):
+            self._note_answer(content)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Take what is known of the robot now; end the service if it must end."""
+        self._snapshot = snapshot
+        if self._busy:
+            self._touched_s = self._clock.now_s()
+        idle_s = self._clock.now_s() - self._touched_s
+        if self._entered and (self.obstacle is not None or idle_s > IDLE_LIMIT_S):
+            self.leave()
+
+    @property
+    def obstacle(self) -> Optional[Message]:
+        """Why the robot cannot be serviced now; None: it can."""
+        shown = self._snapshot
+        if shown is None or not shown.control_alive or not shown.master_alive:
+            return Message("There is no contact with the robot.")
+        if shown.replay is not None:
+            return Message("A replay is shown: there is no robot.")
+        if shown.running or {Request.START, Request.RESUME} & shown.pending:
+            return Message("Service is not possible while a survey is running or paused.")
+        return None
+
+    @property
+    def state(self) -> ServiceState:
+        """What to show now."""
+        activity = None if self._snapshot is None else self._snapshot.service
+        answer = self._answer
+        if activity is not None:
+            outcome, failed = Message("In progress: {activity}", activity=activity), False
+        else:
+            failed = answer is not None and not answer.success
+            outcome = None if answer is None else answer.message
+            if failed:
+                outcome = Message("Not done: {reason}", reason=outcome)
+        return ServiceState(
+            entered=self._entered,
+            obstacle=self.obstacle,
+            busy=self._busy,
+            outcome=outcome,
+            failed=failed,
+            axes=tuple(self._axis(axis) for axis in AxisId),
+            height=self._height,
+            analyzer=self._analyzer,
+        )
+
+    def findings(self) -> Tuple[Finding, ...]:
+        """Return what is wrong with the robot, the worst first."""
+        if self._snapshot is None:
+            return ()
+        offsets_s = {node: min(few, key=abs) for node, few in self._offsets_s.items()}
+        return findings(Facts(self._snapshot, self._configuration_problem, offsets_s))
+
+    def set_watched(self, watched: bool) -> None:
+        """Note whether SERVICE is in front; service ends when it is not."""
+        self._requests.set_watched(watched)
+        if not watched:
+            self.leave()
+            self._offsets_s.clear()
+
+    def enter(self) -> None:
+        """Begin the service, unless there is an obstacle."""
+        self._entered = self.obstacle is None
+        self._answer = None
+        self.touch()
+
+    def leave(self) -> None:
+        """End the service; a motion in progress is not stopped."""
+        self._entered = False
+
+    def touch(self) -> None:
+        """Note that the operator is there."""
+        self._touched_s = self._clock.now_s()
+
+    def move(self, axis: AxisId, action: AxisAction, distance: float = 0.0) -> None:
+        """Ask to home or to jog an axis [mm or deg], or to set its zero."""
+        if self._take_turn():
+            self._requests.move(axis, action, distance)
+
+    def measure_height(self) -> None:
+        """Ask for one height."""
+        if self._take_turn():
+            self._height = None
+            self._requests.measure_height()
+
+    def test_analyzer(self) -> None:
+        """Ask for a test of the VNA."""
+        if self._take_turn():
+            self._analyzer = None
+            self._requests.test_analyzer()
+
+    @property
+    def _busy(self) -> bool:
+        in_service = self._snapshot is not None and self._snapshot.service is not None
+        return self._pending or in_service
+
+    def _take_turn(self) -> bool:
+        """Return whether a request may be sent now; one at a time."""
+        if not self._entered or self._busy:
+            return False
+        self.touch()
+        self._pending = True
+        self._answer = None
+        return True
+
+    def _note_answer(self, answer: object) -> None:
+        self._pending = False
+        if isinstance(answer, AxisMoved):
+            self._answer = answer
+        elif isinstance(answer, HeightTested):
+            self._height = answer
+        elif isinstance(answer, AnalyzerTested):
+            self._analyzer = answer
+
+    def _axis(self, axis: AxisId) -> AxisState:
+        lamp = self._endstops.get(axis)
+        pressed = None if lamp is None else lamp.pressed
+        if self._snapshot is None:
+            return AxisState(axis, None, None, pressed)
+        node = self._snapshot.health.node(f"{axis.value}_axis/axis_driver")
+        homed: Optional[bool] = None
+        if node is not None and node.level is not HealthLevel.STALE and "homed" in node.values:
+            homed = node.values["homed"] == "True"
+        return AxisState(axis, _coordinate(self._snapshot.current, axis), homed, pressed)
+
+
+class _Lamp:
+    """The state of an endstop as a lamp shows it."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._pressed = False
+        self._noted_s = 0.0
+        self._pressed_s: Optional[float] = None
+
+    def note(self, pressed: bool) -> None:
+        self._pressed, self._noted_s = pressed, self._clock.now_s()
+        if pressed:
+            self._pressed_s = self._noted_s
+
+    @property
+    def pressed(self) -> Optional[bool]:
+        now_s = self._clock.now_s()
+        if now_s - self._noted_s > ENDSTOP_LIMIT_S:
+            return None
+        shining = self._pressed_s is not None and now_s - self._pressed_s < LAMP_S
+        return self._pressed or shining
+
+
+def _coordinate(position: Optional[Position], axis: AxisId) -> Optional[float]:
+    if position is None:
+        return None
+    return {
+        AxisId.X: position.x_mm,
+        AxisId.Y: position.y_mm,
+        AxisId.Z: position.z_deg,
+    }[axis]

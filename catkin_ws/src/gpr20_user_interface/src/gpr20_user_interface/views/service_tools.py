@@ -1,0 +1,111 @@
+"""The page of SERVICE for the instruments: the height sensor and the VNA."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Optional
+
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import QGridLayout, QLabel, QVBoxLayout
+
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_user_interface.mid.service_events import AnalyzerTested, HeightTested
+from gpr20_user_interface.mid.service_model import ServiceState
+from gpr20_user_interface.views.look import GAP_PX, look_of
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.views.widgets import new_button
+
+UNKNOWN = "—"
+
+
+class ServiceTools(TranslatedWidget):
+    """One column per instrument: a button, and what came back."""
+
+    def __init__(self, measure_height: Callable[[], None], test_analyzer: Callable[[], None]):
+        super().__init__()
+        self._state: Optional[ServiceState] = None
+        self.measure = new_button(measure_height)
+        self.test = new_button(test_analyzer)
+        self.height, self.analyzer = _text(), _text()
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        for column, (button, text) in enumerate(
+            ((self.measure, self.height), (self.test, self.analyzer))
+        ):
+            below = QVBoxLayout()
+            below.addWidget(text)
+            self._grid.addWidget(button, 0, column)
+            self._grid.addLayout(below, 1, column)
+        self._grid.setRowStretch(1, 1)
+        self._grid.setColumnStretch(0, 2)
+        self._grid.setColumnStretch(1, 3)
+        self.restyle()
+        self.retranslate()
+
+    def show_state(self, state: ServiceState) -> None:
+        """Show what came back."""
+        if state == self._state:
+            return
+        self._state = state
+        for button in (self.measure, self.test):
+            button.setEnabled(state.entered and not state.busy)
+        self.height.setText(self._height_text(state.height))
+        self.analyzer.setText(self._analyzer_text(state.analyzer))
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self._grid.setSpacing(look_of(self).px(2 * GAP_PX))
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.measure.setText(self.tr("MEASURE HEIGHT"))
+        self.test.setText(self.tr("TEST VNA"))
+        state, self._state = self._state, None
+        if state is not None:
+            self.show_state(state)
+
+    def _height_text(self, height: Optional[HeightTested]) -> str:
+        if height is None:
+            return UNKNOWN
+        lines = []
+        if height.failure is None:
+            lines.append(
+                self.tr("Height {height_m:.3f} m ± {spread_m:.3f} m").format(
+                    height_m=height.height_m, spread_m=height.spread_m
+                )
+            )
+        if math.isfinite(height.voltage_v):
+            lines.append(self.tr("Sensor {voltage_v:.3f} V").format(voltage_v=height.voltage_v))
+        if height.failure is not None:
+            lines.append(shown_text(height.failure))
+        return "\n".join(lines)
+
+    def _analyzer_text(self, test: Optional[AnalyzerTested]) -> str:
+        if test is None:
+            return UNKNOWN
+        lines = []
+        if test.identity:
+            lines.append(self.tr("Connected to {address}").format(address=test.address))
+            lines.append(test.identity)
+        if test.calibration:
+            meaning = CalibrationStatus[test.calibration].meaning
+            lines.append(self.tr("Calibration: {state}").format(state=shown_text(meaning)))
+        if test.points:
+            lines.append(
+                self.tr("Sweep of {points} points: {duration_s:.3f} s, {level_db:.0f} dB").format(
+                    points=test.points,
+                    duration_s=test.sweep_duration_s,
+                    level_db=test.level_db,
+                )
+            )
+        if test.failure is not None:
+            lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
+        return "\n".join(lines)
+
+
+def _text() -> QLabel:
+    label = QLabel(UNKNOWN)
+    label.setWordWrap(True)
+    label.setTextFormat(Qt.TextFormat.PlainText)
+    label.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
+    return label
