@@ -194,6 +194,10 @@ class Traces(unittest.TestCase):
         self.assertTrue(past.table.item(1, 1).text().startswith("complete"))
         past.table.selectRow(0)
         QTest.mouseClick(past.resume, Qt.LeftButton)
+        hold = window.window.start_sheet.hold
+        QTest.mousePress(hold, Qt.LeftButton)
+        wait_until(lambda: not hold.isVisible(), "the button is held")
+        QTest.mouseRelease(hold, Qt.LeftButton)
         wait_until(lambda: self.code == ControlStatus.FINISHED, "it was resumed to its end")
         QTest.mouseClick(past.again, Qt.LeftButton)
         wait_until(lambda: past.table.item(0, 1).text().startswith("complete"), "it is complete")
@@ -206,7 +210,17 @@ class Traces(unittest.TestCase):
         QTest.mouseClick(past.open, Qt.LeftButton)
         wait_until(lambda: window.traces.shown.radar.count == 24, "its traces are read")
         wait_until(lambda: window.drawn() == 12, "they are drawn")
-        self.assertIn("PAST SURVEY", window.window.radar.note.text())
+        band = window.window.radar_page.band
+        self.assertTrue(band.isVisible())
+        self.assertIn("PAST SURVEY", band.text.whole)
+        # Another client begins a survey: it takes the place of the past one on every tab.
+        self.start(4)
+        wait_until(lambda: not band.isVisible(), "the band is gone")
+        done = window.window.map.legend[StopState.DONE]
+        window.window.show_tab(TabName.MAP)
+        self.assertNotEqual(done.text(), "Done: 12")
+        wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
+        wait_until(lambda: done.text() == "Done: 12", "the map is that of the new survey")
         self.warned.assert_not_called()
 
     def test_5_what_names_no_survey_is_refused(self) -> None:

@@ -98,6 +98,7 @@ class Window(WindowCase):
             self.assertIn(self.fake.other_analyzer, question.details.toPlainText())
             self.fake.point_limit = 18
             self.touch(button)
+        self.hold()
         wait_until(lambda: self.title() == "FINISHED", "the survey continues")
         self.assertEqual(self.fake.resumed_with, ["", "", self.fake.other_analyzer])
 

@@ -79,8 +79,17 @@ class WindowCase(unittest.TestCase):
     def touch(self, widget: QWidget) -> None:
         QTest.mouseClick(widget, Qt.LeftButton)
 
+    def hold(self) -> None:
+        """Hold the button of the sheet before the robot moves."""
+        button = self.window.start_sheet.hold
+        QTest.mousePress(button, Qt.LeftButton)
+        wait_until(lambda: not button.isVisible(), "it was held")
+        QTest.mouseRelease(button, Qt.LeftButton)
+
     def click(self, name: str) -> None:
         self.touch(self.buttons()[name])
+        if self.window.start_sheet.isVisible():
+            self.hold()
 
     def buttons(self) -> Dict[str, Any]:
         control = self.window.control

@@ -10,7 +10,16 @@ from annotation_examples import EXAMPLE
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from view_kit import SURVEY
-from window_helpers import Storage, application, click, close, new_window, show, snapshot
+from window_helpers import (
+    Storage,
+    application,
+    click,
+    close,
+    new_window,
+    show,
+    snapshot,
+    start,
+)
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -88,7 +97,7 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey(window, sheet):
     write_example(sheet)
     click(sheet.save)
     assert not sheet.isVisible()
-    click(window.control.start)
+    start(window)
     assert window.survey.annotations == [EXAMPLE]
 
 
@@ -101,7 +110,7 @@ def test_operator_and_site_stay_for_the_survey_after_that(window, sheet):
     assert sheet.fields["operator"].text() == EXAMPLE.operator
     assert {sheet.fields[name].text() for name in ("latitude", "longitude", "notes")} == {""}
     click(sheet.save)
-    click(window.control.start)
+    start(window)
     assert window.survey.annotations == [Annotation(EXAMPLE.operator, EXAMPLE.site)]
 
 

@@ -2,7 +2,17 @@ from dataclasses import replace
 
 import pytest
 from PyQt5.QtWidgets import QLabel
-from window_helpers import application, click, enter, show, snapshot, window, wishes
+from window_helpers import (
+    application,
+    click,
+    enter,
+    hold_to_start,
+    show,
+    snapshot,
+    start,
+    window,
+    wishes,
+)
 
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
@@ -36,7 +46,7 @@ def test_start_carries_what_the_operator_entered(window):
     enter(window, "start_frequency_hz", "700.5")
     for number, part in enumerate(("10", "0", "7", "23")):
         window.control.form.octet(number).setText(part)
-    click(window.control.start)
+    start(window)
     assert received[0].vna_address == "10.0.7.23"
     assert (received[0].x_points, received[0].start_frequency_hz) == (7, 700.5e6)
 
@@ -71,12 +81,12 @@ def test_settings_of_the_vna_are_chosen_with_the_arrows_and_reach_the_survey(win
         click(form.field("if_bandwidth_hz").up)
     click(form.field("averages").up)
     click(form.field("output_power").up)
-    click(window.control.start)
+    start(window)
     assert received[0].sweep_settings.analyzer == AnalyzerSettings(50.0, 1, "LOW")
     for name in ANALYZER_FIELDS:
         for _ in range(3):
             click(form.field(name).down)
-    click(window.control.start)
+    start(window)
     assert not received[1].sweep_settings.analyzer.is_known
 
 
@@ -124,11 +134,11 @@ def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wr
     assert words in window.control.problems.toPlainText()
     assert words in edit.toolTip()
     assert window.control.problems.isVisible() and not window.control.preview.isVisible()
-    click(window.control.start)
+    start(window)
     assert received == []
     enter(window, name, right)
     assert window.control.problems.toPlainText() == ""
-    click(window.control.start)
+    start(window)
     assert len(received) == 1
 
 
@@ -193,6 +203,8 @@ def test_pause_becomes_resume(window):
     show(window, snapshot(SurveyState.PAUSED))
     assert window.control.pause.text() == "RESUME"
     click(window.control.pause)
+    assert received == ["pause"]
+    hold_to_start(window)
     assert received == ["pause", "resume"]
 
 

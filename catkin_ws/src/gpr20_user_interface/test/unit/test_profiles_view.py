@@ -1,5 +1,7 @@
 import pytest
-from window_helpers import application, click, enter, show, snapshot, window
+from PyQt5.QtCore import QPoint, QRect
+from PyQt5.QtWidgets import QLabel
+from window_helpers import application, click, enter, hold, show, snapshot, window
 
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -54,14 +56,33 @@ def test_a_name_that_is_refused_says_what_is_allowed(window, name):
     assert all(words in hint for words in ("at most 32", "begin with", "not end with a space"))
 
 
-def test_deleting_takes_two_touches(window):
+def test_deleting_is_asked_elsewhere_and_takes_a_hold(window):
     save(window, "a")
     window.profiles.names.setCurrentRow(0)
     click(window.profiles.delete)
+    confirm = window.profiles.confirm
+    assert confirm.isVisible()
+    assert "a" in [label.text() for label in confirm.findChildren(QLabel)]
+    places = [place(window, button) for button in (confirm.hold, window.profiles.delete)]
+    assert not places[0].intersects(places[1])
+    hold(confirm.hold, 0.9)
+    click(confirm.hold)
     assert names(window) == ["a"]
-    assert window.profiles.delete.text() == "SURE?"
-    click(window.profiles.delete)
+    hold(confirm.hold)
     assert names(window) == []
+    assert not confirm.isVisible() and window.profiles.isVisible()
+
+
+def test_a_profile_that_is_not_deleted_after_all_stays(window):
+    save(window, "a")
+    window.profiles.names.setCurrentRow(0)
+    click(window.profiles.delete)
+    click(window.profiles.confirm.cancel)
+    assert names(window) == ["a"]
+
+
+def place(window, widget):
+    return QRect(widget.mapTo(window, QPoint()), widget.size())
 
 
 def test_wrong_fields_cannot_be_saved(window):

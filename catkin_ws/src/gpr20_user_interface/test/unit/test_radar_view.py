@@ -116,16 +116,6 @@ def test_it_says_what_is_missing_in_the_picture(view, model):
     assert "1 of 40 traces" in view.note.text()
 
 
-def test_a_past_survey_is_called_one_and_left_again(view):
-    received = []
-    view.back.clicked.connect(lambda: received.append("back"))
-    assert view.back.isHidden()
-    view.show_model(RadarModel(), "20261121T051000_0f8fad5b")
-    assert "PAST SURVEY 20261121T051000_0f8fad5b" in view.note.text()
-    click(view.back)
-    assert received == ["back"]
-
-
 def test_nothing_is_drawn_while_nobody_can_see_it(view, model):
     view.hide()
     add(view, model, 0)

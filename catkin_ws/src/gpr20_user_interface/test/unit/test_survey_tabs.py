@@ -44,7 +44,7 @@ class Shown:
         self.window.on_event(SurveysListed("", (past,), True))
         self.window.past.table.selectRow(0)
         self.window.map.select(Stop(1, 4))
-        self.window.radar.show_model(live.radar, past.folder)
+        self.window.radar.show_model(live.radar)
         self.window.radar.controls.background.click()
 
     def close(self):

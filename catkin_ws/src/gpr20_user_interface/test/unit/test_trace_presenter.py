@@ -2,7 +2,17 @@ import dataclasses
 
 import pytest
 from view_kit import SURVEY, description, make_grid, trace_at
-from window_helpers import Storage, application, click, close, new_window, show, snapshot, wishes
+from window_helpers import (
+    Storage,
+    application,
+    click,
+    close,
+    hold_to_start,
+    new_window,
+    show,
+    snapshot,
+    wishes,
+)
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -154,6 +164,7 @@ def test_coverage_of_another_survey_waits_for_its_plan(window):
 )
 def test_what_cannot_be_shown_is_told_and_the_window_goes_on(window, event):
     window.on_event(SurveyDescribed(description()))
+    window.traces.open_survey(FOLDER)
     window.on_event(event)
     window.draw()
     assert len(window.problems) == 1
@@ -204,6 +215,8 @@ def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window
     assert allowed == [(True, True), (False, True), (False, False)]
     view.table.selectRow(0)
     click(view.resume)
+    assert wishes(window) == []
+    hold_to_start(window)
     assert wishes(window) == [f"resume {FOLDER}"]
     show(window, snapshot_of(SurveyState.SURVEYING, OTHER))
     assert not view.resume.isEnabled()
@@ -222,17 +235,22 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     click(window.past.open)
     assert storage.asked[-1] == ("survey", FOLDER)
     window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
-    assert window.tabs.currentWidget() is window.radar
+    assert window.tabs.currentWidget() is window.radar_page
     refresh(window, 2)
     assert storage.asked[-1] == ("traces", OTHER, 0)
     window.on_event(page(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
     window.on_event(trace_at(GRID, 0))
     window.draw()
     assert (window.traces.shown.radar.count, window.traces.live.radar.count) == (3, 1)
-    assert FOLDER in window.radar.note.text()
-    click(window.radar.back)
+    for tab in (TabName.MAP, TabName.RADAR):
+        window.show_tab(tab)
+        band = window.tabs.currentWidget().band
+        assert band.isVisible() and "2026-11-21 05:10 UTC, 7c9e6679" in band.text.whole
+    click(window.radar_page.band.back)
     assert window.traces.shown is window.traces.live
-    assert "PAST" not in window.radar.note.text()
+    assert not window.radar_page.band.isVisible()
+    window.show_tab(TabName.MAP)
+    assert not window.map_page.band.isVisible()
 
 
 def test_pages_of_the_list_are_joined(window, storage):

@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
-from window_helpers import application, click, close, enter, new_window
+from window_helpers import application, click, close, enter, hold_to_start, new_window, start
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -105,8 +105,8 @@ def test_one_press_of_start_is_one_request(parts):
     window, control, _ = parts
     window.on_event(state(SurveyState.IDLE))
     window.refresh()
-    click(window.control.start)
-    click(window.control.start)
+    start(window)
+    start(window)
     assert len(control.asked) == 2
     assert control.asked[1].x_points == 5
     assert window.top_bar.stop.isEnabled()
@@ -126,6 +126,7 @@ def test_resume_is_asked_for(parts):
     window.on_event(state(SurveyState.PAUSED))
     window.refresh()
     click(window.control.pause)
+    hold_to_start(window)
     assert control.asked[1:] == ["resume"]
 
 
@@ -141,7 +142,7 @@ def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     window, _, _ = parts
     window.on_event(state(SurveyState.CONFIGURED))
     window.refresh()
-    click(window.control.start)
+    start(window)
     assert not window.control.start.isEnabled()
     window.on_event(Answer(Request.START, False, verbatim("the disk is full")))
     assert window.notice.reason.toPlainText() == "the disk is full"
@@ -173,6 +174,8 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert window.question.accept_button.text() == "CONTINUE WITH THIS VNA"
     click(window.question.accept_button)
     assert not window.question.isVisible()
+    assert len(control.asked) == 2
+    hold_to_start(window)
     assert control.asked[1:] == [f"resume {folder}".strip(), f"resume {folder} {OTHER}"]
     window.on_event(Answer(Request.RESUME, True, verbatim("")))
     assert not window.notice.isVisible() and not window.question.isVisible()
@@ -183,6 +186,7 @@ def test_another_vna_is_not_used_if_the_operator_declines(parts):
     window.on_event(state(SurveyState.PAUSED))
     window.refresh()
     click(window.control.pause)
+    hold_to_start(window)
     window.on_event(REFUSED)
     click(window.question.close_button)
     assert not window.question.isVisible()
@@ -233,7 +237,7 @@ def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
     window, _control, _ = parts
     window.on_event(state(SurveyState.CONFIGURED))
     window.refresh()
-    click(window.control.start)
+    start(window)
     window.on_event(Answer(Request.START, True, verbatim("started"), "id"))
     window.on_event(state(SurveyState.CHECKING))
     assert not window.notice.isVisible()

@@ -4,6 +4,7 @@ import os
 import time
 
 import pytest
+from fake_clock import FakeClock
 
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -54,6 +55,9 @@ class Survey:
 
     def set_parameters(self, parameters):
         pass
+
+    def preview_of(self, parameters):
+        return self.preview
 
     def check_master(self):
         pass
@@ -163,8 +167,9 @@ def new_window(languages, survey=None, storage=None, profiles=None, program=None
         languages,
         CandidateSearch(program or Program(), time.monotonic),
         ServiceModel(tools, clock or Clock()),
+        clock=clock or Clock(),
     )
-    window.problems, window.languages = problems, languages
+    window.problems, window.languages, window.clock = problems, languages, clock
     window.tools = tools
     return window
 
@@ -212,3 +217,26 @@ def enter(window, name, text):
 
 def click(button):
     QTest.mouseClick(button, Qt.LeftButton)
+
+
+def hold(button, seconds=1.1):
+    """Hold a HoldButton for a time that need not pass."""
+    clock = FakeClock()
+    button.set_clock(clock)
+    QTest.mousePress(button, Qt.LeftButton)
+    for _ in range(round(seconds / 0.05)):
+        clock.advance(0.05)
+        button.tick()
+    QTest.mouseRelease(button, Qt.LeftButton)
+
+
+def start(window):
+    """Press START and hold the button of its sheet, if it opens."""
+    click(window.control.start)
+    hold_to_start(window)
+
+
+def hold_to_start(window):
+    """Hold the button of the sheet before the robot moves, if it is open."""
+    if window.start_sheet.isVisible():
+        hold(window.start_sheet.hold)

@@ -262,6 +262,18 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.OK)
         self.assertTrue(self.call("get_data", False).success, "the sweep was not set up again")
 
+    def test_the_fault_of_a_sweep_ends_soon_after_its_cause(self):
+        for fault in ("drop", "silent", "nan"):
+            self.set_up_sweep()
+            self.fault(fault)
+            self.assertFalse(self.call("get_data", False).success)
+            self.wait_for_report(lambda status, _: status.level == DiagnosticStatus.ERROR)
+            self.fault("none")
+            begun_s = time.monotonic()
+            self.wait_for_report(lambda status, _: status.level < DiagnosticStatus.ERROR)
+            # The check of the idle link, one report, and what the last exchange still waits for.
+            self.assertLess(time.monotonic() - begun_s, 6.0, fault)
+
     def wait_for_report(self, accepted):
         """Return the first report of the node that is accepted, and its values."""
         deadline_s = time.monotonic() + FIND_LIMIT_S

@@ -9,7 +9,7 @@ from driver_bench import ADDRESS, SWEEP, Bench
 
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNotReadyError, VnaSweepError
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError, VnaNotReadyError
 
 CHECK_S = 5.0
 NO_ANSWER = Message("no answer")
@@ -96,13 +96,42 @@ def test_a_request_that_succeeds_ends_the_error_of_the_check(bench):
     assert bench.driver.state.link_error is None
 
 
-def test_the_check_leaves_the_error_of_the_last_request(bench):
+def garbled(bench: Bench) -> None:
     bench.vna.spoil = lambda answer: b"#9"
-    with pytest.raises(VnaSweepError):
+
+
+def silent(bench: Bench) -> None:
+    bench.vna.before = cable_is_pulled
+
+
+@pytest.mark.parametrize("fail", [garbled, silent])
+def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench, fail):
+    fail(bench)
+    with pytest.raises(VnaError):
         bench.driver.get_trace()
     reported = bench.driver.state.last_error
+    assert reported and bench.driver.trouble == reported
+    bench.vna.spoil, bench.vna.before = lambda answer: answer, lambda message: None
     check_after(bench, CHECK_S)
-    assert reported and bench.driver.state.last_error == reported
+    assert bench.driver.trouble is None
+    # It is still known until data prove the opposite.
+    assert bench.driver.state.former_trouble == reported
+    bench.driver.get_trace()
+    assert bench.driver.state.former_trouble is None
+
+
+def test_a_fault_after_the_instrument_has_answered_is_a_fault_of_now(bench):
+    garbled(bench)
+    with pytest.raises(VnaError):
+        bench.driver.get_trace()
+    check_after(bench, CHECK_S)
+    with pytest.raises(VnaError):
+        bench.driver.get_trace()
+    assert bench.driver.trouble is not None
+    check_after(bench, CHECK_S)
+    bench.vna.before = cable_is_pulled
+    check_after(bench, CHECK_S)
+    assert bench.driver.trouble == NO_ANSWER and bench.driver.state.former_trouble is None
 
 
 @pytest.mark.parametrize("end", ["disconnect_from_vna", "shut_down"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, Tuple
 
 import rosgraph
 import rospy
@@ -207,12 +207,13 @@ class ControlClient(RosEvents):
         try:
             answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
         except ServiceUnavailableError as error:
+            answers, all_answered = self._stop_axes()
             message = Message(
                 "{reason}; the axes were asked to stop directly; {answers}",
                 reason=_no_answer(error),
-                answers=self._stop_axes(),
+                answers=answers,
             )
-            self._emit(Answer(Request.STOP, False, message))
+            self._emit(Answer(Request.STOP, False, message, contact=all_answered))
             self._repeat_stop()
         else:
             self._emit(answer)
@@ -236,8 +237,9 @@ class ControlClient(RosEvents):
         finally:
             self._repeating_stop.release()
 
-    def _stop_axes(self) -> Message:
-        answers: Dict[str, Message] = {}
+    def _stop_axes(self) -> Tuple[Message, bool]:
+        """Ask every axis to stop; return their answers, and whether all have answered."""
+        answers: Dict[str, Tuple[Message, bool]] = {}
         threads = [
             threading.Thread(target=lambda axis=axis: answers.update({axis: self._stop_axis(axis)}))
             for axis in AXES
@@ -246,14 +248,15 @@ class ControlClient(RosEvents):
             thread.start()
         for thread in threads:
             thread.join()
-        return in_a_row(answers[axis] for axis in sorted(answers))
+        said = in_a_row(answers[axis][0] for axis in sorted(answers))
+        return said, all(answered for _, answered in answers.values())
 
-    def _stop_axis(self, axis: str) -> Message:
+    def _stop_axis(self, axis: str) -> Tuple[Message, bool]:
         try:
             answer = self._axis_stops[axis].call(STOP_TIMEOUT_S)
         except ServiceUnavailableError as error:
-            return Message("{axis} axis does NOT answer", axis=axis, details=error)
-        return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer))
+            return Message("{axis} axis does NOT answer", axis=axis, details=error), False
+        return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer)), True
 
     def _ask_resume(self, survey_id: str, accept_analyzer: str) -> Any:
         return self._resume.call(START_TIMEOUT_S, survey=survey_id, accept_analyzer=accept_analyzer)
@@ -285,7 +288,7 @@ def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
     try:
         return _answer_from(request, ask())
     except (ServiceUnavailableError, rospy.ROSException) as error:
-        return Answer(request, False, _no_answer(error))
+        return Answer(request, False, _no_answer(error), contact=False)
 
 
 def _answer_from(request: Request, response: Any) -> Answer:

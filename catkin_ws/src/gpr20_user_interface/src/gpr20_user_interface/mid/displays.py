@@ -2,40 +2,24 @@
 
 from __future__ import annotations
 
-import math
-from typing import Optional, Protocol, TextIO, Tuple
+from typing import Optional, Protocol, TextIO
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message
 from gpr20_user_interface.low.terminal_bar import TerminalBar
 from gpr20_user_interface.mid.events import ControlState, Progress
+from gpr20_user_interface.mid.time_words import time_left
 
 # A line is written for each such part of the survey.
 STEP_PERCENT = 5.0
 
 
-def time_parts(time_s: float) -> Tuple[int, int, int, int]:
-    """Split a time [s] into whole days, hours, minutes and seconds.
-
-    It is rounded up: nothing that remains is shown as zero.
-    """
-    minutes, seconds = divmod(max(0, math.ceil(time_s)), 60)
-    hours, minutes = divmod(minutes, 60)
-    days, hours = divmod(hours, 24)
-    return days, hours, minutes, seconds
-
-
-def time_text(time_s: float) -> str:
-    """Return a time [s] as `0d:0h:18m:48s`."""
-    return ":".join(f"{number}{unit}" for number, unit in zip(time_parts(time_s), "dhms"))
-
-
 def remaining(progress: Progress) -> Message:
-    """Return the remaining time and its basis: the plan, or the points taken so far."""
-    time = time_text(progress.remaining_s)
+    """Return the time that is left and its basis: the plan, or the points taken so far."""
+    left = time_left(progress.remaining_s)
     if progress.visited_points == 0:
-        return Message("{time} remaining (by the plan)", time=time)
-    return Message("{time} remaining (measured)", time=time)
+        return Message("{left} (by the plan)", left=left)
+    return Message("{left} (measured)", left=left)
 
 
 def progress_line(progress: Progress) -> Message:

@@ -196,6 +196,7 @@ class Answer:
         survey_id: Of the survey that begins; empty if none does.
         other_analyzer: Identity of the present analyzer, if it is not that of the survey, which
             is resumed only if the operator accepts it; else empty.
+        contact: Whether who was asked has answered; for STOP, the main control or every axis.
     """
 
     request: Request
@@ -203,6 +204,7 @@ class Answer:
     message: Message
     survey_id: str = ""
     other_analyzer: str = ""
+    contact: bool = True
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth
+from gpr20_user_interface.mid.fault_messages import reason_of
+from gpr20_user_interface.mid.remedies import CHECK_STATUS, find_remedy
 from gpr20_user_interface.mid.titles import level_title, node_title
 
 NO_REPORT = Message("no report")
@@ -20,14 +23,18 @@ class Notice:
     Attributes:
         title: What this is about, or what was refused.
         text: What happened.
-        next_step: What to do; None: nothing.
+        first: What to do first; None: nothing.
+        then: What to do after that; None: nothing.
         details: Technical lines that are not translated.
+        resumable: Whether the survey can be resumed from the dialog.
     """
 
     title: Message
     text: Message
-    next_step: Optional[Message] = None
+    first: Optional[Message] = None
+    then: Optional[Message] = None
     details: Tuple[str, ...] = ()
+    resumable: bool = False
 
 
 class Refused(enum.Enum):
@@ -41,38 +48,62 @@ class Refused(enum.Enum):
     NOTES = "notes"
 
 
+# What was refused, and what to do when its cause is gone.
 _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.START: (
         Message("The survey was not started."),
-        Message("Next: remove the cause, check STATUS, then press START again."),
+        Message("Then start the survey again."),
     ),
     Refused.STOP: (
         Message("STOP was not accepted."),
-        Message("Next: check STATUS. If the robot moves, press STOP again or switch it off."),
+        Message("If the robot moves, press STOP again or switch off the motors' power."),
     ),
     Refused.PAUSE: (
         Message("The survey was not paused."),
-        Message("Next: check STATUS. STOP ends the survey at once; it can be resumed later."),
+        Message("STOP ends the survey at once; it can be resumed later."),
     ),
     Refused.RESUME: (
         Message("The survey was not resumed."),
-        Message("Next: remove the cause, check STATUS, then press RESUME again."),
+        Message("Then resume the survey again."),
     ),
-    Refused.PROFILE: (
-        Message("The profile cannot be used."),
-        Message("Next: remove the cause, or use another profile."),
-    ),
+    Refused.PROFILE: (Message("The profile cannot be used."), Message("Or use another profile.")),
     Refused.NOTES: (
         Message("The notes of the survey cannot be read or stored."),
-        Message("Next: remove the cause, then press SAVE again."),
+        Message("Then press SAVE again."),
     ),
 }
+_FAULTS = {
+    SurveyState.PAUSED: Message("The survey is PAUSED by a fault."),
+    SurveyState.FAILED: Message("The survey has FAILED."),
+    SurveyState.STOPPED: Message("The survey was stopped, with a fault."),
+}
+_RESUME_NEXT = Message("Then press RESUME. STOP ends the survey; what is stored is kept.")
+_START_NEXT = Message("Then start the survey again, or resume it on SURVEYS.")
 
 
 def refusal_notice(refused: Refused, reason: Message) -> Notice:
     """Return what a dialog says about something that did not succeed."""
-    title, next_step = _REFUSALS[refused]
-    return Notice(title, reason, next_step, reason.all_details)
+    title, then = _REFUSALS[refused]
+    return Notice(title, reason, remedy(reason), then, reason.all_details)
+
+
+def fault_notice(state: ControlState) -> Notice:
+    """Return the card of a fault that paused or ended a survey."""
+    reason = reason_of(state.message)
+    paused = state.code is SurveyState.PAUSED
+    return Notice(
+        _FAULTS[state.code],
+        reason,
+        remedy(reason),
+        _RESUME_NEXT if paused else _START_NEXT,
+        reason.all_details,
+        resumable=paused,
+    )
+
+
+def remedy(reason: Message) -> Message:
+    """Return what to do first about a fault, whatever it is."""
+    return find_remedy(reason) or CHECK_STATUS
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:
@@ -89,7 +120,7 @@ def analyzer_notice(reason: Message, identity: str) -> Notice:
             "Connect the survey's VNA and press RESUME again, or continue with this VNA. The "
             "survey then names both."
         ),
-        (identity, *reason.all_details),
+        details=(identity, *reason.all_details),
     )
 
 
@@ -101,9 +132,10 @@ def state_notice(state: ControlState) -> Notice:
 def node_notice(node: NodeHealth) -> Notice:
     """Return everything that a node reports about itself."""
     title = Message("{name}: {level}", name=node_title(node.name), level=level_title(node.level))
+    first = remedy(node.message) if node.level is HealthLevel.ERROR else None
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*node.message.all_details, f"node: {node.name}", *values)
-    return Notice(title, node_text(node), details=details)
+    return Notice(title, node_text(node), first, details=details)
 
 
 def node_text(node: NodeHealth) -> Message:

@@ -79,6 +79,10 @@ class PastSurveys:
         """Folder before which the next page begins; empty: the first page."""
         return self._surveys[-1].folder if self._surveys else ""
 
+    def find(self, folder: str) -> Optional[PastSurvey]:
+        """Return a survey of the pages so far; None if it is not among them."""
+        return next((one for one in self._surveys if one.folder == folder), None)
+
     def take(self, before: str, surveys: Tuple[PastSurvey, ...], more: bool) -> None:
         """Add a page; the first one replaces the list."""
         self._change(problem=None)

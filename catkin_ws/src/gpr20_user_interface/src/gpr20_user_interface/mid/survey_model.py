@@ -72,6 +72,8 @@ class Snapshot:
     travel: Optional[RobotTravel]
     # The parameters of the survey that runs, also of one that another client started.
     survey_parameters: Optional[SurveyParameters] = None
+    # Those of the survey that runs or ran last.
+    job_parameters: Optional[SurveyParameters] = None
     figures: Optional[RobotFigures] = None
     defaults: Optional[RobotDefaults] = None
     health: HealthReport = field(default_factory=HealthReport)
@@ -233,7 +235,8 @@ class SurveyModel:
             height_m=self._known_height_m(),
             pending=frozenset(self._pending | self._beginning()),
             travel=self._limits.travel,
-            survey_parameters=self._running_parameters(),
+            survey_parameters=self._parameters_in(RUNNING),
+            job_parameters=self._parameters_in(RUNNING | ENDED),
             figures=self._limits.figures,
             defaults=self._limits.defaults,
             health=health,
@@ -268,9 +271,8 @@ class SurveyModel:
         # What was known remains true while the master is away.
         self._limits = limits if limits.master_alive else replace(self._limits, master_alive=False)
 
-    def _running_parameters(self) -> Optional[SurveyParameters]:
-        running = self._state is not None and self._state.code in RUNNING
-        return self._parameters if running else None
+    def _parameters_in(self, codes: FrozenSet[SurveyState]) -> Optional[SurveyParameters]:
+        return self._parameters if self._state and self._state.code in codes else None
 
     def _answered(self, answer: Answer) -> None:
         self._pending.discard(answer.request)

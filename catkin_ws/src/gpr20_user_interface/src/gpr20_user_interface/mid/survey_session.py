@@ -7,7 +7,7 @@ import shlex
 from typing import Callable, List, Optional, Protocol, Sequence
 
 from gpr20_common.message import Message
-from gpr20_user_interface.mid.displays import Display, time_text
+from gpr20_user_interface.mid.displays import Display
 from gpr20_user_interface.mid.events import (
     Accepted,
     Answer,
@@ -19,6 +19,7 @@ from gpr20_user_interface.mid.events import (
     StopRequested,
 )
 from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
+from gpr20_user_interface.mid.time_words import duration
 
 TICK_S = 0.2
 # Messages, or ticks, by which the progress of a finished survey may lag behind its end.
@@ -166,7 +167,7 @@ def _accepted(plan: Accepted) -> Message:
     return Message(
         "Parameters accepted: {traces} traces, about {time}.",
         traces=plan.total_points,
-        time=time_text(plan.estimated_s),
+        time=duration(plan.estimated_s),
     )
 
 

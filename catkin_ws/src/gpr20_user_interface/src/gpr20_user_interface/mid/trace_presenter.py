@@ -11,6 +11,8 @@ from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, coverage_of_stored
 from gpr20_user_interface.mid.map_grid import grid_from_description
 from gpr20_user_interface.mid.past_surveys import PastSurveys
+from gpr20_user_interface.mid.replay import ReplayView
+from gpr20_user_interface.mid.shown_band import ShownBand, past_band, replay_band
 from gpr20_user_interface.mid.shown_survey import ShownSurvey
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_events import (
@@ -52,7 +54,7 @@ class TracePresenter:
         report: Called with the reason why a trace or a survey cannot be shown.
 
     Attributes:
-        live: The survey that runs or ran last.
+        live: The last survey whose plan is known; the one that runs, unless that has just begun.
         past: The list of past surveys.
         carriage_mm: Where the antennas are on the map (X, Y); None if that is not known, or if a
             past survey is shown.
@@ -67,14 +69,41 @@ class TracePresenter:
         self._report = report
         self._opened: Optional[ShownSurvey] = None
         self.opened_folder = ""
+        self._wanted_folder = ""
+        # Of a survey that has begun and whose plan has not come: nothing of the one before it.
+        self._awaited = ShownSurvey()
+        self._running_id = ""
+        self._measuring = False
+        self._replay_view: Optional[ReplayView] = None
         self._coverage: Optional[CoverageRuns] = None
-        self._replay = False
         self._waiting = 0
 
     @property
     def shown(self) -> ShownSurvey:
-        """The survey on MAP and RADAR: a past one that was opened, else the one that runs."""
-        return self._opened or self.live
+        """The survey on every tab: a past one that was opened, else the one that runs."""
+        if self._opened is not None:
+            return self._opened
+        waits = self._expected_id not in ("", self.live.survey_id)
+        return self._awaited if waits else self.live
+
+    @property
+    def _expected_id(self) -> str:
+        """The survey that runs or is replayed; empty: any."""
+        replayed = "" if self._replay_view is None else self._replay_view.mark.survey_id
+        return self._running_id or replayed
+
+    @property
+    def band(self) -> Optional[ShownBand]:
+        """What MAP and RADAR say if they show no survey of the robot as it runs; else None."""
+        if self._opened is not None:
+            opened = self.past.find(self.opened_folder)
+            return past_band(self.opened_folder, opened, bool(self._running_id))
+        return None if self._replay_view is None else replay_band(self._replay_view.mark)
+
+    def open_survey(self, folder: str) -> None:
+        """Ask for a past survey; it is shown once it is read."""
+        self._wanted_folder = folder
+        self.source.read_survey(folder)
 
     def on_event(self, event: object) -> None:
         """Take an event about traces."""
@@ -84,27 +113,38 @@ class TracePresenter:
             self._report(error.message)
 
     def note_state(self, snapshot: Snapshot) -> None:
-        """Note where the antennas are and whether a survey is running."""
+        """Note where the antennas are and which survey is running; show one that begins."""
+        self._note_replay(snapshot.replay)
+        self._note_running(snapshot)
         target, current = snapshot.target, snapshot.current
         self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
         self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
-        self._note_replay(snapshot.replay is not None)
-        running = snapshot.state.survey_id if snapshot.state and snapshot.running else ""
-        self.past.set_running(running)
-
-    def _note_replay(self, replay: bool) -> None:
-        if self._replay and not replay:
-            # A robot has appeared: nothing of the replay may pass for its survey.
-            self.live = ShownSurvey()
-            self._coverage = None
-        if replay != self._replay:
-            self._replay = replay
-            self.past.set_replay(replay)
+        self.past.set_running(self._running_id)
 
     def show_live(self) -> None:
         """Show the survey that runs, and drop the past one."""
-        self._opened, self.opened_folder = None, ""
+        self._opened, self.opened_folder, self._wanted_folder = None, "", ""
         self._waiting = 0
+
+    def _note_replay(self, replay: Optional[ReplayView]) -> None:
+        before, self._replay_view = self._replay_view, replay
+        began = before is None and replay is not None
+        ended = before is not None and replay is None
+        if ended:
+            # A robot has appeared: nothing of the replay may pass for its survey.
+            self.live = ShownSurvey()
+            self._coverage = None
+        if began or ended:
+            self.show_live()
+            self.past.set_replay(began)
+
+    def _note_running(self, snapshot: Snapshot) -> None:
+        running_id = snapshot.running_survey
+        measuring = snapshot.running and not snapshot.paused
+        begins = measuring and (not self._measuring or running_id != self._running_id)
+        self._running_id, self._measuring = running_id, measuring
+        if begins:
+            self.show_live()
 
     def refresh(self) -> None:
         """Take the newest coverage and request the missing traces."""
@@ -144,6 +184,8 @@ class TracePresenter:
             self._report(error.message)
 
     def _open(self, survey: SurveyRead) -> None:
+        if survey.folder != self._wanted_folder:
+            return  # a survey has begun since it was asked for
         grid = grid_from_description(survey.text)
         opened = ShownSurvey()
         opened.begin(grid)
@@ -154,7 +196,7 @@ class TracePresenter:
         self._waiting = 0
 
     def _ask_for_traces(self) -> None:
-        if self._replay and self._opened is None:
+        if self._replay_view is not None and self._opened is None:
             # No storage has them: they come with the replay.
             return
         if self._waiting:

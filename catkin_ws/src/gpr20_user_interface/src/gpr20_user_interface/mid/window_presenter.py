@@ -94,6 +94,10 @@ class WindowPresenter:
         if parameters is not None and self.snapshot.figures is not None:
             self._estimator.ask(parameters, self.snapshot.figures)
 
+    def preview_of(self, parameters: SurveyParameters) -> Optional[SurveyPreview]:
+        """Return the preview, if it is of these parameters."""
+        return self.preview if parameters == self._parameters else None
+
     def check_master(self) -> None:
         """Check that the master answers."""
         self._control.check_master()

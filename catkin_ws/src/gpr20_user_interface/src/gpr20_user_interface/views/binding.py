@@ -15,4 +15,4 @@ class Binding:
         """Show what is known now; 10 times a second."""
 
     def draw(self) -> None:
-        """Draw what is new; 4 times a second."""
+        """Draw what is new; 5 times a second."""

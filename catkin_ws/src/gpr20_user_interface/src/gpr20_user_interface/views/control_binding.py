@@ -26,6 +26,7 @@ from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_view import ControlView, PadRequest
 from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
 from gpr20_user_interface.views.profiles_view import ProfilesView
+from gpr20_user_interface.views.start_sheet import StartSheet
 
 ShowRefusal = Callable[[Refused, Message], None]
 
@@ -48,22 +49,24 @@ class ControlBinding(Binding):
         profiles: Profiles,
         source: TraceSource,
         show_refusal: ShowRefusal,
+        start_sheet: StartSheet,
     ) -> None:
         self._survey = survey
         self._control = control
         self._source = source
         self._show_refusal = show_refusal
+        self._start_sheet = start_sheet
         self.number_pad = KeyPad(window, DIGITS)
         self.profiles = ProfilesView(window, profiles)
         self.annotation = AnnotationSheet(window)
         self.next_annotation = NextAnnotation()
         control.start_pressed.connect(self._on_start)
         control.pause_pressed.connect(survey.pause)
-        control.resume_pressed.connect(lambda: survey.resume())
+        control.resume_pressed.connect(start_sheet.ask_resume)
         control.parameters_changed.connect(self.on_parameters)
         control.pad_wanted.connect(self._on_pad_wanted)
         control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
-        control.notes.clicked.connect(self._on_notes)
+        control.notes.clicked.connect(self.show_notes)
         self.annotation.saved.connect(self._on_annotation_saved)
         self.profiles.loaded.connect(control.show_parameters)
         self.profiles.failed.connect(lambda reason: show_refusal(Refused.PROFILE, reason))
@@ -85,9 +88,11 @@ class ControlBinding(Binding):
         """Show what is known now."""
         self._control.refresh(snapshot)
         self._control.preview.show_preview(self._survey.preview)
+        self._start_sheet.refresh(snapshot)
         if snapshot.fields_locked:
             # An entry would replace the survey's parameters in the fields.
-            for overlay in (self.number_pad, self.profiles.name_pad, self.profiles):
+            profiles = self.profiles
+            for overlay in (self.number_pad, profiles.name_pad, profiles.confirm, profiles):
                 overlay.hide()
 
     def on_parameters(self, parameters: Optional[SurveyParameters]) -> None:
@@ -96,9 +101,10 @@ class ControlBinding(Binding):
         self._control.preview.show_preview(self._survey.preview)
 
     def _on_start(self, parameters: SurveyParameters) -> None:
-        self._survey.start(parameters, self.next_annotation.value)
+        self._start_sheet.ask_start(parameters, self.next_annotation.value)
 
-    def _on_notes(self) -> None:
+    def show_notes(self) -> None:
+        """Open the notes of the survey that runs, or of the next one."""
         running = self._survey.snapshot.running_survey
         if running:
             self._source.read_annotation(running)

@@ -6,10 +6,10 @@ from typing import List, Optional, Tuple
 
 from PyQt5.QtWidgets import QGridLayout, QLabel
 
-from gpr20_user_interface.mid.displays import time_text
 from gpr20_user_interface.mid.parameter_form import HERTZ_PER_MEGAHERTZ
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
-from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.mid.time_words import duration
+from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 
 UNKNOWN = "—"
 COLUMNS = 4
@@ -76,7 +76,7 @@ class PreviewPanel(TranslatedWidget):
             f"{preview.traces}",
             f"{preview.x_spacing_mm:.4g}, {preview.y_spacing_mm:.4g} mm",
             f"{preview.frequency_step_hz / HERTZ_PER_MEGAHERTZ:.4g} MHz",
-            UNKNOWN if cost is None else time_text(cost.duration_s),
+            UNKNOWN if cost is None else shown_text(duration(cost.duration_s)),
             UNKNOWN if cost is None else f"{cost.size_bytes / BYTES_PER_MEGABYTE:.4g} MB",
             f"{preview.range_resolution_m * MILLIMETRES_PER_METRE:.4g} mm",
             f"{preview.unambiguous_range_m:.4g} m",

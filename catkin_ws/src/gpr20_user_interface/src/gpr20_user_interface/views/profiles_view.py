@@ -9,7 +9,9 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidg
 
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.errors import ProfileError
+from gpr20_user_interface.mid.hold_question import delete_profile_question
 from gpr20_user_interface.mid.profiles import MAX_NAME_LENGTH, Profiles, is_name
+from gpr20_user_interface.views.hold_sheet import HoldSheet
 from gpr20_user_interface.views.key_pad import LETTERS, KeyPad
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.widgets import new_button
@@ -28,12 +30,13 @@ class ProfilesView(Overlay):
         self._profiles = profiles
         self._parameters: Optional[SurveyParameters] = None
         self.name_pad = KeyPad(window, LETTERS)
+        self.confirm = HoldSheet(window)
         self.title = QLabel()
         self.title.setObjectName("title")
         self.names = QListWidget()
         self.load = new_button(lambda: self._try(self._load))
         self.save = new_button(lambda: self._try(self._ask_name))
-        self.delete = new_button(lambda: self._try(self._delete))
+        self.delete = new_button(self._ask_delete)
         self.close_button = new_button(self.hide)
         self.names.currentRowChanged.connect(lambda _row: self._show_buttons())
         row = QHBoxLayout()
@@ -67,7 +70,6 @@ class ProfilesView(Overlay):
         chosen = self.names.currentItem() is not None
         self.load.setEnabled(chosen)
         self.delete.setEnabled(chosen)
-        self.delete.setProperty("asked", False)
         self.delete.setText(self.tr("DELETE"))
         self.save.setEnabled(self._parameters is not None)
 
@@ -82,13 +84,14 @@ class ProfilesView(Overlay):
         self.hide()
         self.loaded.emit(self._profiles.load(self.names.currentItem().text()))
 
-    def _delete(self) -> None:
-        # One touch may be an accident.
-        if not self.delete.property("asked"):
-            self.delete.setProperty("asked", True)
-            self.delete.setText(self.tr("SURE?"))
-            return
-        self._profiles.remove(self.names.currentItem().text())
+    def _ask_delete(self) -> None:
+        name = self.names.currentItem().text()
+        self.confirm.ask(
+            delete_profile_question(name), lambda: self._try(lambda: self._remove(name))
+        )
+
+    def _remove(self, name: str) -> None:
+        self._profiles.remove(name)
         self._list()
 
     def _ask_name(self) -> None:

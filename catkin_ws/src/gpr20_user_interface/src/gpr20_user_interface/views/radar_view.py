@@ -6,7 +6,7 @@ from typing import Optional, Tuple
 
 from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QVBoxLayout
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QSlider, QVBoxLayout
 
 from gpr20_user_interface.mid.map_grid import Cell
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
@@ -33,7 +33,6 @@ class RadarView(TranslatedWidget):
     def __init__(self, model: RadarModel) -> None:
         super().__init__()
         self._model = model
-        self._past = ""
         self._drawn: Optional[Tuple[RadarModel, int, RadarSettings]] = None
         self.trace_plot = CurvePlot()
         self.line_plot = PicturePlot(true_to_scale=False)
@@ -41,7 +40,6 @@ class RadarView(TranslatedWidget):
         self.depth_slider = QSlider(Qt.Orientation.Vertical)
         self.controls = RadarControls()
         self.note = QLabel()
-        self.back = QPushButton()
         self._lay_out()
         self.controls.changed.connect(lambda _settings: self.refresh())
         self.depth_slider.valueChanged.connect(
@@ -49,16 +47,9 @@ class RadarView(TranslatedWidget):
         )
         self.retranslate()
 
-    def show_model(self, model: RadarModel, past_survey: str = "") -> None:
-        """Follow another survey.
-
-        Args:
-            model: Its echoes.
-            past_survey: How a past one is called; empty: the survey that runs.
-        """
+    def show_model(self, model: RadarModel) -> None:
+        """Follow another survey."""
         self._model = model
-        self._past = past_survey
-        self.back.setVisible(bool(past_survey))
         self.refresh()
 
     def refresh(self) -> None:
@@ -110,8 +101,6 @@ class RadarView(TranslatedWidget):
     def _show_note(self) -> None:
         model, settings = self._model, self.controls.settings
         parts = []
-        if self._past:
-            parts.append(self.tr("PAST SURVEY {name}").format(name=self._past))
         if model.grid is not None and model.grid.simulated:
             parts.append(self.tr("SIMULATED"))
         if model.grid is not None:
@@ -142,7 +131,6 @@ class RadarView(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
-        self.back.setText(self.tr("Back to the running survey"))
         self._label_plots(self._model.latest, Axis.DEPTH_MM)
         self._show_note()
         self._drawn = None
@@ -154,19 +142,15 @@ class RadarView(TranslatedWidget):
         self.depth_slider.setValue(round(self.controls.settings.depth_m / DEPTH_STEP_M))
         self.note.setWordWrap(True)
         self.note.setObjectName("note")
-        self.back.hide()
         plots = QHBoxLayout()
         plots.setSpacing(2)
         plots.addWidget(self.trace_plot, 4)
         plots.addWidget(self.line_plot, 7)
         plots.addWidget(self.slice_plot, 7)
         plots.addWidget(self.depth_slider)
-        notes = QHBoxLayout()
-        notes.addWidget(self.note, 1)
-        notes.addWidget(self.back)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(4, 4, 4, 4)
         layout.setSpacing(4)
-        layout.addLayout(notes)
+        layout.addWidget(self.note)
         layout.addLayout(plots, 1)
         layout.addWidget(self.controls)

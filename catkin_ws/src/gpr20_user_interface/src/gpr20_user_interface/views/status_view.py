@@ -13,20 +13,27 @@ from PyQt5.QtWidgets import (
     QLabel,
     QPlainTextEdit,
     QProgressBar,
+    QStackedWidget,
     QVBoxLayout,
     QWidget,
 )
 
 from gpr20_user_interface.mid.displays import remaining
 from gpr20_user_interface.mid.events import ControlState, Position, Progress
+from gpr20_user_interface.mid.job import time_passes
+from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.health_panel import HealthPanel
+from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.views.widgets import new_button
 
 UNKNOWN = "—"
 # The progress bar counts in thousandths.
 FULL = 1000
 HEIGHT_COLUMN = 4
+MEGABYTES_PER_GIGABYTE = 1000.0
 
 
 class TouchText(QPlainTextEdit):
@@ -99,21 +106,21 @@ class MessagePanel(TranslatedWidget):
 
 
 class ProgressPanel(TranslatedWidget):
-    """A bar with the percentage; below it traces and remaining time."""
+    """A bar with the percentage; below it the traces and the time that is left."""
 
     def __init__(self) -> None:
         super().__init__()
         self._progress: Optional[Progress] = None
+        self._running = False
         self._bar = QProgressBar()
         self._bar.setRange(0, FULL)
-        self._text = QLabel()
-        self._remaining = QLabel()
+        self._text = ElidedLabel()
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(2)
-        for widget in (self._bar, self._text, self._remaining):
-            layout.addWidget(widget)
-        self.show_progress(None)
+        layout.addWidget(self._bar)
+        layout.addWidget(self._text)
+        self.show_progress(None, False)
 
     @property
     def thousandths(self) -> int:
@@ -121,35 +128,37 @@ class ProgressPanel(TranslatedWidget):
         return self._bar.value()
 
     @property
-    def texts(self) -> str:
-        """The two lines below the bar."""
-        return f"{self._text.text()}\n{self._remaining.text()}"
+    def text(self) -> str:
+        """The line below the bar."""
+        return self._text.whole
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.show_progress(self._progress)
+        self.show_progress(self._progress, self._running)
 
-    def show_progress(self, progress: Optional[Progress]) -> None:
-        """Show the progress; None shows that there is none."""
-        self._progress = progress
+    def show_progress(self, progress: Optional[Progress], running: bool) -> None:
+        """Show the progress.
+
+        Args:
+            progress: How far the survey is; None shows that there is none.
+            running: Whether time passes that is left.
+        """
+        self._progress, self._running = progress, running
         if progress is None or progress.total_points == 0:
             self._bar.setValue(0)
             self._bar.setFormat(self.tr("no survey"))
-            self._text.clear()
-            self._remaining.clear()
+            self._text.show_text("")
             return
         # Rounded down: only a complete survey is shown as 100 %.
         self._bar.setValue(math.floor(progress.completion_percent * FULL / 100.0))
         percent = math.floor(progress.completion_percent * 10.0) / 10.0
         self._bar.setFormat(f"{percent:.1f} %")
-        self._text.setText(
-            self.tr("{visited} of {total} traces, {remaining} to go").format(
-                visited=progress.visited_points,
-                total=progress.total_points,
-                remaining=progress.total_points - progress.visited_points,
-            )
+        text = self.tr("{visited} of {total} traces").format(
+            visited=progress.visited_points, total=progress.total_points
         )
-        self._remaining.setText(shown_text(remaining(progress)))
+        if running and not progress.is_complete:
+            text = f"{text}, {shown_text(remaining(progress))}"
+        self._text.show_text(text)
 
 
 class PositionPanel(TranslatedWidget):
@@ -208,28 +217,114 @@ class PositionPanel(TranslatedWidget):
         return label
 
 
-class StatusView(QWidget):
-    """State, progress and positions on the left, health on the right."""
+class FactsPanel(TranslatedWidget):
+    """Free space on the disk, and the calibration of the VNA."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._report = HealthReport()
+        self._disk_title, self._disk = QLabel(), QLabel()
+        self._calibration_title, self._calibration = QLabel(), ElidedLabel()
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setVerticalSpacing(2)
+        for row, (title, figure) in enumerate(
+            ((self._disk_title, self._disk), (self._calibration_title, self._calibration))
+        ):
+            title.setObjectName("quiet")
+            grid.addWidget(title, row, 0)
+            grid.addWidget(figure, row, 1)
+        grid.setColumnStretch(1, 1)
+        self.retranslate()
+
+    @property
+    def disk(self) -> str:
+        """The free space that is shown."""
+        return self._disk.text()
+
+    @property
+    def calibration(self) -> str:
+        """The calibration that is shown."""
+        return self._calibration.whole
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self._disk_title.setText(self.tr("Free disk"))
+        self._calibration_title.setText(self.tr("Calibration"))
+        self.show_facts(self._report)
+
+    def show_facts(self, report: HealthReport) -> None:
+        """Show what the nodes report."""
+        self._report = report
+        free_mb = report.free_disk_mb
+        self._disk.setText(
+            UNKNOWN if free_mb is None else f"{free_mb / MEGABYTES_PER_GIGABYTE:.1f} GB"
+        )
+        texts = {
+            "NONE": self.tr("none"),
+            "HIGH": self.tr("high accuracy"),
+            "MODERATE_POWER": self.tr("moderate: power level changed"),
+            "MODERATE_TEMPERATURE": self.tr("moderate: temperature changed"),
+            "LOW": self.tr("low: temperature changed"),
+        }
+        status = report.calibration
+        self._calibration.show_text(texts.get(status, status or UNKNOWN))
+
+
+class StatusView(TranslatedWidget):
+    """Two pages: what the robot does, and the health of its parts."""
 
     def __init__(self) -> None:
         super().__init__()
         self.message = MessagePanel()
         self.progress = ProgressPanel()
         self.positions = PositionPanel()
+        self.facts = FactsPanel()
         self.health = HealthPanel()
-        left = QVBoxLayout()
-        left.addWidget(self.message, 1)
-        left.addWidget(self.progress)
-        left.addWidget(self.positions)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(8, 6, 8, 6)
-        layout.setSpacing(12)
-        layout.addLayout(left, 1)
-        layout.addWidget(self.health, 1)
+        self.robot_button = new_button(lambda: self._show(0))
+        self.parts_button = new_button(lambda: self._show(1))
+        robot = QWidget()
+        column = QVBoxLayout(robot)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.message, 1)
+        for panel in (self.progress, self.positions, self.facts):
+            column.addWidget(panel)
+        self._pages = QStackedWidget()
+        self._pages.addWidget(robot)
+        self._pages.addWidget(self.health)
+        side = QVBoxLayout()
+        for button in (self.robot_button, self.parts_button):
+            button.setCheckable(True)
+            side.addWidget(button)
+        side.addStretch(1)
+        self._side = side
+        self._layout = QHBoxLayout(self)
+        self._layout.addWidget(self._pages, 1)
+        self._layout.addLayout(side)
+        self._show(0)
+        self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.robot_button.setText(self.tr("ROBOT"))
+        self.parts_button.setText(self.tr("PARTS"))
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        gap_px = look_of(self).px(GAP_PX)
+        self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        self._layout.setSpacing(gap_px)
+        self._side.setSpacing(gap_px)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         self.message.show_state(snapshot.state)
-        self.progress.show_progress(snapshot.progress)
+        self.progress.show_progress(snapshot.progress, time_passes(snapshot))
         self.positions.refresh(snapshot)
+        self.facts.show_facts(snapshot.health)
         self.health.show_health(snapshot.health)
+
+    def _show(self, page: int) -> None:
+        self._pages.setCurrentIndex(page)
+        self.robot_button.setChecked(page == 0)
+        self.parts_button.setChecked(page == 1)

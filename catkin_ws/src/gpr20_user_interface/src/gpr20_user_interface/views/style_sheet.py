@@ -12,14 +12,16 @@ from gpr20_user_interface.views.look import (
     Look,
 )
 from gpr20_user_interface.views.palette import Mark, TextColours
+from gpr20_user_interface.views.state_band import LEVEL_COLOURS
 
-STOP_WIDTH_PX = 150
+STOP_WIDTH_PX = 140
+PAUSE_WIDTH_PX = 110
 SLIDER_PX = 8
 
 
 def style_sheet(look: Look) -> str:
     """Return the style sheet of a theme at a scale."""
-    return _texts(look) + _buttons(look) + _fields(look) + _bars(look)
+    return _texts(look) + _buttons(look) + _fields(look) + _bars(look) + _job(look)
 
 
 def _css(look: Look, colours: TextColours) -> str:
@@ -40,12 +42,17 @@ QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
 QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
+QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
+QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
+    {css(TextColours.REPLAY)} }}
+QWidget#lock_band, QLabel#locked {{ {css(TextColours.SIMULATED)} font-weight: bold; }}
+QLabel#locked[flash="true"] {{ {css(TextColours.ALARM)} }}
 QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
     font-weight: bold; padding: {px(4)}px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-weight: bold; padding: 0 {px(6)}px; }}
-QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 {px(3)}px; }}
-QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 {px(3)}px; }}
-QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 {px(3)}px; }}
+QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 {px(6)}px; }}
+QLabel[level="doubtful"] {{ {css(TextColours.DOUBTFUL)} padding: 0 {px(6)}px; }}
+QLabel[level="bad"] {{ {css(TextColours.BAD)} padding: 0 {px(6)}px; }}
 QLabel[level="wrong"] {{ {css(TextColours.WRONG)} }}
 QLabel[lamp="on"] {{ {css(TextColours.DOUBTFUL)} font-weight: bold; }}
 QFrame#sheet {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)}; }}
@@ -72,9 +79,11 @@ QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; paddi
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog {{ padding: 0; }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
+QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
 QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
@@ -127,4 +136,30 @@ QSlider::groove:vertical {{ background: {border}; width: {px(SLIDER_PX)}px;
 QSlider::handle:vertical {{ background: {handle}; height: {touch}px;
     margin: 0 -{px((TOUCH_PX - SLIDER_PX) / 2)}px; border: {frame}px solid {border};
     border-radius: {px(6)}px; }}
+"""
+
+
+def _job(look: Look) -> str:
+    px = look.px
+    bands = "".join(
+        f"""
+QFrame#band[job="{level.value}"], QLabel[job="{level.value}"] {{
+    {_css(look, colours)} }}"""
+        for level, colours in LEVEL_COLOURS.items()
+    )
+    return f"""{bands}
+QFrame#band QLabel#simulated {{ {_css(look, TextColours.SIMULATED)} padding: 0 {px(6)}px; }}
+QPushButton#pause {{ min-width: {px(PAUSE_WIDTH_PX)}px; font-size: {px(TITLE_PX)}px; }}
+QLabel#job_title {{ font-size: {px(34)}px; font-weight: bold; }}
+QLabel#percent {{ font-size: {px(64)}px; font-weight: bold; }}
+QTextEdit#reason {{ font-size: {px(TITLE_PX)}px; }}
+QFrame#tile {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)};
+    border-radius: {px(6)}px; min-height: {px(TOUCH_PX)}px; }}
+QLabel#tile_title {{ font-weight: bold; }}
+QLabel#first_title {{ font-weight: bold; }}
+QLabel#first {{ {_css(look, TextColours.DOUBTFUL)} font-size: {px(TITLE_PX)}px; font-weight: bold;
+    padding: {px(6)}px; }}
+QFrame#stop_warning, QFrame#stop_warning QLabel {{ {_css(look, TextColours.BAD)} }}
+QFrame#stop_warning QLabel {{ font-size: {px(TITLE_PX)}px; }}
+QFrame#stop_warning QLabel#motors_off {{ font-size: {px(56)}px; font-weight: bold; }}
 """

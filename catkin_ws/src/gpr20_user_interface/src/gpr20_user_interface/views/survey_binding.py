@@ -19,12 +19,13 @@ from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.question import AnalyzerQuestion
+from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.top_bar import TopBar
 
 
 class SurveyBinding(Binding):
-    """Passes STOP on, shows state and refusals.
+    """Passes PAUSE, RESUME and STOP on, shows state and refusals.
 
     Attributes:
         notice: The dialog of refusals and faults.
@@ -32,14 +33,23 @@ class SurveyBinding(Binding):
     """
 
     def __init__(
-        self, window: QWidget, survey: WindowPresenter, top_bar: TopBar, status: StatusView
+        self,
+        window: QWidget,
+        survey: WindowPresenter,
+        top_bar: TopBar,
+        status: StatusView,
+        start_sheet: StartSheet,
     ) -> None:
         self._survey = survey
         self._top_bar = top_bar
         self._status = status
+        self._start_sheet = start_sheet
         self.notice = NoticeView(window)
         self.question = AnalyzerQuestion(window)
         top_bar.stop.pressed.connect(survey.stop)
+        top_bar.pause_pressed.connect(survey.pause)
+        top_bar.resume_pressed.connect(start_sheet.ask_resume)
+        self.notice.resume_pressed.connect(top_bar.resume_pressed)
         top_bar.replay.pause.clicked.connect(lambda: survey.pause_replay())
         status.message.touched.connect(lambda state: self.notice.show_notice(state_notice(state)))
         status.health.node_touched.connect(lambda node: self.notice.show_notice(node_notice(node)))
@@ -66,5 +76,6 @@ class SurveyBinding(Binding):
         # The status of the survey may have opened a notice with the same reason.
         self.notice.hide()
         self.question.ask(
-            analyzer_notice(reason, identity), lambda: self._survey.resume_with(identity)
+            analyzer_notice(reason, identity),
+            lambda: self._start_sheet.ask_resume_with(identity),
         )

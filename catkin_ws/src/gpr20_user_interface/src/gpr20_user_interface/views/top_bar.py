@@ -1,55 +1,53 @@
-"""The top of the window, visible from every tab: state, alarms, STOP."""
+"""The top of the window, visible from every tab: state, PAUSE or RESUME, STOP."""
 
 from __future__ import annotations
 
-import math
 from typing import Optional
 
-from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import (
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from gpr20_common.message import Message
+from gpr20_user_interface.mid.job import Job, job_of
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.views.elided_label import ElidedLabel
+from gpr20_user_interface.views.lines_label import LinesLabel
 from gpr20_user_interface.views.look import GAP_PX, TOP_BAR_PX, look_of
 from gpr20_user_interface.views.replay_bar import ReplayBar
-from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
-
-ALARM_LINES = 1.7
-UNKNOWN = "—"
+from gpr20_user_interface.views.state_band import StateBand, StateSign
+from gpr20_user_interface.views.translation import TranslatedWidget, sentence_text, shown_text
 
 
 class TopBar(TranslatedWidget):
     """Shows the state of the robot, and stops it; during a replay, a bar that says so instead."""
 
+    pause_pressed = pyqtSignal()
+    # Resuming moves the robot: whoever takes this asks first.
+    resume_pressed = pyqtSignal()
+
     def __init__(self) -> None:
         super().__init__()
         self._snapshot: Optional[Snapshot] = None
         self._robot = QWidget()
+        self.band = StateBand()
         self.replay = ReplayBar()
         self.replay.hide()
-        self.title = QLabel(UNKNOWN)
+        self.sign = StateSign()
+        self.title = QLabel()
         self.title.setObjectName("title")
-        self.message = ElidedLabel()
-        self.alarm = QLabel()
-        self.alarm.setObjectName("alarm")
-        self.alarm.setWordWrap(True)
-        self.alarm.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        self.alarm.hide()
+        self.message = LinesLabel()
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
         self.simulated.hide()
+        self.pause = QPushButton()
+        self.pause.setObjectName("pause")
         self.stop = QPushButton()
         self.stop.setObjectName("stop")
-        # A key that is pressed by accident must not reach it; a finger always does.
-        self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.stop.setEnabled(False)
+        # A key that is pressed by accident must not reach them; a finger always does.
+        for button in (self.pause, self.stop):
+            button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+            button.setEnabled(False)
+        self.pause.hide()
+        self.pause.clicked.connect(self._on_pause)
         self._lay_out()
         self.retranslate()
 
@@ -64,52 +62,69 @@ class TopBar(TranslatedWidget):
         """Take the sizes of the look."""
         look = look_of(self)
         self.setFixedHeight(look.px(TOP_BAR_PX))
-        self.stop.setFixedHeight(look.px(TOP_BAR_PX) - look.px(GAP_PX))
+        for button in (self.pause, self.stop):
+            button.setFixedHeight(look.px(TOP_BAR_PX) - look.px(GAP_PX))
+        self._layout.setSpacing(look.px(GAP_PX))
+        self._layout.setContentsMargins(0, 0, look.px(4), 0)
+        self._band_layout.setSpacing(look.px(GAP_PX))
+        self._band_layout.setContentsMargins(0, look.px(2), look.px(4), look.px(2))
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         self._snapshot = snapshot
-        self.title.setText(self._title(snapshot))
-        self.message.show_text("" if snapshot.state is None else shown_text(snapshot.state.message))
+        job = job_of(snapshot)
+        self.band.show_level(job.level)
+        self.sign.show_level(job.level)
+        self.title.setText(title_text(job))
+        self.message.show_text(sentence_text(short_message(job)))
         self.simulated.setVisible(snapshot.simulated)
-        self.alarm.setVisible(snapshot.alarm is not None)
-        self.message.setVisible(snapshot.alarm is None)
-        if snapshot.alarm is not None:
-            self._show_alarm(shown_text(snapshot.alarm.message))
+        paused = snapshot.paused
+        self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
+        self.pause.setVisible(snapshot.running)
+        self.pause.setEnabled(snapshot.can_resume if paused else snapshot.can_pause)
         self.stop.setEnabled(snapshot.can_stop)
         self.replay.refresh(snapshot)
         self._robot.setVisible(snapshot.replay is None)
         self.replay.setVisible(snapshot.replay is not None)
 
-    def _title(self, snapshot: Snapshot) -> str:
-        if snapshot.state is None:
-            return UNKNOWN
-        title = shown_text(snapshot.state.code.label)
-        if not snapshot.running or snapshot.progress is None:
-            return title
-        # Rounded down: only a complete survey is shown as 100 %.
-        percent = math.floor(snapshot.progress.completion_percent * 10.0) / 10.0
-        return f"{title}  {percent:.1f} %"
-
-    def _show_alarm(self, text: str) -> None:
-        # Two lines, less what a line break may waste; STATUS shows the whole text.
-        room_px = int(ALARM_LINES * self.alarm.width())
-        metrics = self.alarm.fontMetrics()
-        self.alarm.setText(metrics.elidedText(text, Qt.TextElideMode.ElideRight, room_px))
-        self.alarm.setToolTip(text)
+    def _on_pause(self) -> None:
+        if self._snapshot is not None and self._snapshot.paused:
+            self.resume_pressed.emit()
+        else:
+            self.pause_pressed.emit()
 
     def _lay_out(self) -> None:
+        first = QHBoxLayout()
+        first.addWidget(self.title)
+        first.addStretch(1)
+        first.addWidget(self.simulated)
         words = QVBoxLayout()
         words.setSpacing(0)
-        for widget in (self.title, self.message, self.alarm):
-            words.addWidget(widget)
+        words.setContentsMargins(0, 0, 0, 0)
+        words.addLayout(first)
+        words.addWidget(self.message, 1)
+        inside = QHBoxLayout(self.band)
+        inside.addWidget(self.sign)
+        inside.addLayout(words, 1)
+        self._band_layout = inside
         layout = QHBoxLayout(self._robot)
-        layout.setContentsMargins(8, 2, 4, 2)
-        layout.addLayout(words, 1)
-        layout.addWidget(self.simulated)
+        layout.addWidget(self.band, 1)
+        layout.addWidget(self.pause)
         layout.addWidget(self.stop)
+        self._layout = layout
         both = QHBoxLayout(self)
         both.setContentsMargins(0, 0, 0, 0)
         both.setSpacing(0)
-        both.addWidget(self._robot)
-        both.addWidget(self.replay)
+        for widget in (self._robot, self.replay):
+            both.addWidget(widget)
+
+
+def title_text(job: Job) -> str:
+    """Return the state, with the percentage if there is one."""
+    title = shown_text(job.title)
+    return title if job.percent is None else f"{title}  {job.percent} %"
+
+
+def short_message(job: Job) -> Message:
+    """Return how long it still takes, or what the operator must read instead."""
+    return job.message if job.left is None else job.left

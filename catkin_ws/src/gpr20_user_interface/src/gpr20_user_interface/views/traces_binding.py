@@ -8,6 +8,7 @@ from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.band_page import BandPage
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.radar_view import RadarView
@@ -19,7 +20,8 @@ class TracesBinding(Binding):
     Args:
         survey: The survey that runs.
         traces: The traces.
-        views: MAP and RADAR.
+        map_page: MAP.
+        radar_page: RADAR.
         show_radar: Brings RADAR to the front.
     """
 
@@ -27,18 +29,20 @@ class TracesBinding(Binding):
         self,
         survey: WindowPresenter,
         traces: TracePresenter,
-        map_view: MapView,
-        radar: RadarView,
+        map_page: BandPage[MapView],
+        radar_page: BandPage[RadarView],
         show_radar: Callable[[], None],
     ) -> None:
         self._survey = survey
         self._traces = traces
-        self._map = map_view
-        self._radar = radar
+        self._pages = (map_page, radar_page)
+        self._map = map_page.view
+        self._radar = radar_page.view
         self._show_radar = show_radar
         self._shown = traces.shown
         # The operator has seen enough of a past survey.
-        radar.back.clicked.connect(self._on_back_to_live)
+        for page in self._pages:
+            page.band.back_touched.connect(self._on_back_to_live)
 
     def on_event(self, event: object) -> None:
         """Take an event about traces, if it is about the robot or replay that is shown."""
@@ -64,11 +68,13 @@ class TracesBinding(Binding):
 
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""
-        shown, folder = self._traces.shown, self._traces.opened_folder
+        for page in self._pages:
+            page.band.show_band(self._traces.band)
+        shown = self._traces.shown
         if shown is self._shown:
             return
         self._shown = shown
         self._map.show_models(shown.map, shown.radar)
-        self._radar.show_model(shown.radar, folder)
-        if folder:
+        self._radar.show_model(shown.radar)
+        if self._traces.opened_folder:
             self._show_radar()

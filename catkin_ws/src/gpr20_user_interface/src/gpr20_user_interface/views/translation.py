@@ -18,6 +18,12 @@ def shown_text(message: Message) -> str:
     return message.sentence(lambda template: QCoreApplication.translate("Message", template))
 
 
+def sentence_text(message: Message) -> str:
+    """Return a message as a sentence of its own: most are written for the middle of one."""
+    text = shown_text(message)
+    return text[:1].upper() + text[1:]
+
+
 class TranslatedWidget(QWidget):
     """A widget that writes its texts again when the language changes.
 

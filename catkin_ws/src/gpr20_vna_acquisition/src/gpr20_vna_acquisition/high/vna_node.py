@@ -136,6 +136,11 @@ class VNANode:
             return diagnostics.ERROR, trouble, values
         if not state.address:
             return diagnostics.WARN, Message("not connected"), values
+        if state.former_trouble:
+            answers = Message(
+                "answers again; the last fault: {reason}", reason=state.former_trouble
+            )
+            return diagnostics.WARN, answers, values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0], values
         connected = Message("connected to {identity}", identity=state.identity)

@@ -19,7 +19,7 @@ class RequestDeadline:
         self._ending = threading.Event()
         self._limit_s = self._extended_s = 0.0
         self._extensible = False
-        self._begun_s = self._deadline_s = clock.now_s()
+        self._deadline_s = clock.now_s()
 
     def begin(self, limit_s: float, waited_s: float = 0.0, extensible: bool = False) -> None:
         """Begin a request.
@@ -31,8 +31,7 @@ class RequestDeadline:
         """
         self._ending.clear()
         self._limit_s = limit_s
-        self._begun_s = self._clock.now_s()
-        self._deadline_s = self._begun_s + limit_s - waited_s
+        self._deadline_s = self._clock.now_s() + limit_s - waited_s
         self._extensible, self._extended_s = extensible, 0.0
 
     def extend(self, duration_s: float) -> None:
@@ -55,10 +54,6 @@ class RequestDeadline:
     def abandon(self) -> None:
         """End the running request at its next step, if there is one."""
         self._ending.set()
-
-    def since_begin_s(self) -> float:
-        """Return how long ago [s] the last request began."""
-        return self._clock.now_s() - self._begun_s
 
     def now_s(self) -> float:
         """Return the time [s] since a fixed moment."""

@@ -59,6 +59,8 @@ class VNADriver:
         self._analyzer = analyzer
         self._link = VnaLink(analyzer, parameters, deadline, warn)
         self._lock = threading.RLock()
+        # When the last request ended.
+        self._last_used_s = deadline.now_s()
         self._quality = TraceQuality(parameters)
         self._number = 0
         # The sweep that may be confirmed, and how often settings had been restored before it: its
@@ -145,15 +147,18 @@ class VNADriver:
                 self._link.drop()
                 self._link.note(link_error=error.message)
                 raise
-            self._link.note(calibration=calibration, link_error=None)
+            self._link.note(calibration=calibration, link_error=None, answered_since=True)
 
     def check_idle_link(self) -> None:
         """Test the connection to an instrument that was not used for a while.
 
-        So the diagnostics soon report that a cable was pulled, and that it is back. Never raises
-        and never waits for a running request.
+        So the diagnostics soon report that a cable was pulled, and that it is back. An answer also
+        ends the fault of the last request: whether its data are good again is known only after
+        the next sweep, which is not made here because somebody may be calibrating. Never raises and
+        never waits for a running request.
         """
-        if self._link.deadline.since_begin_s() < self._parameters.link_check_s:
+        idle_s = self._link.deadline.now_s() - self._last_used_s
+        if idle_s < self._parameters.link_check_s:
             return
         if not self._lock.acquire(blocking=False):
             return
@@ -300,6 +305,7 @@ class VNADriver:
             deadline.begin(limit_s, deadline.now_s() - arrived_s, extensible)
             yield
         finally:
+            self._last_used_s = deadline.now_s()
             self._lock.release()
 
     def _confirmed_sweep(self, analyzer: Analyzer) -> Tuple[Sweep, CalibrationStatus]:

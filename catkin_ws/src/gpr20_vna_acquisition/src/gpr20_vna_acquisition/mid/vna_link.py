@@ -45,6 +45,7 @@ class VnaState:
         last_sweep_s: How long the last sweep took [s].
         last_quality: Remarks on the last sweep.
         last_error: Why the last attempt failed; None if it did not.
+        answered_since: Whether the instrument has answered a test of the connection since then.
         link_error: Why the last test of the connection failed; None if it did not.
         calibration: State of the calibration when it was last read; None before.
     """
@@ -58,13 +59,19 @@ class VnaState:
     last_sweep_s: float = 0.0
     last_quality: Tuple[Message, ...] = ()
     last_error: Optional[Message] = None
+    answered_since: bool = False
     link_error: Optional[Message] = None
     calibration: Optional[CalibrationStatus] = None
 
     @property
     def trouble(self) -> Optional[Message]:
         """What is wrong now; None if nothing is."""
-        return self.link_error or self.last_error
+        return self.link_error or (None if self.answered_since else self.last_error)
+
+    @property
+    def former_trouble(self) -> Optional[Message]:
+        """What was wrong until the instrument answered again; None if nothing was."""
+        return self.last_error if self.answered_since and self.link_error is None else None
 
 
 class VnaLink:
@@ -223,13 +230,13 @@ class VnaLink:
                     raise
                 attempts += not isinstance(error, VnaConnectionError)
             else:
-                self.note(last_error=None, link_error=None)
+                self.note(last_error=None, link_error=None, answered_since=False)
                 return result, failures
         raise VnaSweepError(_failed_every_time(what, attempts, failures))
 
     def _failed(self, error: VnaError) -> VnaError:
         self.drop()
-        self.note(last_error=error.message)
+        self.note(last_error=error.message, answered_since=False)
         return error
 
     def _pause_before_retry(self, what: Message, failures: Sequence[VnaError]) -> None:

@@ -1,0 +1,131 @@
+"""Connects the job screen with the survey that runs: what CONTROL shows, faults, and STOP."""
+
+from __future__ import annotations
+
+import math
+
+from PyQt5.QtCore import QTimer
+from PyQt5.QtWidgets import QStackedWidget, QWidget
+
+from gpr20_common.low.clock import Clock
+from gpr20_user_interface.mid.fault_messages import FaultWatch, is_fault
+from gpr20_user_interface.mid.job import JobScreen
+from gpr20_user_interface.mid.message_source import Received
+from gpr20_user_interface.mid.notices import fault_notice, state_notice
+from gpr20_user_interface.mid.stop_confirmation import ANSWER_S, StopConfirmation
+from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.survey_name import survey_name
+from gpr20_user_interface.mid.trace_events import SurveyDescribed
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.views.binding import Binding
+from gpr20_user_interface.views.job_view import JobView
+from gpr20_user_interface.views.notice import NoticeView
+from gpr20_user_interface.views.stop_warning_view import StopWarningView
+from gpr20_user_interface.views.top_bar import TopBar
+
+
+class JobBinding(Binding):
+    """Shows the job while there is one, the card of each fault, and a STOP without answer.
+
+    Args:
+        window: The window that the warning covers.
+        survey: The survey that runs.
+        traces: The traces, for the small map.
+        top_bar: State, PAUSE and STOP.
+        pages: Of CONTROL: the plan, then the job.
+        notice: The cards.
+
+    Attributes:
+        view: The job screen.
+        stop_warning: What is shown until a STOP is confirmed.
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        survey: WindowPresenter,
+        traces: TracePresenter,
+        top_bar: TopBar,
+        pages: QStackedWidget,
+        notice: NoticeView,
+    ) -> None:
+        self._survey = survey
+        self._traces = traces
+        self._pages = pages
+        self._notice = notice
+        self._screen = JobScreen()
+        self._faults = FaultWatch()
+        self._stop = StopConfirmation(Clock())
+        self.view = JobView(traces.live.map)
+        self.stop_warning = StopWarningView(window)
+        self._plan_page = pages.currentIndex()
+        self._job_page = pages.addWidget(self.view)
+        self._answer_due = QTimer(window)
+        self._answer_due.setSingleShot(True)
+        self._answer_due.setInterval(math.ceil(ANSWER_S * 1000.0))
+        self._answer_due.timeout.connect(self._show_stop)
+        self.view.plan_pressed.connect(self._on_plan)
+        self.view.fault_pressed.connect(self._show_state)
+        top_bar.band.touched.connect(self._show_state)
+        top_bar.stop.pressed.connect(self._on_stop)
+        self.stop_warning.close_button.held.connect(self._on_stop_warning_closed)
+
+    def on_event(self, event: object) -> None:
+        """Follow what is known of a STOP, and the name of the survey."""
+        self._stop.on_event(event)
+        content = event.event if isinstance(event, Received) else event
+        if isinstance(content, SurveyDescribed) and self._survey.is_shown(event):
+            self.view.set_name(survey_name(content.text))
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now."""
+        self._screen.note(snapshot)
+        page = self._job_page if self._screen.visible else self._plan_page
+        if self._pages.currentIndex() != page:
+            self._pages.setCurrentIndex(page)
+        self.view.refresh(snapshot)
+        self.view.map.set_carriage(self._traces.carriage_mm)
+        fault = snapshot.replay is None and snapshot.state is not None and is_fault(snapshot.state)
+        self.view.show_fault_button(fault)
+        if snapshot.replay is None:
+            self._note_fault(snapshot)
+        self._show_stop()
+
+    def draw(self) -> None:
+        """Draw the small map, if it is seen."""
+        if self.view.isVisible():
+            self.view.map.set_model(self._traces.live.map)
+
+    def _note_fault(self, snapshot: Snapshot) -> None:
+        before = self._notice.notice if self._notice.isVisible() else None
+        state = self._faults.note(snapshot.state)
+        if state is not None:
+            card = fault_notice(state)
+            # A START or RESUME that failed has told the same reason already.
+            if before is None or before.text != card.text:
+                self._notice.show_notice(card)
+        elif before is not None and before.resumable and not snapshot.paused:
+            self._notice.hide()
+
+    def _show_state(self) -> None:
+        state = self._survey.snapshot.state
+        if state is None or self._survey.snapshot.replay is not None:
+            return
+        self._notice.show_notice(fault_notice(state) if is_fault(state) else state_notice(state))
+
+    def _on_plan(self) -> None:
+        self._screen.leave(self._survey.snapshot)
+        self.refresh(self._survey.snapshot)
+
+    def _on_stop(self) -> None:
+        self._stop.press(self._survey.snapshot)
+        # Not with the next refresh, which may come later.
+        self._answer_due.start()
+
+    def _show_stop(self) -> None:
+        self.stop_warning.show_warning(self._stop.warning(self._survey.snapshot))
+
+    def _on_stop_warning_closed(self) -> None:
+        self._stop.close()
+        self.stop_warning.show_warning(None)

@@ -1,0 +1,23 @@
+"""Time that only the test moves."""
+
+import threading
+
+
+class FakeClock:
+    """A clock that only the test moves."""
+
+    def __init__(self) -> None:
+        self._now_s = 1000.0
+
+    def now_s(self) -> float:
+        return self._now_s
+
+    def advance(self, seconds: float) -> None:
+        self._now_s += seconds
+
+    def sleep_until_s(self, deadline_s: float) -> None:
+        self._now_s = max(self._now_s, deadline_s)
+
+    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
+        self._now_s += timeout_s
+        return event.is_set()

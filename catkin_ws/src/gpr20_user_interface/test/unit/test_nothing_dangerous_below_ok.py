@@ -1,0 +1,87 @@
+"""Where a sheet has OK, CLOSE or Cancel, no other sheet and no tab has a button to hold."""
+
+import itertools
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from finger import place_of
+from PyQt5.QtWidgets import QApplication, QPushButton
+from window_helpers import application, close, new_window, show, snapshot
+
+from gpr20_common.catalogue import Language
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.views.hold_button import HoldButton
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application"]
+
+# How sheets call the buttons that close them.
+CLOSING = ("accept_button", "cancel", "close_button", "load", "save")
+SIZES = [(480, 320), (800, 480), (1280, 800)]
+
+
+@pytest.fixture(params=itertools.product(SIZES, Language), ids=str)
+def window(request, application, tmp_path):
+    size, language = request.param
+    window = new_window(Languages(application, language), profiles=tmp_path)
+    window.resize(*size)
+    window.show()
+    show(window, snapshot(SurveyState.IDLE))
+    yield window
+    close(window)
+
+
+def settle():
+    for _ in range(3):
+        QApplication.processEvents()
+
+
+def closing_buttons(overlay):
+    found = [getattr(overlay, name, None) for name in CLOSING]
+    return [one for one in found if isinstance(one, QPushButton)]
+
+
+def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
+    closing, held = {}, {}
+    for overlay in window.findChildren(Overlay):
+        assert closing_buttons(overlay), f"{type(overlay).__name__}: how is it closed?"
+        overlay.open()
+        settle()
+        for button in closing_buttons(overlay):
+            name = f"{type(overlay).__name__}: {button.text()}"
+            closing[name] = place_of(window, button)
+        held.update(places(window, overlay.findChildren(HoldButton)))
+        overlay.hide()
+    for tab in TabName:
+        window.show_tab(tab)
+        settle()
+        seen = [one for one in window.tabs.findChildren(HoldButton) if one.isVisible()]
+        held.update(places(window, seen))
+    assert window.start_sheet.hold in held and window.profiles.confirm.hold in held
+    for button, place in held.items():
+        assert window.rect().contains(place), button.text()
+        for name, below in closing.items():
+            assert not place.intersects(below), f"{name} lies over {button.text()}"
+
+
+def places(window, buttons):
+    return {button: place_of(window, button) for button in buttons}
+
+
+def test_the_button_to_hold_is_not_where_it_was_asked_for(window):
+    sheet = window.start_sheet
+    sheet.ask_resume_with("Anritsu,MS2026C/2,62011033,1.23")
+    window.profiles.confirm.open()
+    window.profiles.open()
+    settle()
+    hold = place_of(window, window.profiles.confirm.hold)
+    assert not hold.intersects(place_of(window, window.profiles.delete))
+    window.question.open()
+    settle()
+    assert not place_of(window, sheet.hold).intersects(
+        place_of(window, window.question.accept_button)
+    )

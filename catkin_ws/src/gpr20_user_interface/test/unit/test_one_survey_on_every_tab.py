@@ -1,0 +1,151 @@
+"""Every tab shows the survey that runs; another one says that it is another one."""
+
+import pytest
+from view_kit import SURVEY, description, make_grid, trace_at
+from window_helpers import Storage, snapshot
+
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
+from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveyRead, SurveysListed
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+
+PAST = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
+FOLDER = "20261121T051000_7c9e6679"
+ALL_STORED = tuple(range(40))
+
+
+@pytest.fixture
+def problems():
+    return []
+
+
+@pytest.fixture
+def traces(problems):
+    traces = TracePresenter(Storage(), problems.append)
+    listed = PastSurvey(
+        *(FOLDER, PAST, "2026-11-21T05:10:00.000000+00:00", "finished", 40, 40),
+        *(verbatim("complete"), True, True, None),
+    )
+    traces.on_event(SurveysListed("", (listed,), False))
+    return traces
+
+
+def note(traces, code, survey=SURVEY, replay=None):
+    state = ControlState(code, verbatim(""), survey, True)
+    traces.note_state(snapshot(code, state=state, replay=replay))
+
+
+def open_past(traces):
+    traces.open_survey(FOLDER)
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
+
+
+def done(traces):
+    """Return how many stops the tabs show as done; None: they show no survey."""
+    counts = traces.shown.map.counts()
+    return None if counts is None else counts[StopState.DONE]
+
+
+@pytest.mark.parametrize("code", sorted(RUNNING - {SurveyState.PAUSED}))
+def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces, code):
+    note(traces, SurveyState.FINISHED)
+    open_past(traces)
+    assert (done(traces), traces.shown.survey_id) == (20, PAST)
+    note(traces, code, NEXT)
+    assert traces.opened_folder == "" and traces.band is None
+    assert done(traces) is None
+    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
+    traces.on_event(CoverageRuns(NEXT, 40, (0, 2), (1, 0), {}, verbatim("")))
+    traces.refresh()
+    assert (done(traces), traces.shown.survey_id) == (1, NEXT)
+
+
+def test_a_survey_that_is_resumed_takes_the_place_of_a_past_one(traces):
+    note(traces, SurveyState.PAUSED)
+    open_past(traces)
+    note(traces, SurveyState.PAUSED)
+    assert traces.shown.survey_id == PAST
+    note(traces, SurveyState.HOMING)
+    assert traces.opened_folder == ""
+
+
+def test_a_finished_survey_is_not_shown_as_the_one_that_has_just_begun(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(CoverageRuns(SURVEY, 40, (0,), (1,), {}, verbatim("")))
+    traces.refresh()
+    note(traces, SurveyState.FINISHED)
+    assert done(traces) == 20
+    # The storage describes the next survey only after the checks and the homing.
+    note(traces, SurveyState.CHECKING, NEXT)
+    assert done(traces) is None
+    assert traces.shown.radar.grid is None
+
+
+def test_a_description_that_comes_before_the_status_is_kept(traces):
+    note(traces, SurveyState.SURVEYING, SURVEY)
+    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
+    traces.on_event(trace_at(make_grid(survey_id=NEXT), 0))
+    note(traces, SurveyState.SURVEYING, SURVEY)
+    note(traces, SurveyState.CHECKING, NEXT)
+    assert traces.shown.survey_id == NEXT
+    assert traces.shown.radar.count == 1
+
+
+def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up(traces, problems):
+    note(traces, SurveyState.IDLE)
+    traces.open_survey(FOLDER)
+    note(traces, SurveyState.CHECKING, NEXT)
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
+    assert traces.opened_folder == ""
+    assert problems == []
+
+
+def test_a_past_survey_says_so_and_which_one_it_is(traces):
+    note(traces, SurveyState.IDLE)
+    assert traces.band is None
+    open_past(traces)
+    assert traces.band.can_return
+    assert str(traces.band.text) == "PAST SURVEY: 2026-11-21 05:10 UTC, 7c9e6679"
+    traces.show_live()
+    assert traces.band is None
+
+
+def test_a_past_survey_that_is_opened_during_a_survey_says_that_it_is_not_that_one(traces):
+    note(traces, SurveyState.SURVEYING)
+    open_past(traces)
+    note(traces, SurveyState.SURVEYING)
+    assert "NOT THE RUNNING SURVEY" in str(traces.band.text)
+    assert traces.shown.survey_id == PAST
+
+
+def test_a_past_survey_without_its_entry_in_the_list_is_named_by_its_folder(problems):
+    traces = TracePresenter(Storage(), problems.append)
+    open_past(traces)
+    assert str(traces.band.text) == f"PAST SURVEY: {FOLDER}"
+
+
+def test_a_replay_says_so_and_has_nothing_live_to_return_to(traces):
+    open_past(traces)
+    mark = ReplayMark(PAST, "2026-11-21T05:10:00+00:00", FOLDER, rate=1.0)
+    note(traces, SurveyState.SURVEYING, PAST, ReplayView(mark, state=SurveyState.SURVEYING))
+    assert str(traces.band.text) == f"REPLAY: Survey of 2026-11-21 05:10 UTC, {FOLDER}"
+    assert not traces.band.can_return
+    assert traces.opened_folder == ""
+    note(traces, SurveyState.IDLE, "")
+    assert traces.band is None
+
+
+@pytest.mark.parametrize("code", [SurveyState.SURVEYING, SurveyState.FINISHED])
+def test_the_survey_of_a_robot_that_has_left_is_not_shown_as_the_replayed_one(traces, code):
+    traces.on_event(SurveyDescribed(description()))
+    note(traces, SurveyState.FINISHED)
+    replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=code)
+    note(traces, code, PAST, replay)
+    assert traces.shown.map.grid is None
+    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
+    assert traces.shown.survey_id == PAST

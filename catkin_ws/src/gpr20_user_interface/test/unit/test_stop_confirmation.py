@@ -1,0 +1,103 @@
+import pytest
+from test_job import snapshot
+
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import Answer, ControlState, HealthLevel, NodeHealth, Request
+from gpr20_user_interface.mid.robot_health import HealthReport
+from gpr20_user_interface.mid.stop_confirmation import ANSWER_S, AXIS_NODES, StopConfirmation
+
+SURVEYING = snapshot(SurveyState.SURVEYING)
+NO_MASTER = snapshot(SurveyState.SURVEYING, master_alive=False)
+ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))
+NOBODY = Answer(Request.STOP, False, verbatim("x does NOT answer"), contact=False)
+
+
+@pytest.fixture
+def stop(clock):
+    return StopConfirmation(clock)
+
+
+def axes(level):
+    return HealthReport(tuple(NodeHealth(name, level, verbatim(""), {}) for name in AXIS_NODES))
+
+
+def test_nothing_is_said_before_stop_is_pressed(stop):
+    assert stop.warning(NO_MASTER) is None
+
+
+def test_a_stop_that_is_answered_in_time_says_nothing(stop, clock):
+    stop.press(SURVEYING)
+    assert stop.warning(SURVEYING) is None
+    stop.on_event(ACCEPTED)
+    clock.advance(10.0)
+    assert stop.warning(SURVEYING) is None
+
+
+def test_a_stop_without_an_answer_is_said_before_any_time_limit_runs_out(stop, clock):
+    stop.press(SURVEYING)
+    clock.advance(ANSWER_S)
+    assert "MOTORS' POWER" in str(stop.warning(SURVEYING).title)
+    stop.on_event(NOBODY)
+    assert str(stop.warning(SURVEYING).text) == "x does NOT answer"
+    stop.on_event(ACCEPTED)
+    assert stop.warning(SURVEYING) is None
+
+
+@pytest.mark.parametrize(
+    ("doubtful", "words"),
+    [
+        (NO_MASTER, "ROS master"),
+        (snapshot(SurveyState.SURVEYING, control_alive=False), "main control"),
+        (snapshot(SurveyState.SURVEYING, health=axes(HealthLevel.STALE)), "No axis"),
+    ],
+)
+def test_a_stop_that_can_hardly_work_is_said_at_the_press(stop, doubtful, words):
+    stop.press(doubtful)
+    assert words in str(stop.warning(doubtful).text)
+
+
+def test_axes_that_report_are_not_silent(stop):
+    alive = snapshot(SurveyState.SURVEYING, health=axes(HealthLevel.OK))
+    stop.press(alive)
+    assert stop.warning(alive) is None
+
+
+def test_silent_axes_are_believed_to_rest_only_at_the_end(stop):
+    silent = snapshot(SurveyState.SURVEYING, health=axes(HealthLevel.STALE))
+    stop.press(silent)
+    stop.on_event(ACCEPTED)
+    assert stop.warning(snapshot(SurveyState.STOPPING)) is not None
+    moving = Message("AN AXIS IS STILL MOVING: switch the motors off")
+    bad = ControlState(SurveyState.STOPPED, moving, "id", True)
+    assert stop.warning(snapshot(SurveyState.STOPPED, state=bad)) is not None
+    assert stop.warning(snapshot(SurveyState.STOPPED)) is None
+
+
+@pytest.mark.parametrize("code", [SurveyState.STOPPING, SurveyState.STOPPED])
+def test_the_status_confirms_a_stop_without_a_master(stop, code):
+    stop.press(NO_MASTER)
+    assert stop.warning(NO_MASTER) is not None
+    assert stop.warning(snapshot(code, master_alive=False)) is None
+
+
+def test_an_old_status_confirms_nothing(stop):
+    ended = snapshot(SurveyState.STOPPED, master_alive=False)
+    stop.press(ended)
+    assert stop.warning(ended) is not None
+    stop.on_event(Answer(Request.STOP, False, verbatim("no survey is running")))
+    assert stop.warning(ended) is None
+
+
+def test_the_operator_can_close_it_and_press_again(stop):
+    stop.press(NO_MASTER)
+    stop.close()
+    assert stop.warning(NO_MASTER) is None
+    stop.press(NO_MASTER)
+    assert stop.warning(NO_MASTER) is not None
+
+
+def test_other_answers_confirm_no_stop(stop):
+    stop.press(NO_MASTER)
+    stop.on_event(Answer(Request.PAUSE, True, verbatim("pausing")))
+    assert stop.warning(NO_MASTER) is not None

@@ -1,0 +1,227 @@
+"""Touches as the screen sends them: bounces, a locked screen, STOP."""
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from fake_clock import FakeClock
+from finger import AFTER_S, Finger, place_of
+from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QPushButton
+from window_helpers import application, close, new_window, show, snapshot, wishes
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.notices import Refused, refusal_notice
+from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application"]
+
+NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
+
+
+@pytest.fixture
+def window(application, tmp_path):
+    window = new_window(
+        Languages(application, Language.ENGLISH), profiles=tmp_path, clock=FakeClock()
+    )
+    window.show()
+    show(window, snapshot(SurveyState.IDLE))
+    yield window
+    close(window)
+
+
+@pytest.fixture
+def finger(window):
+    return Finger(window, window.clock)
+
+
+def start_sheet(window, finger):
+    """Open the sheet of START and wait until touches count again."""
+    finger.tap(window.control.start)
+    assert window.start_sheet.isVisible()
+    finger.wait(AFTER_S)
+    return window.start_sheet
+
+
+def test_start_takes_a_touch_and_a_hold(window, finger):
+    sheet = start_sheet(window, finger)
+    finger.hold(sheet.hold, 0.9)
+    assert wishes(window) == []
+    finger.hold(sheet.hold)
+    assert wishes(window) == [window.control.parameters]
+    assert not sheet.isVisible()
+
+
+@pytest.mark.parametrize("gap_s", [0.0, 0.09, 0.12, 0.3])
+def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger, gap_s):
+    pressed = []
+    for button in window.control.findChildren(QPushButton):
+        button.pressed.connect(lambda: pressed.append("a button below"))
+    window.notice.show_notice(NOTICE)
+    finger.wait(AFTER_S)
+    below = place_of(window, window.notice.close_button).center()
+    finger.tap(below)
+    assert not window.notice.isVisible()
+    finger.wait(gap_s)
+    finger.tap(below)
+    finger.tap(window.control.start)
+    assert pressed == [] and not window.start_sheet.isVisible()
+    finger.wait(AFTER_S)
+    finger.tap(window.control.start)
+    assert window.start_sheet.isVisible()
+
+
+@pytest.mark.parametrize("gap_s", [0.0, 0.12])
+def test_a_bounce_of_the_ok_of_the_keys_does_nothing(window, finger, gap_s):
+    finger.tap(window.control.form.edit("x_stop_mm"))
+    pad = window.number_pad
+    assert pad.isVisible()
+    finger.wait(AFTER_S)
+    place = place_of(window, pad.accept_button).center()
+    finger.tap(place)
+    assert not pad.isVisible()
+    finger.wait(gap_s)
+    finger.tap(place)
+    finger.tap(window.control.start)
+    finger.wait(3.0)
+    assert wishes(window) == [] and not window.start_sheet.isVisible()
+
+
+def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
+    window.profiles.show_profiles(default_parameters())
+    window.profiles._save("a")
+    window.profiles.names.setCurrentRow(0)
+    finger.wait(AFTER_S)
+    for _ in range(20):
+        finger.tap(window.profiles.delete)
+        finger.wait(0.06)
+    finger.wait(2.0)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.yaml"]
+    finger.hold(window.profiles.confirm.hold)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_finger_that_stays_while_a_sheet_closes_holds_nothing_below_it(window, finger):
+    place = place_of(window, start_sheet(window, finger).hold).center()
+    window.notice.show_notice(NOTICE)
+    finger.wait(AFTER_S)
+    finger.press(place)
+    window.notice.hide()
+    finger.wait(3.0)
+    finger.release(place)
+    assert wishes(window) == []
+
+
+def test_what_opens_while_a_button_is_held_ends_the_hold(window, finger):
+    sheet = start_sheet(window, finger)
+    finger.press(sheet.hold)
+    finger.wait(0.8)
+    window.notice.show_notice(NOTICE)
+    finger.wait(0.5)
+    window.notice.hide()
+    finger.wait(3.0)
+    finger.release(sheet.hold)
+    assert wishes(window) == []
+
+
+def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger):
+    pressed = []
+    window.control.start.clicked.connect(lambda: pressed.append("start"))
+    finger.press(window.control.start)
+    window.show_tab(TabName.STATUS)
+    window.show_tab(TabName.CONTROL)
+    QApplication.processEvents()
+    assert not window.control.start.isDown()
+    finger.release(window.control.start)
+    finger.tap(window.control.start)
+    assert pressed == []
+    finger.wait(AFTER_S)
+    finger.tap(window.control.start)
+    assert pressed == ["start"]
+
+
+def test_a_second_finger_that_comes_from_another_button_counts_for_nothing(window, finger):
+    sheet = start_sheet(window, finger)
+    finger.press(sheet.hold)
+    finger.wait(0.5)
+    place = place_of(window, sheet.cancel).center()
+    QTest.mousePress(window.windowHandle(), Qt.RightButton, Qt.NoModifier, place)
+    finger.wait(2.0)
+    QTest.mouseRelease(window.windowHandle(), Qt.RightButton, Qt.NoModifier, place)
+    finger.release(sheet.hold)
+    assert wishes(window) == [] and sheet.isVisible()
+
+
+@pytest.mark.parametrize("locked", [False, True])
+@pytest.mark.parametrize("changed", [False, True])
+def test_stop_acts_on_the_press_whatever_has_just_happened(window, finger, locked, changed):
+    show(window, snapshot(SurveyState.SURVEYING))
+    finger.wait(AFTER_S)
+    if locked:
+        finger.tap(window.touch_binding.lock_button)
+        finger.wait(AFTER_S)
+    if changed:
+        window.notice.show_notice(NOTICE)
+    finger.press(window.top_bar.stop)
+    assert wishes(window) == ["stop"]
+    window.notice.hide()
+    finger.release(window.top_bar.stop)
+    finger.press(window.top_bar.stop)
+    assert wishes(window) == ["stop"] * 2
+    finger.release(window.top_bar.stop)
+
+
+def test_a_locked_screen_says_so_and_takes_nothing_but_stop_and_the_unlocking(window, finger):
+    lock = window.touch_binding
+    finger.tap(lock.lock_button)
+    assert lock.band.isVisible()
+    assert "locked" in lock.band.text.text()
+    finger.wait(10.0)
+    finger.tap(window.control.start)
+    finger.tap(window.control.profiles)
+    assert not window.start_sheet.isVisible() and not window.profiles.isVisible()
+    finger.tap(lock.band.unlock)
+    finger.wait(2.0)
+    assert lock.band.isVisible()
+    finger.hold(lock.band.unlock)
+    assert not lock.band.isVisible()
+    finger.tap(window.control.start)
+    assert not window.start_sheet.isVisible()
+    finger.wait(AFTER_S)
+    finger.tap(window.control.start)
+    assert window.start_sheet.isVisible()
+
+
+def test_what_opens_on_a_locked_screen_leaves_the_band_free(window, finger):
+    finger.tap(window.touch_binding.lock_button)
+    window.notice.show_notice(NOTICE)
+    band = window.touch_binding.band
+    assert not place_of(window, window.notice).intersects(place_of(window, band))
+    finger.wait(AFTER_S)
+    finger.tap(window.notice.close_button)
+    assert window.notice.isVisible()
+    finger.hold(band.unlock)
+    assert window.notice.y() == place_of(window, window.top_bar).bottom() + 1
+
+
+def test_a_touch_of_a_locked_screen_shows_why_it_does_nothing(window, finger):
+    finger.tap(window.touch_binding.lock_button)
+    finger.wait(AFTER_S)
+    assert not window.touch_binding.band.text.property("flash")
+    finger.tap(QPoint(400, 300))
+    assert window.touch_binding.band.text.property("flash")
+
+
+def test_the_sheet_of_start_closes_when_another_client_was_faster(window, finger):
+    sheet = start_sheet(window, finger)
+    finger.press(sheet.hold)
+    finger.wait(0.9)
+    show(window, snapshot(SurveyState.CHECKING))
+    assert not sheet.isVisible()
+    finger.wait(1.0)
+    assert wishes(window) == []
