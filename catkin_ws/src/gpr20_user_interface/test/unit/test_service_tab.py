@@ -6,11 +6,10 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
-from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QTabBar
 from test_nothing_cut_off import assert_fits
-from window_helpers import application, click, show, snapshot, window
+from window_helpers import application, click, hold, show, snapshot, window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
@@ -24,7 +23,6 @@ from gpr20_user_interface.mid.service_events import (
     EndstopState,
     HeightTested,
 )
-from gpr20_user_interface.views.hold_button import HOLD_MS
 from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
@@ -42,12 +40,6 @@ def service(window):
     window.refresh()
     window.tools.asked.clear()
     return window
-
-
-def hold(button):
-    QTest.mousePress(button, Qt.LeftButton)
-    QTest.qWait(HOLD_MS + 150)
-    QTest.mouseRelease(button, Qt.LeftButton)
 
 
 def begin(window):
@@ -156,6 +148,7 @@ def test_nothing_is_cut_off_and_every_button_is_as_large_as_a_finger(
     application, service, language
 ):
     languages = Languages(application, language)
+    QTest.qWait(20)
     begin(service)
     service.on_event(EndstopState(AxisId.X, True))
     service.on_event(EndstopState(AxisId.Y, False))
