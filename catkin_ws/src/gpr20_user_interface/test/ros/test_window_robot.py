@@ -33,8 +33,8 @@ class WindowOnRobot(WindowCase):
 
     def knows_the_robot(self) -> bool:
         snapshot = self.window.survey.snapshot
-        disk = self.window.status.health.disk
-        return snapshot.figures is not None and disk != "—" and "start" in self.enabled()
+        known = snapshot.figures is not None and snapshot.health.free_disk_mb is not None
+        return known and "start" in self.enabled()
 
     def visited(self) -> int:
         progress = self.window.survey.snapshot.progress
