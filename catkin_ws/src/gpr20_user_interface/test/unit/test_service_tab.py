@@ -120,12 +120,12 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
     stuck = Message("the height sensor is stuck; check its plug and supply")
     service.on_event(HeightTested(float("nan"), float("nan"), 3.297, stuck))
     service.refresh()
-    assert tools.height.text() == f"Sensor 3.297 V\n{stuck}"
+    assert tools.height_found.text() == f"Sensor 3.297 V\n{stuck}"
     click(tools.test)
     assert service.tools.asked == ["height", "analyzer"]
     service.on_event(AnalyzerTested("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
     service.refresh()
-    lines = tools.analyzer.text().splitlines()
+    lines = tools.analyzer_found.text().splitlines()
     assert lines[1] == "Anritsu,MS2026C"
     assert lines[2:] == [
         "Calibration: calibrated, accuracy high",
