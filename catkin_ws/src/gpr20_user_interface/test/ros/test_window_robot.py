@@ -9,12 +9,11 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import rospy
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QWidget
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
@@ -23,7 +22,7 @@ from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.mid.robot_health import AlarmKind
-from gpr20_user_interface.views.hold_button import HOLD_MS
+from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.main_window import TabName
 
 
@@ -35,8 +34,8 @@ class WindowOnRobot(WindowCase):
 
     def knows_the_robot(self) -> bool:
         snapshot = self.window.survey.snapshot
-        disk = self.window.status.facts.disk
-        return snapshot.figures is not None and disk != "—" and "start" in self.enabled()
+        known = snapshot.figures is not None and snapshot.health.free_disk_mb is not None
+        return known and "start" in self.enabled()
 
     def visited(self) -> int:
         progress = self.window.survey.snapshot.progress
@@ -201,11 +200,11 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: bool(view.doctor.texts), "the findings are listed")
         self.assertTrue(any("simulated" in text for text in view.doctor.texts))
         self.keep_picture("robot_service")
-        self.hold(view.enter_button)
+        self.hold_down(view.enter_button)
         wait_until(lambda: view.in_service, "the service begins")
         row = view.axes.row(AxisId.X)
         wait_until(lambda: "open" in row.lamp.text(), "the endstop is read")
-        self.hold(row.home)
+        self.hold_down(row.home)
         wait_until(lambda: "closed" in row.lamp.text(), "the endstop is touched")
         wait_until(lambda: view.outcome.text() == "The x axis is homed.", "it is homed")
         wait_until(lambda: row.place.text() == "X 0.00", "it is at its zero")
@@ -222,16 +221,19 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
         self.touch(view.switch_button)
         self.touch(view.tools.measure)
-        wait_until(lambda: " V" in view.tools.height.text(), "the height is measured")
+        wait_until(lambda: " V" in view.tools.height_found.text(), "the height is measured")
         self.touch(view.tools.test)
-        wait_until(lambda: "Sweep of" in view.tools.analyzer.text(), "the VNA is tested")
-        self.assertIn("SIMULATED", view.tools.analyzer.text())
+        wait_until(lambda: "Sweep of" in view.tools.analyzer_found.text(), "the VNA is tested")
+        self.assertIn("SIMULATED", view.tools.analyzer_found.text())
         self.window.show_tab(TabName.STATUS)
         wait_until(lambda: not view.in_service, "another tab ends the service")
 
-    def hold(self, button: QWidget) -> None:
+    def hold_down(self, button: HoldButton) -> None:
+        """Rest a finger on a button until it acts."""
+        acted: List[bool] = []
+        button.held.connect(lambda: acted.append(True))
         QTest.mousePress(button, Qt.LeftButton)
-        QTest.qWait(HOLD_MS + 200)
+        wait_until(lambda: bool(acted), "the button is held")
         QTest.mouseRelease(button, Qt.LeftButton)
 
     def end_interface_early(self) -> None:
