@@ -12,12 +12,17 @@ from pathlib import Path
 from typing import Any, Dict
 
 import rospy
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QWidget
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
+from gpr20_user_interface.views.hold_button import HOLD_MS
 from gpr20_user_interface.views.main_window import TabName
 
 
@@ -179,6 +184,45 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
         wait_until(lambda: not alarm.isVisible(), "the return is reported")
         self.assertEqual(self.visited(), 18)
+
+    def test_axes_and_instruments_are_serviced_with_a_finger(self) -> None:
+        self.window.show_tab(TabName.SERVICE)
+        view = self.window.service
+        wait_until(lambda: bool(view.doctor.texts), "the findings are listed")
+        self.assertTrue(any("simulated" in text for text in view.doctor.texts))
+        self.keep_picture("robot_service")
+        self.hold(view.enter_button)
+        wait_until(lambda: view.in_service, "the service begins")
+        row = view.axes.row(AxisId.X)
+        wait_until(lambda: "open" in row.lamp.text(), "the endstop is read")
+        self.hold(row.home)
+        wait_until(lambda: "closed" in row.lamp.text(), "the endstop is touched")
+        wait_until(lambda: view.outcome.text() == "The x axis is homed.", "it is homed")
+        wait_until(lambda: row.place.text() == "X 0.00", "it is at its zero")
+        self.touch(row.jogs[4])
+        wait_until(lambda: row.place.text() == "X 10.00", "it moves by 10 mm")
+        wait_until(row.home.isEnabled, "the move has ended")
+        self.keep_picture("robot_service_axes")
+        self.touch(row.jogs[5])
+        self.assertFalse(row.home.isEnabled())
+        stop = self.window.top_bar.stop
+        wait_until(stop.isEnabled, "STOP is unlocked")
+        self.click("stop")
+        wait_until(lambda: "stopped; the x axis" in view.outcome.text(), "STOP ends the jog")
+        self.assertFalse(self.window.notice.isVisible())
+        self.touch(view.switch_button)
+        self.touch(view.tools.measure)
+        wait_until(lambda: " V" in view.tools.height.text(), "the height is measured")
+        self.touch(view.tools.test)
+        wait_until(lambda: "Sweep of" in view.tools.analyzer.text(), "the VNA is tested")
+        self.assertIn("SIMULATED", view.tools.analyzer.text())
+        self.window.show_tab(TabName.STATUS)
+        wait_until(lambda: not view.in_service, "another tab ends the service")
+
+    def hold(self, button: QWidget) -> None:
+        QTest.mousePress(button, Qt.LeftButton)
+        QTest.qWait(HOLD_MS + 200)
+        QTest.mouseRelease(button, Qt.LeftButton)
 
     def end_interface_early(self) -> None:
         # What closes a window at the end of the test must do so only once.

@@ -254,6 +254,21 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     assert not window.map_page.band.isVisible()
 
 
+def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window):
+    window.traces.open_survey(FOLDER)
+    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), tuple(range(40))))
+    window.show_tab(TabName.MAP)
+    done = window.map.legend[StopState.DONE]
+    assert done.text() == "Done: 20" and window.map_page.band.isVisible()
+    show(window, snapshot_of(SurveyState.CHECKING, SURVEY))
+    assert done.text() == "Done: —" and not window.map_page.band.isVisible()
+    window.on_event(SurveyDescribed(description()))
+    window.on_event(stored(2))
+    window.draw()
+    assert done.text() == "Done: 1"
+    assert window.tabs.currentWidget() is window.map_page
+
+
 def test_pages_of_the_list_are_joined(window, storage):
     window.show_tab(TabName.SURVEYS)
     window.on_event(listed(past(), more=True))

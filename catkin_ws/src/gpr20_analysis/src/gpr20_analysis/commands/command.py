@@ -40,6 +40,7 @@ SUMMARIES: Dict[str, str] = {
     "plot": "draw a survey, its A-scans or an image",
     "view": "look at a survey in a window: B-scan, slices, 3D, picks",
     "annotate": "set operator, site, notes and position of a survey",
+    "markers": "list the markers that people set in a survey, and write them to files",
     "verify": "check a survey's folder against its manifest, recordings and plan",
     "repair": "write a lost or damaged manifest again if everything else agrees",
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",

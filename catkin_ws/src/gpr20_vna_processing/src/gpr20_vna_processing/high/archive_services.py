@@ -87,6 +87,7 @@ def _summary_message(summary: survey_archive.SurveySummary) -> SurveySummary:
         verdict_json=summary.verdict_json,
         complete=summary.complete,
         simulated=summary.simulated,
+        refines=summary.refines,
         problem="" if problem is None else str(problem),
         problem_json="" if problem is None else problem.to_json(),
         name=summary.name,

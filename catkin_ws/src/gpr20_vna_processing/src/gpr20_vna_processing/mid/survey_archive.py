@@ -24,6 +24,7 @@ from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.recent_summaries import RecentSummaries
 from gpr20_vna_processing.mid.survey_thumbnail import NONE, Thumbnail, thumbnail_of
@@ -52,6 +53,7 @@ class SurveySummary:
     verdict_json: str = ""
     complete: bool = False
     simulated: bool = False
+    refines: str = ""
     problem: Optional[Message] = None
     name: str = ""
     thumbnail: Thumbnail = NONE
@@ -216,6 +218,7 @@ class SurveyArchive:
             complete=sealed and outcome == "finished" and 0 < planned == len(stored),
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
+            refines=refines_of(values),
             name=_name(values.get(ANNOTATION)),
             thumbnail=thumbnail_of(values.get("parameters"), stored),
         )
