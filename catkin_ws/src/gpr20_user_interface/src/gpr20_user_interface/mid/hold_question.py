@@ -129,6 +129,8 @@ def _area(p: SurveyParameters) -> Message:
 def _time(duration_s: Optional[float]) -> Message:
     if duration_s is None or not math.isfinite(duration_s):
         return Message("not known yet")
+    if duration_s < 60.0:
+        return duration(duration_s)
     return Message("about {time}", time=duration(duration_s))
 
 
