@@ -88,7 +88,7 @@ def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuest
     rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(folder)),)
     if survey is not None:
         rows += (
-            (Message("Started"), Message("{time} UTC", time=survey.day_and_time)),
+            (Message("Started"), verbatim(survey.local_time())),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)

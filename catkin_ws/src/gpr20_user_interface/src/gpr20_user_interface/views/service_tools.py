@@ -26,11 +26,11 @@ class ServiceTools(TranslatedWidget):
         self._state: Optional[ServiceState] = None
         self.measure = new_button(measure_height)
         self.test = new_button(test_analyzer)
-        self.height, self.analyzer = _text(), _text()
+        self.height_found, self.analyzer_found = _text(), _text()
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
         for column, (button, text) in enumerate(
-            ((self.measure, self.height), (self.test, self.analyzer))
+            ((self.measure, self.height_found), (self.test, self.analyzer_found))
         ):
             below = QVBoxLayout()
             below.addWidget(text)
@@ -49,8 +49,8 @@ class ServiceTools(TranslatedWidget):
         self._state = state
         for button in (self.measure, self.test):
             button.setEnabled(state.entered and not state.busy)
-        self.height.setText(self._height_text(state.height))
-        self.analyzer.setText(self._analyzer_text(state.analyzer))
+        self.height_found.setText(self._height_text(state.height))
+        self.analyzer_found.setText(self._analyzer_text(state.analyzer))
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
