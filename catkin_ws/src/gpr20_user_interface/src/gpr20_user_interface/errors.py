@@ -11,6 +11,10 @@ class MasterUnavailableError(UserInterfaceError, OSError):
     """There is no ROS master to ask."""
 
 
+class DisplayUnavailableError(UserInterfaceError, OSError):
+    """There is no display to show the window on."""
+
+
 class ParametersRefusedError(UserInterfaceError, ValueError):
     """The parameters of the survey are not allowed; the message names each."""
 
@@ -21,3 +25,7 @@ class SurveyNotReadableError(UserInterfaceError, ValueError):
 
 class ProfileError(UserInterfaceError, ValueError):
     """A profile of parameters cannot be read or written, or its name is not allowed."""
+
+
+class SettingsError(UserInterfaceError, ValueError):
+    """The settings of the window cannot be read or written; the message gives the reason."""

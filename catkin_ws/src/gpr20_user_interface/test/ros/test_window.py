@@ -10,6 +10,7 @@ from PyQt5 import sip
 from PyQt5.QtWidgets import QApplication
 from window_case import WindowCase, new_interface, run_on_a_screen, wait_until
 
+from gpr20_common.catalogue import Language
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
@@ -116,13 +117,13 @@ class Window(WindowCase):
         wait_until(self.window.notice.isVisible, "a dialog opens")
         self.assertEqual(self.window.notice.reason.toPlainText(), "permission denied")
         self.assertEqual(self.window.notice.details.toPlainText(), "errno 13")
-        self.touch(self.window.language_button)
+        self.languages.use(Language.SPANISH)
         spanish = "permiso denegado"
         wait_until(
             lambda: self.window.notice.reason.toPlainText() == spanish,
             "it is translated",
         )
-        self.touch(self.window.language_button)
+        self.languages.use(Language.ENGLISH)
         self.assertEqual(self.fake.starts, 0)
         self.keep_picture("refused")
         self.touch(self.window.notice.close_button)
@@ -240,10 +241,12 @@ class Window(WindowCase):
 
     def test_language_changes_at_once(self) -> None:
         self.start()
-        self.touch(self.window.language_button)
+        sheet = self.window.settings.sheet
+        self.touch(self.window.settings.button)
+        self.touch(sheet.languages[Language.SPANISH])
         wait_until(lambda: self.window.control.pause.text() == "PAUSAR", "it speaks Spanish")
-        self.assertEqual(self.window.language_button.text(), "English")
-        self.touch(self.window.language_button)
+        self.assertEqual(sheet.title.text(), "Ajustes")
+        self.touch(sheet.languages[Language.ENGLISH])
         wait_until(lambda: self.window.control.pause.text() == "PAUSE", "it speaks English")
 
 

@@ -24,7 +24,7 @@ CLOSING = ("accept_button", "cancel", "close_button", "load", "save")
 SIZES = [(480, 320), (800, 480), (1280, 800)]
 
 
-@pytest.fixture(params=itertools.product(SIZES, Language), ids=str)
+@pytest.fixture(params=list(itertools.product(SIZES, Language)), ids=str)
 def window(request, application, tmp_path):
     size, language = request.param
     window = new_window(Languages(application, language), profiles=tmp_path)

@@ -43,7 +43,7 @@ class Shown:
         )
         self.window.on_event(SurveysListed("", (past,), True))
         self.window.past.table.selectRow(0)
-        self.window.map.select(Stop(1, 4))
+        self.window.map.select_stop(Stop(1, 4))
         self.window.radar.show_model(live.radar)
         self.window.radar.controls.background.click()
 
@@ -107,7 +107,7 @@ def test_the_language_changes_at_once(application):
     show(shown, TabName.RADAR)
     views = shown.window
     assert "Gris: no medido" in views.radar.note.text()
-    assert views.map.next_problem.text() == "Siguiente punto\nincompleto"
+    assert views.map.next_problem.text() == "Siguiente\nincompleto"
     assert views.past.table.item(0, 1).text() == "INCOMPLETA (simulada)"
     click(views.radar.controls.background)
     assert views.radar.controls.background.text() == "Fondo\nincluido"

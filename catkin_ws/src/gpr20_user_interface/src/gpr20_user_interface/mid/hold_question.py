@@ -15,7 +15,8 @@ from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.mid.time_words import duration
 
 Row = Tuple[Message, Message]
-
+# Of an operator or a site; the sheet has no room for more.
+LONGEST_NAME = 40
 HANDS_CLEAR = Message(
     "Hands clear! The robot homes its axes if necessary, and then moves on its own."
 )
@@ -137,4 +138,8 @@ def _counted(stored: int, planned: int) -> Message:
 
 def _people(annotation: Annotation) -> Tuple[Row, ...]:
     known = ((Message("Operator"), annotation.operator), (Message("Site"), annotation.site))
-    return tuple((title, verbatim(name)) for title, name in known if name)
+    return tuple((title, verbatim(_short(name))) for title, name in known if name)
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"

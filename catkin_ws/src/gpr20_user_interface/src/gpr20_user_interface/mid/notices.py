@@ -46,6 +46,7 @@ class Refused(enum.Enum):
     RESUME = "resume"
     PROFILE = "profile"
     NOTES = "notes"
+    MARKER = "marker"
 
 
 # What was refused, and what to do when its cause is gone.
@@ -70,6 +71,10 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.NOTES: (
         Message("The notes of the survey cannot be read or stored."),
         Message("Then press SAVE again."),
+    ),
+    Refused.MARKER: (
+        Message("The markers of the survey were not changed."),
+        Message("Next: remove the cause, then set or remove the marker again."),
     ),
 }
 _FAULTS = {

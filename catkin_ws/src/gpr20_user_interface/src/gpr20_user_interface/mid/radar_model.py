@@ -138,7 +138,8 @@ class RadarModel:
 
     def background(self, polarization: int) -> Optional[np.ndarray]:
         """Return what the traces of a polarization have in common; None while they are too few."""
-        count = int(np.count_nonzero(self._present[polarization]))
+        # Without a plan there are no polarizations.
+        count = int(np.count_nonzero(self._present[polarization : polarization + 1]))
         if count < MIN_BACKGROUND_TRACES:
             return None
         return (self._sums[polarization] / count).astype(np.complex64)
