@@ -32,7 +32,7 @@ from gpr20_user_interface.mid.survey_arguments import parse_arguments
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import VERDICT
-from gpr20_user_interface.views.plots import LEVELS
+from gpr20_user_interface.views.shade_colours import NOT_MEASURED
 from gpr20_user_interface.views.translation import Languages
 
 SERVICES = {
@@ -64,7 +64,7 @@ class Window:
     def drawn(self) -> int:
         """Return how many stops of the shown polarization are drawn in the slice."""
         numbers = self.window.radar.slice_plot.colour_numbers
-        return 0 if numbers is None else int((numbers != LEVELS).sum())
+        return 0 if numbers is None else int((numbers != NOT_MEASURED).sum())
 
     def close(self) -> None:
         self.interface.end()

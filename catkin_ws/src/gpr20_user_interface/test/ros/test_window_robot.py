@@ -21,6 +21,7 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
+from gpr20_user_interface.mid.robot_health import AlarmKind
 from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.main_window import TabName
 
@@ -77,7 +78,7 @@ class WindowOnRobot(WindowCase):
         held = self.visited()
         self.assertLess(held, 18)
         self.window.show_tab(TabName.STATUS)
-        wait_until(lambda: self.window.status.health.calibration != "—", "calibration is known")
+        wait_until(lambda: self.window.status.facts.calibration != "—", "calibration is known")
         self.keep_picture("robot_status")
         self.click("resume")
         wait_until(lambda: self.visited() > held, "completion moves again")
@@ -110,7 +111,7 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.assertEqual(self.annotation()["operator"], "Ana Peña")
-        self.touch(self.window.control.notes)
+        self.touch(self.window.job.notes)
         self.write_note("notes", "wet")
         self.assertEqual(self.annotation()["notes"], "wet")
         wait_until(lambda: self.title() == "FINISHED", "the survey ends")
@@ -171,18 +172,27 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
-        alarm = self.window.top_bar.alarm
-        wait_until(lambda: "VNA fault" in alarm.text(), "the loss is reported")
+        wait_until(self.has_vna_alarm, "the loss is reported")
         wait_until(lambda: self.title() == "PAUSED", "the survey holds")
-        self.assertTrue(alarm.isVisible())
+        notice = self.window.notice
+        wait_until(notice.isVisible, "the card of the fault opens")
+        self.assertIn("Check that the VNA is switched on", notice.first.text())
+        self.assertTrue(notice.resume.isVisible())
         self.assertIn("VNA", self.window.top_bar.message.whole)
         self.keep_picture("robot_vna_gone")
         set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0)
+        # The alarm ends with its cause, though the survey is still paused.
+        wait_until(lambda: not self.has_vna_alarm(), "the return is reported")
+        self.assertEqual(self.title(), "PAUSED")
         wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
-        self.click("resume")
+        self.touch(notice.resume)
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
-        wait_until(lambda: not alarm.isVisible(), "the return is reported")
+        self.assertFalse(notice.isVisible())
         self.assertEqual(self.visited(), 18)
+
+    def has_vna_alarm(self) -> bool:
+        alarm = self.window.survey.snapshot.alarm
+        return alarm is not None and alarm.kind is AlarmKind.ANALYZER_FAULT
 
     def test_axes_and_instruments_are_serviced_with_a_finger(self) -> None:
         self.window.show_tab(TabName.SERVICE)

@@ -48,10 +48,10 @@ def test_start_says_nothing_of_people_who_are_not_known():
 @pytest.mark.parametrize(
     ("seconds", "words"),
     [
-        (0.0, "about 0 min"),
-        (1.0, "about 1 min"),
+        (0.0, "less than 1 min"),
+        (60.1, "about 2 min"),
         (3600.0, "about 1 h 0 min"),
-        (90000.0, "about 25 h 0 min"),
+        (90000.0, "about 1 d 1 h"),
         (float("nan"), "not known yet"),
     ],
 )

@@ -45,7 +45,6 @@ class Shown:
         self.window.past.table.selectRow(0)
         self.window.map.select_stop(Stop(1, 4))
         self.window.radar.show_model(live.radar)
-        self.window.radar.controls.background.click()
 
     def close(self):
         close(self.window)

@@ -88,7 +88,7 @@ def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuest
     rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(folder)),)
     if survey is not None:
         rows += (
-            (Message("Started"), Message("{time} UTC", time=survey.day_and_time)),
+            (Message("Started"), verbatim(survey.local_time())),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
@@ -129,6 +129,8 @@ def _area(p: SurveyParameters) -> Message:
 def _time(duration_s: Optional[float]) -> Message:
     if duration_s is None or not math.isfinite(duration_s):
         return Message("not known yet")
+    if duration_s < 60.0:
+        return duration(duration_s)
     return Message("about {time}", time=duration(duration_s))
 
 

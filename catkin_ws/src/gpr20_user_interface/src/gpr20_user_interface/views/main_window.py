@@ -33,6 +33,7 @@ from gpr20_user_interface.views.look import (
 from gpr20_user_interface.views.map_binding import MapBinding
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.radar_binding import RadarBinding
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.service_binding import ServiceBinding
 from gpr20_user_interface.views.service_view import ServiceView
@@ -143,6 +144,9 @@ class MainWindow(TranslatedWidget):
             self._use_parameters,
             self.survey_binding.show_refusal,
         )
+        self.radar_binding = RadarBinding(
+            self, self.radar, self.additions, self.map_binding.ask_marker
+        )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
         self.stop_warning = self.job_binding.stop_warning
@@ -162,7 +166,7 @@ class MainWindow(TranslatedWidget):
                 traces,
                 presenters.imaging,
                 lambda: self.map.isVisible() or self.radar.isVisible(),
-                lambda: self.radar.controls.settings.permittivity,
+                lambda: self.radar.presenter.settings.permittivity,
             ),
             TracesBinding(
                 survey, traces, self.map_page, self.radar_page, lambda: self.show_tab(TabName.RADAR)
@@ -173,6 +177,7 @@ class MainWindow(TranslatedWidget):
             self.control_binding,
             self.surveys_binding,
             self.settings,
+            self.radar_binding,
             ServiceBinding(
                 survey,
                 presenters.service,
@@ -239,8 +244,7 @@ class MainWindow(TranslatedWidget):
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
         if look != self.look:
-            memory = memory or WindowMemory()
-        self.look = Look(memory.settings.theme)
+            self.look = look
             self.setStyleSheet(style_sheet(look))
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802

@@ -44,7 +44,8 @@ class TouchFilter(QObject):
     def watch_pages(self) -> None:
         """Notice from now on when another tab or page is shown."""
         for pages in self._window.findChildren(QStackedWidget):
-            pages.currentChanged.connect(lambda _number: self.note_change())
+            if isinstance(pages, QStackedWidget):
+                pages.currentChanged.connect(lambda _number: self.note_change())
 
     def note_change(self) -> None:
         """Note that something else is under the finger now."""
