@@ -110,7 +110,7 @@ def test_the_language_changes_at_once(application):
     assert views.map.next_problem.text() == "Siguiente\nincompleto"
     assert views.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
     sheet = views.radar_binding.sheet
-    click(sheet.background)
+    sheet.background.click()
     assert sheet.background.text() == "Fondo\nincluido"
     shown.close()
 
