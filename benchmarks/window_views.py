@@ -19,9 +19,11 @@ import numpy as np
 from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import resident_mib
 
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop, SurveyGrid
 from gpr20_user_interface.mid.shown_survey import ShownSurvey
@@ -83,6 +85,19 @@ def milliseconds(action: Callable[[], None]) -> str:
     return f"{statistics.median(took):8.2f} ms median, {max(took):8.2f} ms at most"
 
 
+class NoStorage:
+    """Answers nothing."""
+
+    def read_additions(self, survey: str) -> None:
+        """Ask for nothing."""
+
+    def add_marker(self, survey: str, marker: Marker) -> None:
+        """Store nothing."""
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
+        """Remove nothing."""
+
+
 def draw(view: QWidget, change: Callable[[], None]) -> None:
     change()
     view.refresh()
@@ -97,7 +112,8 @@ def main() -> None:
     application = QApplication([])
     survey = ShownSurvey()
     grid = make_grid(arguments.columns, arguments.rows)
-    views = (MapView(survey.map, survey.radar), RadarView(survey.radar))
+    additions = AdditionsPresenter(NoStorage(), str)
+    views = (MapView(survey.map, survey.radar, additions), RadarView(survey.radar))
     for view in views:
         view.resize(*PAGE_PX)
         view.show()
@@ -120,7 +136,7 @@ def main() -> None:
     map_view, radar_view = views
     print(
         "MAP, touch and draw     ",
-        milliseconds(lambda: draw(map_view, lambda: map_view.select(Stop(next(touched), 3)))),
+        milliseconds(lambda: draw(map_view, lambda: map_view.select_stop(Stop(next(touched), 3)))),
     )
     print(
         "RADAR, trace and draw   ",

@@ -27,6 +27,7 @@ NODES = (
     "height_sensor",
     "vna_acquisition",
     "vna_processing",
+    "imaging",
     "main_control",
     "simulator",
     "rosout",

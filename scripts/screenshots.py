@@ -37,9 +37,8 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     wanted = round(PART_SHOWN * 21 * 21 * 2)
     run_until(lambda: live.radar.count >= wanted, "the survey shows both targets", LIMIT_S)
     window = interface.window
-    window.map.select(TARGET_STOP)
+    window.map.select_stop(TARGET_STOP)
     window.radar.depth_slider.setValue(SLICE_STEPS)
-    window.radar.controls.background.click()
     for language in Language:
         languages.use(language)
         for tab in TabName:

@@ -15,7 +15,8 @@ pytestmark = [pytest.mark.real_time, pytest.mark.takes(150)]
 # A word of the command line of each process of the system.
 ROBOT = ["x_axis-axis_driver", "y_axis-axis_driver", "z_axis-axis_driver", "name:=height_sensor"]
 ROBOT += ["name:=simulator"]
-SERVER = ["name:=vna_acquisition", "name:=vna_processing", "name:=main_control"]
+SERVER = ["name:=vna_acquisition", "name:=vna_processing", "name:=imaging"]
+SERVER += ["name:=main_control"]
 MASTER = ["rosmaster", "name:=rosout"]
 # The simulated robot cannot be on another machine, but it can be at another address of this one.
 ROBOT_ADDRESS = "127.0.0.3"

@@ -28,3 +28,23 @@ def test_every_node_of_the_robot_comes_back_by_itself(robot):
     nodes = nodes_of("survey.launch", f"robot:={robot}", "ui:=false")
     assert "user_interface" not in nodes
     assert {name for name, node in nodes.items() if not node.respawn} == set()
+
+
+@pytest.mark.parametrize(
+    "arguments, covers_screen, waits",
+    [
+        (("robot:=gpr20",), True, True),
+        (("robot:=gpr20", "full_screen:=false"), False, True),
+        (("robot:=simulated",), False, False),
+        (("robot:=simulated", "full_screen:=true"), True, False),
+    ],
+)
+def test_the_window_covers_the_screen_of_the_real_robot(arguments, covers_screen, waits):
+    window = nodes_of("survey.launch", *arguments)["user_interface"]
+    assert f"_full_screen:={covers_screen}" in window.args
+    assert ("--wait-for-display" in window.args) is waits
+
+
+def test_the_window_keeps_its_language_unless_the_launch_names_one():
+    assert "_language:=auto" in nodes_of("survey.launch")["user_interface"].args
+    assert "_language:=es" in nodes_of("survey.launch", "language:=es")["user_interface"].args

@@ -22,7 +22,7 @@ SOURCED = (
 
 # The nodes of the simulated robot, the window left out.
 NODES = ["x_axis/axis_driver", "y_axis/axis_driver", "z_axis/axis_driver", "height_sensor"]
-NODES += ["simulator", "vna_acquisition", "vna_processing", "main_control"]
+NODES += ["simulator", "vna_acquisition", "vna_processing", "imaging", "main_control"]
 
 
 def user_environment(data, **more):

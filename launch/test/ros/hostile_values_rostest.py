@@ -25,6 +25,7 @@ NODES = (
     "height_sensor",
     "vna_acquisition",
     "vna_processing",
+    "imaging",
     "main_control",
     "simulator",
 )
@@ -106,6 +107,7 @@ USUAL = {
     "reopen_survey": {"survey": SURVEY_ID},
     "resume_survey": {"survey": SURVEY_ID},
     "annotate_survey": {"survey": SURVEY_ID},
+    "mark_survey": {"survey": SURVEY_ID, "marker_id": SURVEY_ID},
     "report_survey": {"survey_id": SURVEY_ID, "report_json": "{}"},
     "close_survey": {"survey_id": SURVEY_ID, "outcome": "stopped"},
     "connection": {"connect": True, "address": "127.0.0.1"},
@@ -198,7 +200,13 @@ class HostileValuesTest(unittest.TestCase):
         opened = rospy.ServiceProxy(service, kind)(request)
         self.assertTrue(opened.success, opened.message)
         # The last one closes it.
-        for name in ("store_data", "report_survey", "annotate_survey", "close_survey"):
+        for name in (
+            "store_data",
+            "report_survey",
+            "annotate_survey",
+            "mark_survey",
+            "close_survey",
+        ):
             self.ask_all_about(rospy.resolve_name(name))
         folder = client.folder(SURVEY_ID)
         (trace,) = (folder / "traces").iterdir()

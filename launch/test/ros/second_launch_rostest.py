@@ -35,6 +35,7 @@ NODES = (
     ("gpr20_simulator", "simulated_height_sensor", "height_sensor", "/"),
     ("gpr20_simulator", "simulated_vna_acquisition", "vna_acquisition", "/"),
     ("gpr20_vna_processing", "vna_processing", "vna_processing", "/"),
+    ("gpr20_imaging", "imaging", "imaging", "/"),
     ("gpr20_main_control", "main_control", "main_control", "/"),
 )
 

@@ -34,6 +34,7 @@ GRAPH_NODES = {
     "/height_sensor",
     "/vna_acquisition",
     "/vna_processing",
+    "/imaging",
     "/main_control",
     "/simulator",
 }
@@ -54,6 +55,8 @@ GRAPH_TOPICS = {
     "/diagnostics",
     *(f"/{node}/description" for node in ("height_sensor", "simulator", "vna_acquisition")),
     "/vna_processing/description",
+    "/imaging/description",
+    "/imaging_progress",
     "/robot_configuration",
 }
 GRAPH_SERVICES = {
@@ -75,6 +78,7 @@ GRAPH_SERVICES = {
     "/read_traces",
     "/store_data",
     "/close_survey",
+    *("/focus_survey", "/find_candidates", "/export_survey", "/list_volumes", "/cancel_imaging"),
     "/set_survey_parameters",
     "/start_survey",
     "/pause_survey",

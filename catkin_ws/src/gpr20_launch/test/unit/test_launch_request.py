@@ -36,6 +36,14 @@ def test_each_part_starts_its_own_nodes():
     assert "simulator" not in request(robot="gpr20").nodes
 
 
+def test_whether_the_window_covers_the_screen_is_auto_true_or_false():
+    parameters = SimulatorParameters(scene=str(SCENE))
+    for given in ("auto", "true", "false"):
+        LaunchRequest("robot", "gpr20", "", "", parameters, given)
+    with pytest.raises(Gpr20Error, match="full_screen:=yes; it must be one of auto, true, false"):
+        LaunchRequest("robot", "gpr20", "", "", parameters, "yes")
+
+
 def test_the_default_configuration_is_read_from_the_home_folder(home):
     (home / ".gpr20" / "robot").mkdir(parents=True)
     (home / ".gpr20" / "robot" / "survey.yaml").write_text("settle_s: 2.5")

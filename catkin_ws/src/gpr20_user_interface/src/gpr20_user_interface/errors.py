@@ -11,6 +11,10 @@ class MasterUnavailableError(UserInterfaceError, OSError):
     """There is no ROS master to ask."""
 
 
+class DisplayUnavailableError(UserInterfaceError, OSError):
+    """There is no display to show the window on."""
+
+
 class ParametersRefusedError(UserInterfaceError, ValueError):
     """The parameters of the survey are not allowed; the message names each."""
 

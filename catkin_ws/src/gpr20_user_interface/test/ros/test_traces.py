@@ -31,7 +31,8 @@ from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.survey_arguments import parse_arguments
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.plots import LEVELS
+from gpr20_user_interface.views.past_surveys_view import VERDICT
+from gpr20_user_interface.views.shade_colours import NOT_MEASURED
 from gpr20_user_interface.views.translation import Languages
 
 SERVICES = {
@@ -63,7 +64,7 @@ class Window:
     def drawn(self) -> int:
         """Return how many stops of the shown polarization are drawn in the slice."""
         numbers = self.window.radar.slice_plot.colour_numbers
-        return 0 if numbers is None else int((numbers != LEVELS).sum())
+        return 0 if numbers is None else int((numbers != NOT_MEASURED).sum())
 
     def close(self) -> None:
         self.interface.end()
@@ -190,8 +191,8 @@ class Traces(unittest.TestCase):
         window = self.window(TabName.SURVEYS)
         past = window.window.past
         wait_until(lambda: past.table.rowCount() == 3, "the surveys are listed")
-        self.assertIn("INCOMPLETE", past.table.item(0, 1).text())
-        self.assertTrue(past.table.item(1, 1).text().startswith("complete"))
+        self.assertIn("INCOMPLETE", past.table.item(0, VERDICT).text())
+        self.assertTrue(past.table.item(1, VERDICT).text().startswith("complete"))
         past.table.selectRow(0)
         QTest.mouseClick(past.resume, Qt.LeftButton)
         hold = window.window.start_sheet.hold
@@ -199,8 +200,10 @@ class Traces(unittest.TestCase):
         wait_until(lambda: not hold.isVisible(), "the button is held")
         QTest.mouseRelease(hold, Qt.LeftButton)
         wait_until(lambda: self.code == ControlStatus.FINISHED, "it was resumed to its end")
-        QTest.mouseClick(past.again, Qt.LeftButton)
-        wait_until(lambda: past.table.item(0, 1).text().startswith("complete"), "it is complete")
+        # The list is read again when a survey ends.
+        wait_until(
+            lambda: past.table.item(0, VERDICT).text().startswith("complete"), "it is complete"
+        )
 
     def test_4_a_past_survey_is_opened(self) -> None:
         window = self.window(TabName.SURVEYS)

@@ -9,15 +9,20 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import rospy
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
+from gpr20_user_interface.mid.robot_health import AlarmKind
+from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.main_window import TabName
 
 
@@ -29,8 +34,8 @@ class WindowOnRobot(WindowCase):
 
     def knows_the_robot(self) -> bool:
         snapshot = self.window.survey.snapshot
-        disk = self.window.status.health.disk
-        return snapshot.figures is not None and disk != "—" and "start" in self.enabled()
+        known = snapshot.figures is not None and snapshot.health.free_disk_mb is not None
+        return known and "start" in self.enabled()
 
     def visited(self) -> int:
         progress = self.window.survey.snapshot.progress
@@ -73,7 +78,7 @@ class WindowOnRobot(WindowCase):
         held = self.visited()
         self.assertLess(held, 18)
         self.window.show_tab(TabName.STATUS)
-        wait_until(lambda: self.window.status.health.calibration != "—", "calibration is known")
+        wait_until(lambda: self.window.status.facts.calibration != "—", "calibration is known")
         self.keep_picture("robot_status")
         self.click("resume")
         wait_until(lambda: self.visited() > held, "completion moves again")
@@ -106,7 +111,7 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.assertEqual(self.annotation()["operator"], "Ana Peña")
-        self.touch(self.window.control.notes)
+        self.touch(self.window.job.notes)
         self.write_note("notes", "wet")
         self.assertEqual(self.annotation()["notes"], "wet")
         wait_until(lambda: self.title() == "FINISHED", "the survey ends")
@@ -167,18 +172,69 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
-        alarm = self.window.top_bar.alarm
-        wait_until(lambda: "VNA fault" in alarm.text(), "the loss is reported")
+        wait_until(self.has_vna_alarm, "the loss is reported")
         wait_until(lambda: self.title() == "PAUSED", "the survey holds")
-        self.assertTrue(alarm.isVisible())
+        notice = self.window.notice
+        wait_until(notice.isVisible, "the card of the fault opens")
+        self.assertIn("Check that the VNA is switched on", notice.first.text())
+        self.assertTrue(notice.resume.isVisible())
         self.assertIn("VNA", self.window.top_bar.message.whole)
         self.keep_picture("robot_vna_gone")
         set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0)
+        # The alarm ends with its cause, though the survey is still paused.
+        wait_until(lambda: not self.has_vna_alarm(), "the return is reported")
+        self.assertEqual(self.title(), "PAUSED")
         wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
-        self.click("resume")
+        self.touch(notice.resume)
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
-        wait_until(lambda: not alarm.isVisible(), "the return is reported")
+        self.assertFalse(notice.isVisible())
         self.assertEqual(self.visited(), 18)
+
+    def has_vna_alarm(self) -> bool:
+        alarm = self.window.survey.snapshot.alarm
+        return alarm is not None and alarm.kind is AlarmKind.ANALYZER_FAULT
+
+    def test_axes_and_instruments_are_serviced_with_a_finger(self) -> None:
+        self.window.show_tab(TabName.SERVICE)
+        view = self.window.service
+        wait_until(lambda: bool(view.doctor.texts), "the findings are listed")
+        self.assertTrue(any("simulated" in text for text in view.doctor.texts))
+        self.keep_picture("robot_service")
+        self.hold_down(view.enter_button)
+        wait_until(lambda: view.in_service, "the service begins")
+        row = view.axes.row(AxisId.X)
+        wait_until(lambda: "open" in row.lamp.text(), "the endstop is read")
+        self.hold_down(row.home)
+        wait_until(lambda: "closed" in row.lamp.text(), "the endstop is touched")
+        wait_until(lambda: view.outcome.text() == "The x axis is homed.", "it is homed")
+        wait_until(lambda: row.place.text() == "X 0.00", "it is at its zero")
+        self.touch(row.jogs[4])
+        wait_until(lambda: row.place.text() == "X 10.00", "it moves by 10 mm")
+        wait_until(row.home.isEnabled, "the move has ended")
+        self.keep_picture("robot_service_axes")
+        self.touch(row.jogs[5])
+        self.assertFalse(row.home.isEnabled())
+        stop = self.window.top_bar.stop
+        wait_until(stop.isEnabled, "STOP is unlocked")
+        self.click("stop")
+        wait_until(lambda: "stopped; the x axis" in view.outcome.text(), "STOP ends the jog")
+        self.assertFalse(self.window.notice.isVisible())
+        self.touch(view.switch_button)
+        self.touch(view.tools.measure)
+        wait_until(lambda: " V" in view.tools.height_found.text(), "the height is measured")
+        self.touch(view.tools.test)
+        wait_until(lambda: "Sweep of" in view.tools.analyzer_found.text(), "the VNA is tested")
+        self.assertIn("SIMULATED", view.tools.analyzer_found.text())
+        self.window.show_tab(TabName.STATUS)
+        wait_until(lambda: not view.in_service, "another tab ends the service")
+
+    def hold_down(self, button: HoldButton) -> None:
+        """Rest a finger on a button until it acts."""
+        acted: List[bool] = []
+        button.held.connect(lambda: acted.append(True))
+        QTest.mousePress(button, Qt.LeftButton)
+        wait_until(lambda: bool(acted), "the button is held")
+        QTest.mouseRelease(button, Qt.LeftButton)
 
     def end_interface_early(self) -> None:
         # What closes a window at the end of the test must do so only once.

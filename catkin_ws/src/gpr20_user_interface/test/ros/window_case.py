@@ -87,14 +87,16 @@ class WindowCase(unittest.TestCase):
         QTest.mouseRelease(button, Qt.LeftButton)
 
     def click(self, name: str) -> None:
+        if name == "start" and self.window.job.plan.isVisible():
+            self.touch(self.window.job.plan)
         self.touch(self.buttons()[name])
         if self.window.start_sheet.isVisible():
             self.hold()
 
     def buttons(self) -> Dict[str, Any]:
-        control = self.window.control
-        held = "resume" if control.pause.text() == "RESUME" else "pause"
-        return {"start": control.start, "stop": self.window.top_bar.stop, held: control.pause}
+        bar = self.window.top_bar
+        held = "resume" if bar.pause.text() == "RESUME" else "pause"
+        return {"start": self.window.control.start, "stop": bar.stop, held: bar.pause}
 
     def enabled(self) -> str:
         return " ".join(name for name, button in self.buttons().items() if button.isEnabled())

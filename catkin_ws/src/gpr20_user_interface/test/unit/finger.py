@@ -21,7 +21,8 @@ class Finger:
     def __init__(self, window, clock):
         self._window = window
         self._clock = clock
-        for button in window.findChildren(HoldButton):
+        self._held = window.findChildren(HoldButton)
+        for button in self._held:
             button.set_clock(clock)
         QApplication.processEvents()
         # The window has just opened.
@@ -32,7 +33,7 @@ class Finger:
         while seconds > 0.0:
             self._clock.advance(min(STEP_S, seconds))
             seconds -= STEP_S
-            for button in self._window.findChildren(HoldButton):
+            for button in self._held:
                 button.tick()
 
     def press(self, where):

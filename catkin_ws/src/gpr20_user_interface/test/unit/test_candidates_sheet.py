@@ -11,16 +11,15 @@ from PyQt5.QtTest import QTest
 from test_candidate_list import LIST
 from test_nothing_cut_off import assert_fits
 from view_kit import SURVEY
-from window_helpers import Program, application, close, new_window, show, snapshot
+from window_helpers import ImagingNode, application, close, new_window, show, snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.low.analysis_program import ProgramEnded
 from gpr20_user_interface.mid.candidate_search import SearchState
-from gpr20_user_interface.mid.events import ControlState, RobotDefaults
+from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.main_window import TabName
@@ -45,17 +44,15 @@ MANY = {
 
 
 @pytest.fixture
-def program():
-    return Program()
+def node():
+    return ImagingNode()
 
 
 @pytest.fixture(params=list(Language))
-def window(request, application, program, tmp_path):
-    (tmp_path / FOLDER).mkdir()
-    (tmp_path / FOLDER / "survey.json").write_text("{}")
+def window(request, application, node):
     languages = Languages(application, request.param)
-    window = new_window(languages, program=program)
-    window.data = str(tmp_path)
+    window = new_window(languages, imaging=node)
+    window.node = node
     window.show()
     idle(window)
     window.show_tab(TabName.SURVEYS)
@@ -66,12 +63,20 @@ def window(request, application, program, tmp_path):
 
 
 def idle(window, **other):
-    show(window, snapshot(defaults=RobotDefaults("127.0.0.1", Site(), window.data), **other))
+    show(window, snapshot(**other))
 
 
-def ended(window, text=None, status=0, errors="", number=None):
-    number = len(window.candidates.search._program.started) if number is None else number
-    window.on_event(ProgramEnded(number, status, text or json.dumps(LIST), errors))
+def last_request(window):
+    return window.node.of("find")[-1]
+
+
+def ended(window, text=None, remarks="", request_id=None):
+    found = json.dumps(LIST) if text is None else text
+    window.on_event(CandidatesFound(request_id or last_request(window)[0], found, remarks))
+
+
+def failed(window, reason):
+    window.on_event(RequestFailed(last_request(window)[0], verbatim(reason)))
 
 
 def search(window):
@@ -87,14 +92,13 @@ def cells(table):
     ]
 
 
-def test_the_list_is_shown_with_what_it_is_not(window, program):
+def test_the_list_is_shown_with_what_it_is_not(window, node):
     sheet = search(window)
-    (arguments,) = program.started
-    assert arguments[:2] == ["candidates", f"{window.data}/{FOLDER}"]
-    assert "--json" in arguments and window.languages.language.value in arguments
-    assert not any(one.startswith("--permittivity") for one in arguments)
+    ((_request_id, survey, permittivity, language),) = node.of("find")
+    assert (survey, permittivity) == (FOLDER, 0.0)
+    assert language == window.languages.language.value
     assert sheet.progress.isVisible() and sheet.cancel.isEnabled()
-    ended(window, errors="a remark\n")
+    ended(window, remarks="a remark\n")
     assert not sheet.progress.isVisible()
     first, second = cells(sheet.table)
     assert first[:4] == ["C01", "174 ±4", "182 ±4", "113 ±6"]
@@ -115,14 +119,14 @@ def test_nothing_is_cut_off_in_any_state(window):
     sheet.number_pad.hide()
     sheet.find_button.click()
     assert_fits(window)
-    ended(window, json.dumps(MANY), errors="note: something about the survey. " * 30)
+    ended(window, json.dumps(MANY), remarks="note: something about the survey. " * 30)
     assert_fits(window)
     assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
     assert sheet.table.rowCount() == 32 + 10
     assert "12353" in sheet.details.text()
     assert sheet.table.height() >= 100
     sheet.find_button.click()
-    ended(window, status=3, errors="gpr20 candidates: the reason of the refusal. " * 30)
+    failed(window, "gpr20 candidates: the reason of the refusal. " * 30)
     assert_fits(window)
 
 
@@ -134,13 +138,13 @@ def test_the_sentence_is_visible_in_every_state(window):
         sheet.find_button.click,
         sheet.cancel.click,
         sheet.find_button.click,
-        lambda: ended(window, status=3, errors="refused"),
+        lambda: failed(window, "refused"),
     ):
         act()
         assert sheet.no_clearance.isVisible() and sheet.no_clearance.text()
 
 
-def test_a_permittivity_is_passed_on_and_a_wrong_one_locks_the_search(window, program):
+def test_a_permittivity_is_passed_on_and_a_wrong_one_locks_the_search(window, node):
     window.past.candidates.click()
     sheet = window.candidates
     for text in ("0.5", "x", "nan", "101"):
@@ -148,60 +152,46 @@ def test_a_permittivity_is_passed_on_and_a_wrong_one_locks_the_search(window, pr
         assert not sheet.find_button.isEnabled()
     sheet.permittivity.setText("4,5")
     sheet.find_button.click()
-    assert "--permittivity=4.5" in program.started[0]
+    assert last_request(window)[2] == 4.5
 
 
-def test_cancelling_ends_the_program_and_its_late_end_changes_nothing(window, program):
+def test_cancelling_ends_the_search_and_its_late_end_changes_nothing(window, node):
     sheet = search(window)
     sheet.cancel.click()
-    assert program.cancelled == 1
+    assert node.cancelled == [last_request(window)[0]]
     ended(window)
     assert sheet.search.state is SearchState.READY and sheet.table.rowCount() == 0
     sheet.find_button.click()
-    ended(window, number=1)
+    ended(window, request_id=node.cancelled[0])
     assert sheet.search.state is SearchState.RUNNING
 
 
-def test_never_during_a_survey(window, program):
+def test_never_during_a_survey(window, node):
     sheet = search(window)
     idle(window, state=RUNS)
-    assert program.cancelled == 1 and not sheet.find_button.isEnabled()
+    assert len(node.cancelled) == 1 and not sheet.find_button.isEnabled()
     assert not window.past.candidates.isEnabled()
     ended(window)
     assert sheet.table.rowCount() == 0
     sheet.find_button.click()
-    assert len(program.started) == 1
+    assert len(node.of("find")) == 1
     idle(window)
     assert sheet.find_button.isEnabled() and window.past.candidates.isEnabled()
 
 
-@pytest.mark.parametrize("status, text", [(3, ""), (2, ""), (0, "{}"), (0, "no JSON"), (-15, "")])
-def test_a_failure_shows_its_reason_and_no_list(window, status, text):
+@pytest.mark.parametrize("text", ["", "{}", "no JSON"])
+def test_a_broken_list_is_said_and_not_shown(window, text):
     sheet = search(window)
-    ended(window, text or " ", status=status, errors="the reason")
+    ended(window, text)
     assert sheet.search.state is SearchState.FAILED and sheet.table.rowCount() == 0
-    if status:
-        assert sheet.details.text() == "the reason"
-    else:
-        assert sheet.details.text()
+    assert sheet.details.text()
 
 
-def test_data_or_analysis_that_are_elsewhere_are_said(window, program):
-    window.past.candidates.click()
-    sheet = window.candidates
-    program.installed = False
-    sheet.find_button.click()
-    not_installed = sheet.details.text()
-    window.on_event(
-        SurveysListed("", (dataclasses.replace(LISTED, folder="20260101T000000_00000000"),), False)
-    )
-    window.past.table.selectRow(0)
-    program.installed = True
-    sheet.hide()
-    window.past.candidates.click()
-    sheet.find_button.click()
-    assert sheet.details.text() not in ("", not_installed)
-    assert not program.started
+def test_a_failure_shows_its_reason_and_no_list(window):
+    sheet = search(window)
+    failed(window, "The analysis is not installed on the computer of the storage.")
+    assert sheet.search.state is SearchState.FAILED and sheet.table.rowCount() == 0
+    assert sheet.details.text() == "The analysis is not installed on the computer of the storage."
 
 
 def test_what_was_found_in_another_survey_is_forgotten(window):
@@ -209,7 +199,7 @@ def test_what_was_found_in_another_survey_is_forgotten(window):
     ended(window)
     assert window.candidates.table.rowCount() == 2
     other = dataclasses.replace(LISTED, folder="20260101T000000_00000000", survey_id="other")
-    window.candidates.show_survey(other, window.data)
+    window.candidates.show_survey(other)
     assert window.candidates.table.rowCount() == 0
 
 
@@ -229,7 +219,7 @@ def test_the_language_changes_at_once(window):
     assert after[1] != before[1] and after[0] != before[0]
 
 
-def test_closing_the_window_ends_a_search(window, program):
+def test_closing_the_window_ends_a_search(window, node):
     search(window)
     window.end()
-    assert program.cancelled == 1
+    assert len(node.cancelled) == 1

@@ -9,9 +9,10 @@ from window_helpers import application, click, show, snapshot, window, wishes
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth, Progress, Request
+from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
-from gpr20_user_interface.views.look import TOUCH_PX
+from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 
 __all__ = ["application", "window"]
@@ -44,33 +45,61 @@ def test_stop_can_be_pressed_while_there_may_be_something_to_stop(window, code):
 
 
 def test_state_and_progress_are_seen_from_every_tab(window):
-    show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 1.0)))
-    assert window.top_bar.title.text() == "SURVEYING  99.9 %"
-    assert window.top_bar.message.whole == "as it is"
+    show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 61.0)))
+    assert window.top_bar.title.text() == "SURVEYING 99 %"
+    assert window.top_bar.message.whole == "2 min left"
     assert window.top_bar.simulated.isVisible()
 
 
 @pytest.mark.parametrize(
-    ("alarm", "words"),
+    ("alarm", "title", "words"),
     [
-        (Alarm(AlarmKind.MASTER_GONE), "ROS master does not answer: the robot may still move"),
-        (Alarm(AlarmKind.NO_CONTROL), "roslaunch gpr20 survey.launch"),
+        (
+            Alarm(AlarmKind.MASTER_GONE),
+            "NO CONTACT",
+            "ROS master does not answer: the robot may still move",
+        ),
+        (Alarm(AlarmKind.NO_CONTROL), "NO CONTACT", "roslaunch gpr20 survey.launch"),
         (
             Alarm(AlarmKind.CONTROL_LOST, 7.9),
+            "NO CONTACT",
             "No contact with the main control for 7 s: the robot may still move",
         ),
-        (Alarm(AlarmKind.SURVEY_INTERRUPTED), "the survey is INTERRUPTED. Resume it on SURVEYS"),
-        (Alarm(AlarmKind.ANALYZER_FAULT, reason=verbatim("no answer")), "VNA fault: no answer"),
+        (
+            Alarm(AlarmKind.SURVEY_INTERRUPTED),
+            "INTERRUPTED",
+            "the survey is INTERRUPTED. Resume it on SURVEYS",
+        ),
+        (
+            Alarm(AlarmKind.ANALYZER_FAULT, reason=verbatim("no answer")),
+            "SURVEYING",
+            "VNA fault: no answer",
+        ),
     ],
 )
-def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, words):
+def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, title, words):
     show(window, snapshot(SurveyState.SURVEYING, alarm=alarm))
-    assert window.top_bar.alarm.isVisible()
-    assert words in window.top_bar.alarm.text()
-    # What the robot did last is still seen.
-    assert window.top_bar.title.text() == "SURVEYING"
+    assert window.top_bar.sign.level in (JobLevel.FAULT, JobLevel.ATTENTION)
+    assert words in window.top_bar.message.whole
+    assert window.top_bar.title.text() == title
     show(window, snapshot(SurveyState.SURVEYING))
-    assert not window.top_bar.alarm.isVisible()
+    assert window.top_bar.sign.level is JobLevel.WORKING
+    assert words not in window.top_bar.message.whole
+
+
+@pytest.mark.parametrize("code", list(SurveyState))
+def test_pause_and_resume_are_beside_stop_on_every_tab(window, code):
+    received = wishes(window)
+    bar = window.top_bar
+    show(window, snapshot(code))
+    assert bar.pause.isVisible() is code.running
+    assert bar.pause.isEnabled() is (code in (SurveyState.SURVEYING, SurveyState.PAUSED))
+    click(bar.pause)
+    wished = {SurveyState.SURVEYING: ["pause"], SurveyState.PAUSED: ["resume"]}
+    assert received == wished.get(code, [])
+    if code.running:
+        assert min(bar.pause.height(), bar.stop.height()) >= TOUCH_PX
+        assert bar.stop.x() - bar.pause.geometry().right() >= GAP_PX - 1
 
 
 @pytest.mark.parametrize("request_", list(Request))
@@ -81,7 +110,7 @@ def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(win
     window.notice.show_notice(refusal_notice(Refused[request_.name], reason))
     assert window.notice.isVisible()
     assert window.notice.reason.toPlainText() == "<b>the reason</b>"
-    assert window.notice.next_step.text().startswith("Next: ")
+    assert window.notice.first.isVisible() and window.notice.first.text()
     assert not window.notice.geometry().intersects(window.top_bar.geometry())
     click(window.top_bar.stop)
     assert received == ["stop"]
@@ -104,14 +133,18 @@ NO_SPACE = Message(
 )
 
 
-def test_details_of_a_refusal_stand_below_its_sentence(window):
-    window.notice.show_notice(refusal_notice(Refused.START, NO_SPACE))
-    assert window.notice.reason.toPlainText() == "the disk is full"
-    assert window.notice.details_title.text() == "Details"
-    assert window.notice.details.toPlainText() == NO_SPACE.details
-    window.notice.show_notice(refusal_notice(Refused.START, verbatim("no details")))
-    assert not window.notice.details.isVisible()
-    assert not window.notice.details_title.isVisible()
+def test_details_of_a_refusal_are_behind_a_button(window):
+    notice = window.notice
+    notice.show_notice(refusal_notice(Refused.START, NO_SPACE))
+    assert notice.reason.toPlainText() == "The disk is full"
+    assert not notice.details.isVisible()
+    click(notice.details_button)
+    assert notice.details.isVisible()
+    assert notice.details.toPlainText() == NO_SPACE.details
+    click(notice.details_button)
+    assert notice.reason.isVisible() and not notice.details.isVisible()
+    notice.show_notice(refusal_notice(Refused.START, verbatim("no details")))
+    assert not notice.details_button.isVisible()
 
 
 def test_touch_on_the_status_message_opens_it_with_its_details(window):
@@ -125,7 +158,7 @@ def test_touch_on_the_status_message_opens_it_with_its_details(window):
     assert window.notice.title.text() == "PAUSED"
     assert window.notice.reason.toPlainText() == "Paused: the disk is full"
     assert window.notice.details.toPlainText() == NO_SPACE.details
-    assert not window.notice.next_step.isVisible()
+    assert not window.notice.first.isVisible()
     click(window.top_bar.stop)
     assert received == ["stop"]
 
@@ -138,9 +171,11 @@ def test_touch_on_a_node_opens_its_message_details_and_values(window):
     )
     show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     QTest.qWait(1)
-    click(window.status.health.row("vna_processing").message)
+    click(window.status.parts_button)
+    click(window.status.health.tile("vna_processing").message)
     assert window.notice.title.text() == "Storage: FAULT"
-    assert window.notice.reason.toPlainText() == "the disk is full"
+    assert window.notice.reason.toPlainText() == "The disk is full"
+    assert "Make space" in window.notice.first.text()
     assert window.notice.details.toPlainText().splitlines() == [
         NO_SPACE.details,
         "node: vna_processing",

@@ -5,20 +5,24 @@ import pytest
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-import numpy as np
+from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from view_kit import make_grid, trace_at
+from window_helpers import Storage
 
 from gpr20_common.message import verbatim
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
+from gpr20_user_interface.mid.focused_image import ImageFocused
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
+from gpr20_user_interface.mid.map_geometry import Area
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.radar_model import RadarModel
+from gpr20_user_interface.mid.survey_additions import AdditionsRead, RelatedSurvey
 from gpr20_user_interface.views.look import Look
-from gpr20_user_interface.views.map_canvas import STOP_MARKS
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.palette import Mark
 
@@ -42,7 +46,10 @@ class Shown:
             )
         )
         self.radar.add(trace_at(grid, 0))
-        self.view = MapView(self.model, self.radar)
+        self.storage = Storage()
+        self.additions = AdditionsPresenter(self.storage, lambda: "Ana")
+        self.additions.follow(grid.survey_id, True)
+        self.view = MapView(self.model, self.radar, self.additions)
         self.view.resize(800, 370)
         self.view.show()
 
@@ -79,7 +86,14 @@ def shown(application):
     ],
 )
 def test_each_stop_has_the_colour_of_its_state(shown, stop, state):
-    assert shown.colour(stop) == Look().colour(STOP_MARKS[state])
+    # In the middle, and to the right of it: the pattern differs too.
+    colours = {
+        StopState.DONE: (Mark.STOP_DONE, Mark.STOP_DONE),
+        StopState.FAILED: (Mark.PAPER, Mark.STOP_FAILED),
+        StopState.MISSING: (Mark.STOP_MISSING, Mark.PAPER),
+    }[state]
+    found = (shown.colour(stop, 0, 0), shown.colour(stop, 18, 1))
+    assert found == tuple(Look().colour(one) for one in colours)
 
 
 def test_the_first_row_lies_below_and_the_area_is_to_scale(shown):
@@ -92,8 +106,8 @@ def test_the_first_row_lies_below_and_the_area_is_to_scale(shown):
 def test_a_reverse_survey_is_drawn_where_it_is_measured(application):
     shown = Shown(make_grid(x_start_mm=200.0, x_stop_mm=100.0, y_start_mm=110.0, y_stop_mm=50.0))
     assert shown.place(Stop(0, 0)).x() > shown.place(Stop(0, 4)).x()
-    assert shown.colour(Stop(1, 4)) == Look().colour(STOP_MARKS[StopState.FAILED])
-    assert shown.colour(Stop(1, 3)) == Look().colour(STOP_MARKS[StopState.MISSING])
+    assert shown.colour(Stop(1, 4), 18, 1) == Look().colour(Mark.STOP_FAILED)
+    assert shown.colour(Stop(1, 3), 0, 0) == Look().colour(Mark.STOP_MISSING)
 
 
 def test_the_legend_counts(shown):
@@ -102,36 +116,28 @@ def test_the_legend_counts(shown):
     assert shown.view.legend[StopState.MISSING].text() == "Missing: 14"
 
 
-def test_a_touch_shows_the_trace_of_the_stop(shown):
+def test_a_touch_says_what_the_stop_is_and_offers_its_trace(shown):
+    assert not shown.view.trace.isEnabled()
     shown.touch(Stop(0, 0))
-    assert shown.view.selected == Cell(Stop(0, 0), 0)
-    assert "X 100 mm, Y 50 mm: Done" in shown.view.stop_text.text()
-    levels, places = shown.view.trace_plot.points
-    assert places[np.argmax(levels)] == pytest.approx(100.0, abs=7)
-    QTest.mouseClick(shown.view.polarization, Qt.LeftButton)
-    assert shown.view.selected.polarization == 1
-    assert not len(shown.view.trace_plot.points[0])
-
-
-def test_a_plot_without_a_trace_has_no_numbers_on_its_axes(shown):
-    assert not shown.view.trace_plot.has_numbers
-    shown.touch(Stop(0, 0))
-    assert shown.view.trace_plot.has_numbers
-    shown.touch(Stop(1, 4))
-    assert not shown.view.trace_plot.has_numbers
+    assert shown.view.selected.cell == Cell(Stop(0, 0), 0)
+    assert shown.view.text.text() == "X 100 mm, Y 50 mm: Done"
+    wanted = []
+    shown.view.trace_wanted.connect(wanted.append)
+    QTest.mouseClick(shown.view.trace, Qt.LeftButton)
+    assert wanted == [Cell(Stop(0, 0), 0)]
 
 
 def test_a_failed_stop_says_why(shown):
     shown.touch(Stop(1, 4))
-    assert "ADC: no answer" in shown.view.stop_text.text()
-    assert not len(shown.view.trace_plot.points[0])
+    assert "ADC: no answer" in shown.view.text.text()
+    assert "no trace to show" in shown.view.text.text()
 
 
 def test_what_is_not_done_is_found_one_after_the_other(shown):
     QTest.mouseClick(shown.view.next_problem, Qt.LeftButton)
-    assert shown.view.selected.stop == Stop(1, 0)
+    assert shown.view.selected.cell.stop == Stop(1, 0)
     QTest.mouseClick(shown.view.next_problem, Qt.LeftButton)
-    assert shown.view.selected.stop == Stop(1, 1)
+    assert shown.view.selected.cell.stop == Stop(1, 1)
 
 
 def test_the_current_stop_and_the_antennas_are_marked(shown):
@@ -149,15 +155,17 @@ def test_the_current_stop_and_the_antennas_are_marked(shown):
     shown.view.set_carriage((175.0, 90.0))
     assert shown.colour(Stop(2, 3), dx=0, dy=0) == "#000000"
     shown.view.set_carriage(None)
-    assert shown.colour(Stop(2, 3), dx=0, dy=0) == Look().colour(STOP_MARKS[StopState.MISSING])
+    assert shown.colour(Stop(2, 3), dx=0, dy=0) == Look().colour(Mark.STOP_MISSING)
 
 
 def test_before_any_survey_it_says_so_and_takes_touches(application):
-    view = MapView(MapModel(), RadarModel())
+    view = MapView(MapModel(), RadarModel(), AdditionsPresenter(Storage(), str))
     view.resize(800, 370)
     view.show()
     QTest.mouseClick(view.canvas, Qt.LeftButton)
     assert view.selected is None
+    assert not view.set_marker.isEnabled()
+    assert not view.finer.isEnabled()
     assert view.legend[StopState.DONE].text() == "Done: —"
     assert not view.next_problem.isEnabled()
 
@@ -169,3 +177,100 @@ def test_another_survey_forgets_the_touched_stop(shown):
     shown.radar.begin(smaller)
     shown.view.refresh()
     assert shown.view.selected is None
+
+
+def clicked(shown, button, signal):
+    """Return what a signal of the view carries after a click."""
+    found = []
+    signal.connect(lambda *values: found.append(values))
+    QTest.mouseClick(button, Qt.LeftButton)
+    return found
+
+
+def touch_place(shown, x_mm, y_mm):
+    x_px, y_px = shown.view.canvas.geometry_now.to_screen(x_mm, y_mm)
+    place = QPoint(round(x_px), round(y_px))
+    QTest.mouseClick(shown.view.canvas, Qt.LeftButton, Qt.NoModifier, place)
+
+
+def test_a_candidate_is_touched_and_described(shown):
+    shown.additions.on_event(ImageFocused(focused()))
+    shown.view.refresh()
+    touch_place(shown, SURE.x_mm, SURE.y_mm)
+    assert shown.view.selected.mark == SURE
+    text = shown.view.text.text()
+    assert text == "Candidate 1\nX 125 mm, Y 90 mm, depth 85 mm\n21 dB above the noise"
+    touch_place(shown, SURE.x_mm, SURE.y_mm)
+    assert shown.view.selected.mark == DOUBTED
+    assert "doubtful" in shown.view.text.text()
+    assert "close to the edge" in shown.view.text.text()
+    assert clicked(shown, shown.view.set_marker, shown.view.marker_wanted) == [(125.0, 90.0, 140.0)]
+
+
+def test_candidates_are_drawn_with_the_sentence_that_they_are_no_clearance(shown):
+    def is_white_below_the_axis():
+        picture = shown.view.canvas.grab().toImage()
+        line_px = shown.view.canvas.fontMetrics().height()
+        top = round(shown.view.canvas.geometry_now.bottom_px) + line_px + 8
+        return all(
+            QColor(picture.pixel(x, y)).name() == "#ffffff"
+            for y in range(top, min(top + line_px, picture.height()))
+            for x in range(picture.width())
+        )
+
+    height = shown.view.canvas.geometry_now.bottom_px
+    assert is_white_below_the_axis()
+    shown.additions.on_event(ImageFocused(focused(candidates=())))
+    shown.view.refresh()
+    assert shown.view.canvas.geometry_now.bottom_px < height
+    assert not is_white_below_the_axis()
+
+
+def test_a_candidate_that_is_gone_is_no_longer_selected(shown):
+    shown.additions.on_event(ImageFocused(focused()))
+    shown.view.refresh()
+    QTest.mouseClick(shown.view.next_candidate, Qt.LeftButton)
+    assert shown.view.selected.mark == SURE
+    shown.additions.on_event(ImageFocused(focused((DOUBTED,))))
+    shown.view.refresh()
+    assert shown.view.selected is None
+
+
+def test_a_marker_is_drawn_touched_and_described(shown):
+    before = shown.colour(Stop(1, 3), 0, -8)
+    shown.additions.on_event(AdditionsRead(shown.grid.survey_id, (MARKER,), ()))
+    shown.view.refresh()
+    assert shown.colour(Stop(1, 3), 0, -8) == Look().colour(Mark.MARKER) != before
+    assert shown.view.markers.text() == "Markers\n1"
+    touch_place(shown, MARKER.x_mm, MARKER.y_mm)
+    assert shown.view.selected.mark == MARKER
+    assert shown.view.text.text().splitlines() == [
+        "Marker: raíz",
+        "X 175 mm, Y 70 mm, depth 60 mm",
+        "2026-11-21 05:10 UTC Ana",
+    ]
+
+
+def test_a_finer_survey_is_framed_and_named(shown):
+    folder = "20261121T061000_7c9e6679"
+    related = RelatedSurvey(FINER, folder, True, Area(130.0, 170.0, 60.0, 100.0))
+    shown.additions.on_event(AdditionsRead(shown.grid.survey_id, (), (related,)))
+    shown.view.refresh()
+    assert folder in shown.view.text.text()
+    x_px, y_px = shown.view.canvas.geometry_now.to_screen(150.0, 100.0)
+    picture = shown.view.canvas.grab().toImage()
+    assert QColor(picture.pixel(round(x_px), round(y_px))).name() == Look().colour(Mark.INK)
+
+
+def test_a_place_is_measured_finer_or_marked(shown):
+    shown.touch(Stop(2, 2))
+    ((selected,),) = clicked(shown, shown.view.finer, shown.view.finer_wanted)
+    assert (selected.x_mm, selected.y_mm) == (150.0, 90.0)
+    assert clicked(shown, shown.view.set_marker, shown.view.marker_wanted) == [(150.0, 90.0, None)]
+
+
+def test_a_replayed_survey_is_neither_marked_nor_refined(shown):
+    shown.additions.follow(shown.grid.survey_id, can_read=False)
+    shown.touch(Stop(2, 2))
+    assert not shown.view.set_marker.isEnabled()
+    assert not shown.view.finer.isEnabled()

@@ -115,12 +115,13 @@ def assert_text_fits(widget):
         if isinstance(widget, QLineEdit):
             text = text or widget.placeholderText()
         frame_px = 0 if isinstance(widget, QLabel) else 2 * BORDER_PX
-        metrics = widget.fontMetrics()
-        needed_px = max(metrics.horizontalAdvance(line) for line in text.split("\n")) + frame_px
         if isinstance(widget, TouchEdit) and widget.property("fit") == "small":
             return  # its beginning is seen: test_touch_edit.py
+        lines = text.splitlines() or [""]
+        metrics = widget.fontMetrics()
+        needed_px = max(map(metrics.horizontalAdvance, lines)) + frame_px
         assert needed_px <= widget.contentsRect().width(), text
-        assert widget.fontMetrics().height() <= widget.height(), text
+        assert len(lines) * metrics.height() <= widget.height(), text
 
 
 @pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])

@@ -1,11 +1,13 @@
 """The list of past surveys while surveys begin and end."""
 
 import dataclasses
+import datetime
 
 import pytest
 
 pytest.importorskip("PyQt5")
 
+from PyQt5.QtTest import QTest
 from view_kit import SURVEY, description
 from window_helpers import Storage, application, close, new_window, show, snapshot
 
@@ -16,6 +18,7 @@ from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import AREA, MAP, WHAT
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -66,7 +69,7 @@ def test_the_list_is_read_anew_when_a_survey_begins_is_opened_and_ends(window, s
         lambda: show(window, ENDED),
     ):
         act()
-        asked.append(len(storage.asked))
+        asked.append(sum(one[0] == "list" for one in storage.asked))
     assert asked == [1, 2, 2, 3]
 
 
@@ -82,3 +85,53 @@ def test_the_choice_stays_with_its_survey_when_a_newer_one_is_listed(window):
     window.on_event(SurveysListed("", (newer, chosen), False))
     assert window.past.chosen == chosen
     assert FOLDER in window.past.details.text()
+
+
+def test_times_are_local(window):
+    bogota = datetime.timezone(datetime.timedelta(hours=-5))
+    assert window.past.chosen.local_time(bogota) == "2026-11-21 00:10"
+    unknown = dataclasses.replace(window.past.chosen, started="")
+    assert unknown.local_time(bogota) == "2026-11-21 00:10"
+    assert dataclasses.replace(unknown, folder="odd").local_time(bogota) == "odd"
+
+
+def test_name_area_and_map_are_listed(window):
+    named = dataclasses.replace(
+        window.past.chosen,
+        name="Field 7, north",
+        width_mm=300.0,
+        height_mm=200.0,
+        coverage=((100, 50), (0, 0)),
+    )
+    window.on_event(SurveysListed("", (named,), False))
+    table = window.past.table
+    assert table.item(0, WHAT).text().startswith("Field 7, north\n")
+    assert table.item(0, AREA).text() == "300 x 200 mm\n7 / 40"
+    picture = table.item(0, MAP).icon().pixmap(56, 56).toImage()
+    empty = dataclasses.replace(named, coverage=((0, 0), (0, 0)))
+    window.on_event(SurveysListed("", (empty,), False))
+    assert table.item(0, MAP).icon().pixmap(56, 56).toImage() != picture
+    # Y points upwards.
+    assert picture.pixelColor(14, 38) != picture.pixelColor(14, 18)
+    assert table.rowHeight(0) >= 60
+
+
+def test_hundreds_of_surveys_are_read_as_the_list_is_scrolled(window, storage):
+    chosen = window.past.chosen
+    pages = [
+        tuple(
+            dataclasses.replace(chosen, folder=f"2026{12 - page:02d}{28 - day:02d}T051000_7c9e6679")
+            for day in range(20)
+        )
+        for page in range(3)
+    ]
+    window.on_event(SurveysListed("", pages[0], True))
+    table = window.past.table
+    for page in (1, 2):
+        QTest.qWait(1)
+        storage.asked.clear()
+        before = pages[page - 1][-1].folder
+        table.verticalScrollBar().setValue(table.verticalScrollBar().maximum())
+        assert storage.asked in ([("list", before)], [])
+        window.on_event(SurveysListed(before, pages[page], page < 2))
+    assert table.rowCount() == 60

@@ -100,7 +100,7 @@ def test_the_same_survey_again_from_remembered_values(opened):
     before = window.survey.asked[0]
     window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
     window.refresh()
-    assert window.memory.wait(10.0)
+    assert window.plans.wait(10.0)
     window, finger = opened(), Finger()
     finger.start(window)
     assert window.survey.asked == [before]
@@ -112,7 +112,7 @@ def test_another_spacing_soil_and_area_from_remembered_values(opened):
     plan(window, finger, "10.0.0.2")
     window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
     window.refresh()
-    assert window.memory.wait(10.0)
+    assert window.plans.wait(10.0)
     window, finger = opened(), Finger()
     for tile, preset in ((Tile.SPACING, 1), (Tile.SOIL, 1)):
         finger.touch(window.control.tiles[tile])
@@ -129,7 +129,7 @@ def test_the_last_area_is_offered(opened):
     window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
     window.control.form.set_text("x_stop_mm", "200")
     window.refresh()
-    assert window.memory.wait(10.0)
+    assert window.plans.wait(10.0)
     window, finger = opened(), Finger()
     finger.touch(window.control.tiles[Tile.AREA])
     finger.touch(window.values.presets[3])

@@ -30,6 +30,7 @@ from gpr20_user_interface.mid.trace_events import (
 )
 from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT, WHAT
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -196,12 +197,12 @@ def test_the_list_says_what_became_of_each_survey(window, storage):
         problem=verbatim("survey.json cannot be read"), folder="20261120T051000_0f8fad5b"
     )
     window.on_event(listed(past(), damaged, past("finished", True)))
-    assert cell(window, 0, 0) == "2026-11-21 05:10"
-    assert "INCOMPLETE" in cell(window, 0, 1)
-    assert cell(window, 0, 2) == "7 / 40"
-    assert "CANNOT BE READ" in cell(window, 1, 1)
-    assert cell(window, 1, 0) == "2026-11-20 05:10"
-    assert cell(window, 2, 1).startswith("complete")
+    assert cell(window, 0, WHAT) == past().local_time()
+    assert "INCOMPLETE" in cell(window, 0, VERDICT)
+    assert cell(window, 0, AREA).endswith("7 / 40")
+    assert "UNREADABLE" in cell(window, 1, VERDICT)
+    assert cell(window, 1, WHAT) == damaged.local_time()
+    assert cell(window, 2, VERDICT).startswith("complete")
 
 
 def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
@@ -220,7 +221,7 @@ def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window
     assert wishes(window) == [f"resume {FOLDER}"]
     show(window, snapshot_of(SurveyState.SURVEYING, OTHER))
     assert not view.resume.isEnabled()
-    assert "running" in cell(window, 0, 1)
+    assert "running" in cell(window, 0, VERDICT)
 
 
 def snapshot_of(code, survey_id, **known):
@@ -245,7 +246,7 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     for tab in (TabName.MAP, TabName.RADAR):
         window.show_tab(tab)
         band = window.tabs.currentWidget().band
-        assert band.isVisible() and "2026-11-21 05:10 UTC, 7c9e6679" in band.text.whole
+        assert band.isVisible() and f"{past().local_time()}, 7c9e6679" in band.text.whole
     click(window.radar_page.band.back)
     assert window.traces.shown is window.traces.live
     assert not window.radar_page.band.isVisible()
@@ -253,15 +254,29 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     assert not window.map_page.band.isVisible()
 
 
+def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window):
+    window.traces.open_survey(FOLDER)
+    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), tuple(range(40))))
+    window.show_tab(TabName.MAP)
+    done = window.map.legend[StopState.DONE]
+    assert done.text() == "Done: 20" and window.map_page.band.isVisible()
+    show(window, snapshot_of(SurveyState.CHECKING, SURVEY))
+    assert done.text() == "Done: —" and not window.map_page.band.isVisible()
+    window.on_event(SurveyDescribed(description()))
+    window.on_event(stored(2))
+    window.draw()
+    assert done.text() == "Done: 1"
+    assert window.tabs.currentWidget() is window.map_page
+
+
 def test_pages_of_the_list_are_joined(window, storage):
     window.show_tab(TabName.SURVEYS)
     window.on_event(listed(past(), more=True))
-    click(window.past.older)
     assert storage.asked[-1] == ("list", FOLDER)
     older = past(folder="20261120T051000_0f8fad5b")
     window.on_event(listed(older, before=FOLDER))
     assert window.past.table.rowCount() == 2
-    assert not window.past.older.isEnabled()
+    assert storage.asked.count(("list", FOLDER)) == 1
 
 
 def test_why_the_list_cannot_be_read_is_shown(window):

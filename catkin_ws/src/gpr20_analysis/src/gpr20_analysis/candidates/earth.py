@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Tuple
+from typing import Any, Mapping, Optional, Tuple
 
 from gpr20_analysis.candidates.candidate import AreaPosition
+from gpr20_analysis.read.annotation_attributes import HEADING, LATITUDE, LONGITUDE
 
 SEMI_MAJOR_AXIS_M = 6378137.0
 ECCENTRICITY_2 = 0.00669437999014
 """WGS 84: equatorial radius, and square of the first eccentricity."""
+
+
+def area_position(attributes: Mapping[str, Any]) -> Optional[AreaPosition]:
+    """Return where the area of a survey is on the earth; None if that is not known."""
+    names = (LATITUDE, LONGITUDE, HEADING)
+    if not all(name in attributes for name in names):
+        return None
+    return AreaPosition(*(float(attributes[name]) for name in names))
 
 
 def on_earth(position: AreaPosition, x_m: float, y_m: float) -> Tuple[float, float]:

@@ -49,11 +49,24 @@ def write_candidates(found: CandidateList, path: Path) -> None:
                 others=", ".join((CSV, JSON, GPKG)),
             )
         )
+    write_with_checksum(path, lambda place: WRITERS[path.suffix](found, place))
+
+
+def write_with_checksum(path: Path, write: Callable[[Path], None]) -> None:
+    """Write a file, and beside it its checksum for `sha256sum -c`.
+
+    Args:
+        path: The file.
+        write: Writes its content at the given place.
+
+    Raises:
+        ExportError: The output cannot be written.
+    """
     checksum_path = output_paths(path)[1]
     if checksum_path.exists():
         checksum_path.unlink()  # that of the former content must not stay if this is interrupted
     with atomic_output(path) as place:
-        WRITERS[path.suffix](found, place)
+        write(place)
         checksum = sum_of_file(place).sha256
     with atomic_output(checksum_path) as place:
         place.write_text(f"{checksum}  {path.name}\n", encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -12,17 +12,16 @@ import xarray as xr
 from gpr20_analysis.candidates.candidate import (
     OMITTED,
     SECONDARY,
-    AreaPosition,
     Candidate,
     CandidateList,
     Flag,
 )
+from gpr20_analysis.candidates.earth import area_position
 from gpr20_analysis.candidates.peak_place import peak_places
 from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.read.annotation_attributes import HEADING, LATITUDE, LONGITUDE
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 
@@ -123,16 +122,9 @@ def find_candidates(
         omitted=len(order) - len(listed),
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
-        position=_position(image),
+        position=area_position(image.attrs),
         omitted_primary=int(np.count_nonzero(~secondary[order[count:]])),
     )
-
-
-def _position(image: xr.Dataset) -> Optional[AreaPosition]:
-    names = (LATITUDE, LONGITUDE, HEADING)
-    if not all(name in image.attrs for name in names):
-        return None
-    return AreaPosition(*(float(image.attrs[name]) for name in names))
 
 
 def _notes(rating: Rating) -> List[Message]:

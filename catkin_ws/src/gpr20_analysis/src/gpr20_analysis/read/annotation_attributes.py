@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Mapping
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import MARKERS, present_markers
 
 NAME, OPERATOR, SITE, NOTES = "survey_name", "operator", "site", "survey_notes"
 LATITUDE, LONGITUDE, HEADING = "latitude_deg", "longitude_deg", "heading_deg"
@@ -40,6 +41,21 @@ def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) 
     if annotation.heading_deg is not None:
         found[HEADING] = annotation.heading_deg
     return found
+
+
+def marker_attributes(description: Mapping[str, Any], notes: List[Message]) -> Dict[str, Any]:
+    """Return the number of markers that were not removed, if there are any.
+
+    Args:
+        description: Content of survey.json.
+        notes: A remark on markers that are not allowed is added here.
+    """
+    try:
+        count = len(present_markers(description))
+    except InvalidValueError as error:
+        notes.append(error.message)
+        return {}
+    return {MARKERS: count} if count else {}
 
 
 def position_text(attributes: Mapping[str, Any]) -> str:

@@ -13,17 +13,18 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.analyzer_attributes import analyzer_attributes
-from gpr20_analysis.read.annotation_attributes import annotation_attributes
+from gpr20_analysis.read.annotation_attributes import annotation_attributes, marker_attributes
 from gpr20_analysis.read.antenna_attributes import antenna_attributes
 from gpr20_analysis.read.sources import Fault, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
 from gpr20_analysis.sentences import first_of, with_sentences
 from gpr20_common.message import Message
+from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.trace.utc_time import NS_PER_US
 
 FAULTS_LISTED = 8
-RECORDED = ("started", "ended", "outcome", "reason", "software_revision")
+RECORDED = ("started", "ended", "outcome", "reason", "software_revision", REFINES)
 
 
 def assemble(
@@ -251,6 +252,7 @@ class _Assembly:
             **{word: str(description[word]) for word in RECORDED if description.get(word)},
             "stored": len(self._used),
             **annotation_attributes(description, self._notes),
+            **marker_attributes(description, self._notes),
             **antenna_attributes(description, self._notes),
             **analyzer_attributes((one.analyzer for _cell, one in self._used), self._notes),
         }

@@ -6,7 +6,7 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 import orjson
 
@@ -45,20 +45,27 @@ class JsonSource:
         notes: What else a user should know.
     """
 
-    def __init__(self, name: str, files: List[Path], description: Optional[Dict[str, Any]]) -> None:
-        """Make the source; `traces` reads the files."""
+    def __init__(
+        self,
+        name: str,
+        files: List[Path],
+        description: Optional[Dict[str, Any]],
+        read: Callable[[Path], Trace],
+    ) -> None:
+        """Make the source; `traces` reads the files, each with `read`."""
         self.name = name
         self.description = description
         self.count = len(files)
         self.faults: List[Fault] = []
         self.notes: List[Message] = []
         self._files = files
+        self._read = read
 
     def traces(self) -> Iterator[Trace]:
         """Yield every intact trace; damaged ones are left out and named in `faults`."""
         for path in self._files:
             try:
-                yield trace_files.read_trace(path, decode=_decode)
+                yield self._read(path)
             except (TraceRefusedError, OSError) as error:
                 found = INDEX_IN_NAME.match(path.name)
                 index = int(found.group(1)) if found else None
@@ -117,24 +124,35 @@ class RecordingSource:
 SurveySource = Union[JsonSource, RecordingSource]
 
 
-def open_source(path: Path) -> SurveySource:
+def read_trace(path: Path) -> Trace:
+    """Return the trace of a file.
+
+    Raises:
+        TraceRefusedError: It holds no whole trace.
+        OSError: It cannot be read.
+    """
+    return trace_files.read_trace(path, decode=_decode)
+
+
+def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> SurveySource:
     """Return the source at a path.
 
     Args:
         path: Folder of a survey, folder of its trace files, one trace file, bag or MCAP file.
+        read: Reads a trace file.
 
     Raises:
         AnalysisError: It is none of these.
         OSError: It cannot be read.
     """
     if path.is_dir():
-        return _folder_source(path)
+        return _folder_source(path, read)
     if not path.exists():
         raise AnalysisError(not_there(path))
     if recordings.is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
-        return JsonSource(path.name, [path], None)
+        return JsonSource(path.name, [path], None, read)
     raise AnalysisError(
         Message(
             "{path} is not a survey; give its folder, the folder of its JSON files, its .bag or "
@@ -144,7 +162,7 @@ def open_source(path: Path) -> SurveySource:
     )
 
 
-def _folder_source(folder: Path) -> JsonSource:
+def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
     described = folder / survey_folder.SURVEY_FILE
     files = _trace_files(traces if traces.is_dir() else folder)
@@ -163,7 +181,7 @@ def _folder_source(folder: Path) -> JsonSource:
                 traces=survey_folder.TRACES_FOLDER,
             )
         )
-    source = JsonSource(folder.name, files, description)
+    source = JsonSource(folder.name, files, description, read)
     source.faults += faults
     return source
 

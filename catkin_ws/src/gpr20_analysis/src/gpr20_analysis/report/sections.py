@@ -12,6 +12,8 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import __version__, dataset
+from gpr20_analysis.candidates.marker_list import marker_heading, marker_row, survey_markers
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps
 from gpr20_analysis.processing.chain import Step
@@ -55,6 +57,7 @@ def sections_of(
     parts: List[Callable[[], Sequence[Section]]] = [
         lambda: [verdict],
         lambda: pictures.imaged(survey, steps, options, catalogue),
+        lambda: [_markers(survey, catalogue)],
         lambda: [_quality(survey, catalogue)],
         lambda: [pictures.as_measured(survey, options, catalogue)],
         lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
@@ -118,6 +121,16 @@ def _checked(survey: xr.Dataset, path: Path, catalogue: Catalogue) -> List[Secti
 def _verification(found: Verification, catalogue: Catalogue) -> Section:
     faults = limited(found.faults, LISTED)
     return _section(Message("Verification"), faults, found.notes, catalogue)
+
+
+def _markers(survey: xr.Dataset, catalogue: Catalogue) -> Section:
+    title = catalogue.tr("Markers")
+    try:
+        found = survey_markers(survey).markers
+    except AnalysisError as error:
+        return Section(title, warnings=[shown(error.message, catalogue)])
+    rows = [marker_row(one, catalogue) for one in found]
+    return Section(title, rows=rows, heading=marker_heading(catalogue) if rows else ())
 
 
 def _section(

@@ -19,6 +19,8 @@ from gpr20_analysis.read.annotation_attributes import (
     position_text,
 )
 from gpr20_common.message import Message, received_message, verbatim
+from gpr20_survey.plan.markers import MARKERS
+from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.trace.calibration import MEANINGS
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
@@ -35,6 +37,8 @@ RECORDED = {
     OPERATOR: Message("operator"),
     SITE: Message("site"),
     NOTES: Message("survey notes"),
+    REFINES: Message("refines survey"),
+    MARKERS: Message("markers"),
 }
 POSITION = Message("WGS 84 position")
 HEADING_OF_Y = Message("heading of Y")

@@ -34,7 +34,12 @@ def main() -> int:
     given = _parser().parse_args(rosgraph.myargv()[1:])
     try:
         request = LaunchRequest(
-            given.part, given.robot, given.config, given.data, _simulator(given)
+            given.part,
+            given.robot,
+            given.config,
+            given.data,
+            _simulator(given),
+            given.full_screen,
         )
         sections = request.sections(built_axes())
         _refuse_running(request.nodes, given.ns)
@@ -59,6 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     for name in ("time_scale", "seconds_per_point"):
         parser.add_argument(f"--{name}", default="1")
     parser.add_argument("--portmapper", default="false")
+    parser.add_argument("--full_screen", default="auto")
     return parser
 
 

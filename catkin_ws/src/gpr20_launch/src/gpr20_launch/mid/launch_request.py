@@ -21,12 +21,13 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 SIMULATED, REAL = "simulated", "gpr20"
 ROBOT, SERVER, SURVEY = "robot", "server", "survey"
+FULL_SCREEN = ("auto", "true", "false")
 SIMULATED_ANALYZER = AnalyzerKind.MS2026C.value
 LOOPBACK = "127.0.0.1"
 # The simulated robot stores no rotation; that of the real one outlives the power.
 ROTATION_FILE = "~/.gpr20/z_axis_steps"
 _AXES = tuple(f"{axis_id.value}_axis/axis_driver" for axis_id in AxisId)
-_SERVER_NODES = ("vna_acquisition", "vna_processing", "main_control")
+_SERVER_NODES = ("vna_acquisition", "vna_processing", "imaging", "main_control")
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class LaunchRequest:
         config: Folder of the configuration; empty: the default one, if it exists.
         data: Folder of the surveys; empty: as configured.
         simulator: Parameters of the simulated robot.
+        full_screen: Whether the window covers the screen: auto, true or false.
     """
 
     part: str
@@ -46,6 +48,7 @@ class LaunchRequest:
     config: str
     data: str
     simulator: SimulatorParameters
+    full_screen: str = FULL_SCREEN[0]
 
     def __post_init__(self) -> None:
         if self.robot not in (SIMULATED, REAL):
@@ -55,6 +58,14 @@ class LaunchRequest:
                     robot=self.robot,
                     simulated=SIMULATED,
                     real=REAL,
+                )
+            )
+        if self.full_screen not in FULL_SCREEN:
+            raise LaunchRefusedError(
+                Message(
+                    "unknown full_screen:={full_screen}; it must be one of {allowed}",
+                    full_screen=self.full_screen,
+                    allowed=", ".join(FULL_SCREEN),
                 )
             )
         if self.robot == REAL and self.simulator.time_scale != 1.0:
@@ -93,6 +104,7 @@ class LaunchRequest:
             sections["z_axis"].setdefault("memory_file", rotation_file)
         if self.part in (SERVER, SURVEY):
             sections["storage"]["data"] = str(self._data_folder(sections))
+            sections["imaging"] = {"data": sections["storage"]["data"]}
         return sections
 
     def _folder(self) -> Path:

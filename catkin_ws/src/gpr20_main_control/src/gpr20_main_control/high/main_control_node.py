@@ -114,7 +114,7 @@ class MainControlNode:
         )
 
     def _start(self, request: Any) -> StartSurveyResponse:
-        survey_id = self._control.start(annotation.from_fields(request.annotation))
+        survey_id = self._control.start(annotation.from_fields(request.annotation), request.refines)
         started = message_fields(Message("Survey started"))
         return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 

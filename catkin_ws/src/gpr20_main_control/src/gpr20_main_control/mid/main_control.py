@@ -23,6 +23,7 @@ from gpr20_main_control.mid.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_status import Status, SurveyStatus
 from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.refines import check_refines
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check_address
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
@@ -97,13 +98,15 @@ class MainControl:
             self._status.enter(SurveyState.CONFIGURED, ready)
             return self._plan
 
-    def start(self, annotation: Annotation = EMPTY) -> str:
+    def start(self, annotation: Annotation = EMPTY, refines: str = "") -> str:
         """Start a survey with the parameters set before and return its id.
 
         Args:
             annotation: What people add to the survey; empty fields become the robot's defaults.
+            refines: Id of the survey that this one measures more finely; empty: none.
 
         Raises:
+            InvalidValueError: `refines` is not the id of a survey.
             RequestRefusedError: A survey is running, or no parameters have been set.
         """
         with self._one_at_a_time():
@@ -123,7 +126,12 @@ class MainControl:
                 self._plan.parameters, self._robot.description.config(), self._settings
             )
             annotation = annotation.with_defaults(self._defaults)
-            plan = replace(plan, survey_id=str(uuid.uuid4()), annotation=annotation)
+            plan = replace(
+                plan,
+                survey_id=str(uuid.uuid4()),
+                annotation=annotation,
+                refines=check_refines(refines),
+            )
             self._begin(plan)
             return plan.survey_id
 

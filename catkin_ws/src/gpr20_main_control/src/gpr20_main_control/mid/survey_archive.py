@@ -23,6 +23,7 @@ from gpr20_main_control.mid.wait_status import ExpectedWait
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
 from gpr20_survey.plan.survey_plan import SurveyPoint
@@ -246,6 +247,7 @@ def survey_record(
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
         "settings": asdict(plan.settings),
         ANNOTATION: plan.annotation.values(),
+        **({REFINES: plan.refines} if plan.refines else {}),
         **robot,
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)

@@ -39,6 +39,7 @@ class SurveyPlan:
         survey_id: UUID; empty before the survey begins.
         reopened: What is stored of it; None if it is new.
         annotation: What people added to it at its start.
+        refines: Id of the survey that it measures more finely; empty: none.
     """
 
     parameters: SurveyParameters
@@ -49,6 +50,7 @@ class SurveyPlan:
     survey_id: str = ""
     reopened: Optional[ReopenedSurvey] = None
     annotation: Annotation = EMPTY
+    refines: str = ""
 
     @property
     def sweep_settings(self) -> SweepSettings:

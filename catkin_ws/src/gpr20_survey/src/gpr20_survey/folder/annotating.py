@@ -1,9 +1,9 @@
-"""Changing the annotation of a survey that is not open."""
+"""Changing what people add to a survey that is not open: annotation and markers."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Callable, Dict, Optional
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable, storing
@@ -15,23 +15,38 @@ from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 
 
 def annotate_folder(folder: Path, annotation: Annotation) -> None:
-    """Change the annotation of a survey that nobody writes; return when that is durable.
+    """Change the annotation of a survey that nobody writes; see `change_description`.
+
+    Args:
+        folder: The survey's folder.
+        annotation: The new annotation, whole.
+    """
+    change_description(folder, lambda description: {**description, ANNOTATION: annotation.values()})
+
+
+def change_description(
+    folder: Path, change: Callable[[Dict[str, Any]], Optional[Dict[str, Any]]]
+) -> Dict[str, Any]:
+    """Change survey.json of a survey that nobody writes; return it when that is durable.
 
     A survey.json that is damaged is not written again: its new checksum would hide the damage.
 
     Args:
         folder: The survey's folder.
-        annotation: The new annotation, whole.
+        change: Takes the content of survey.json and returns the whole new one; only
+            `survey_metadata.LATER_KEYS` may differ. None: nothing is to be changed.
 
     Raises:
         SurveyRefusedError: survey.json or the manifest cannot be read, or survey.json is not as
-            it was written.
-        StorageFailedError: The disk refused; the survey has its former annotation or the new one.
+            it was written, or `change` refused.
+        StorageFailedError: The disk refused; survey.json has its former content or the new one.
     """
     survey_folder.check_no_links(folder)
     path = folder / survey_folder.SURVEY_FILE
     description = survey_metadata.read_description(path)
-    changed = {**description, ANNOTATION: annotation.values()}
+    changed = change(description)
+    if changed is None:
+        return description
     with storing(Message("{path} could not be written", path=printable(path)), path):
         _check_as_written(folder, description)
         sealed = _is_sealed(folder)
@@ -39,6 +54,7 @@ def annotate_folder(folder: Path, annotation: Annotation) -> None:
             durable_files.replace_file(path, survey_metadata.encode(changed))
     if sealed:
         sealing.reseal_description(folder, changed)
+    return changed
 
 
 def _is_sealed(folder: Path) -> bool:

@@ -14,6 +14,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.plan.annotation import ANNOTATION, annotation_of
+from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.trace import utc_time
 
 FORMAT = "gpr20-survey/1"
@@ -36,11 +37,21 @@ OWN_KEYS = frozenset(
         "software_revision",
         "resumed",
         "report",
+        MARKERS,
     }
 )
 
 # Entries that change after the start: all others are compared with the sealed copy in the MCAP.
-LATER_KEYS = ("ended", "outcome", "reason", "stored_traces", "resumed", "report", ANNOTATION)
+LATER_KEYS = (
+    "ended",
+    "outcome",
+    "reason",
+    "stored_traces",
+    "resumed",
+    "report",
+    ANNOTATION,
+    MARKERS,
+)
 
 # A whole text, or the end of one that does not end; else a bracket.
 _TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?|[\[{]|[\]}]', re.DOTALL)
@@ -86,7 +97,7 @@ def parse_metadata(text: str) -> Dict[str, Any]:
         SurveyRefusedError: It is not allowed; see `parse_object`. Or its annotation is not.
     """
     values = parse_object(text, "metadata_json")
-    for key in ("resumed", "report"):
+    for key in ("resumed", "report", MARKERS):
         if key in values:
             raise SurveyRefusedError(
                 Message(

@@ -133,15 +133,18 @@ class ControlClient(RosEvents):
         subscribe("measured_height", Range, conversions.measured_height, 1)
         self._subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
 
-    def start_survey(self, parameters: SurveyParameters, annotation: Annotation = EMPTY) -> None:
+    def start_survey(
+        self, parameters: SurveyParameters, annotation: Annotation = EMPTY, refines: str = ""
+    ) -> None:
         """Ask to accept the parameters and to start; the answer is an event.
 
         Args:
             parameters: What to measure.
             annotation: What people add to the survey; empty fields become the robot's defaults.
+            refines: Id of the survey that this one measures more finely; empty: none.
         """
         self._stop_obsolete.set()
-        self._ask(Request.START, lambda: self._ask_start(parameters, annotation))
+        self._ask(Request.START, lambda: self._ask_start(parameters, annotation, refines))
 
     def stop_survey(self) -> None:
         """Ask to stop the survey, until the main control answers; the answer is an event."""
@@ -194,14 +197,14 @@ class ControlClient(RosEvents):
         if limits.defaults is not None:
             self._emit(AnnotationDefaults(limits.defaults.site.annotation))
 
-    def _ask_start(self, parameters: SurveyParameters, annotation: Annotation) -> Any:
+    def _ask_start(self, parameters: SurveyParameters, annotation: Annotation, refines: str) -> Any:
         message = conversions.parameters_message(parameters)
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         note = conversions.annotation_message(annotation)
-        return self._start.call(START_TIMEOUT_S, annotation=note)
+        return self._start.call(START_TIMEOUT_S, annotation=note, refines=refines)
 
     def _stop_until_answered(self) -> None:
         try:

@@ -41,7 +41,7 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.past_surveys import PastSurvey, coverage_map
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
 from gpr20_user_interface.mid.service_events import (
     AnalyzerTested,
@@ -232,6 +232,10 @@ def _past_survey(message: SurveySummary) -> PastSurvey:
         complete=message.complete,
         simulated=message.simulated,
         problem=_message_or_none(message.problem, message.problem_json),
+        name=message.name,
+        width_mm=message.width_mm,
+        height_mm=message.height_mm,
+        coverage=coverage_map(message.map_columns, message.map_rows, message.map_percent),
     )
 
 

@@ -17,6 +17,7 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace import trace_message
 from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.additions_client import AdditionsClient
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.trace_events import (
     AnnotationFailed,
@@ -45,6 +46,10 @@ class StorageClient(RosEvents):
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
         self._annotate = ServiceClient("annotate_survey", AnnotateSurvey)
+        self._additions = AdditionsClient(self._emit)
+        self.read_additions = self._additions.read_additions
+        self.add_marker = self._additions.add_marker
+        self.remove_marker = self._additions.remove_marker
 
     def listen(self) -> None:
         """Subscribe to plan, coverage and traces."""

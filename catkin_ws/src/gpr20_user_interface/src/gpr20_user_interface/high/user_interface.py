@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
+import os
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, NoReturn, Optional
 
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
@@ -17,18 +19,26 @@ from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_user_interface.errors import MasterUnavailableError
+from gpr20_user_interface.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
+from gpr20_user_interface.high.display import (
+    check_display,
+    draw_without_opengl,
+    on_display_lost,
+    wait_for_display,
+)
+from gpr20_user_interface.high.imaging_client import ImagingClient
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
-from gpr20_user_interface.low.analysis_program import AnalysisProgram
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.low.screen_saver import ScreenSaver
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.message_source import MessageSources
-from gpr20_user_interface.mid.plan_memory import PlanMemory
+from gpr20_user_interface.mid.plan_memory import PlanMemory, Settings
+from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.shown_model import ShownModel
@@ -36,16 +46,24 @@ from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimator
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.mid.window_settings import WindowMemory
 from gpr20_user_interface.views.main_window import MainWindow
+from gpr20_user_interface.views.screen_placement import ScreenPlacement
 from gpr20_user_interface.views.translation import Languages
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
+DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
+# Beside them.
 PLAN_FILE = "plan.yaml"
-# A disk that does not answer must not keep the window open.
-WRITE_LIMIT_S = 3.0
+# Of the parameter ~language: the language that was used last.
+REMEMBERED = "auto"
+# A disk may be slow; the window does not wait for it longer.
+SETTINGS_LIMIT_S = 5.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
+EXIT_NO_DISPLAY = 3
+EXIT_DISPLAY_LOST = 4
 EXIT_BY_SIGNAL = 130
 
 
@@ -71,23 +89,34 @@ class UserInterface:
     """The window and its clients of the graph, connected."""
 
     def __init__(
-        self, model: SurveyModel, languages: Languages, profiles: Profiles, settings: Path
+        self,
+        model: SurveyModel,
+        languages: Languages,
+        profiles: Profiles,
+        plan_settings: Settings,
+        memory: Optional[WindowMemory] = None,
+        full_screen: bool = False,
     ) -> None:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
-        self.memory = PlanMemory(SettingsFile(settings / PLAN_FILE), self.signal.emit_event)
+        self.plans = PlanMemory(plan_settings, self.signal.emit_event)
         self.service = ServiceToolsClient(self.signal.emit_event)
+        self.imaging = ImagingClient(self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
         self.window = MainWindow(
-            WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
-            TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-            profiles,
+            Presenters(
+                WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
+                TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
+                ImagingPresenter(self.imaging, time.monotonic),
+                ServiceModel(self.service, Clock()),
+                profiles,
+                self.plans,
+            ),
             languages,
-            CandidateSearch(AnalysisProgram(self.signal.emit_event), time.monotonic),
-            self.memory,
-            ServiceModel(self.service, Clock()),
+            memory,
         )
+        self._placement = ScreenPlacement(self.window, full_screen)
         _connect_queued(self.signal.event_came, self.window.on_event)
 
     def begin(self) -> None:
@@ -97,13 +126,17 @@ class UserInterface:
         self.control.listen_to_robot()
         self.storage.listen()
         self.service.listen()
+        self.imaging.listen()
         self.window.begin()
-        self.window.show()
+        # Notices a display that was lost meanwhile, without which Qt would crash.
+        QApplication.processEvents()
+        self._placement.show()
 
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
-        self.memory.wait(WRITE_LIMIT_S)
+        self.plans.wait(SETTINGS_LIMIT_S)
+        self.imaging.close()
         self.storage.close()
         self.service.close()
         self.control.close()
@@ -120,21 +153,42 @@ class UserInterface:
         return WARN, Message("no contact with the main control"), values
 
 
-def main() -> int:
+def main() -> NoReturn:
     """Show the window until it is closed, ROS asks it to end or a signal comes."""
-    application = QApplication(rospy.myargv())
+    # Without the exit handlers and destructors of libraries: their threads still run.
+    leave_now(_run(_parser().parse_known_args(rospy.myargv()[1:])[0]))
 
-    def quit_soon(_name: str) -> None:
-        # A quit() before the event loop runs would be lost; this waits for the loop.
-        QTimer.singleShot(0, application.quit)
 
-    with StopSignals(quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser("user_interface", description="The window of the operator.")
+    parser.add_argument(
+        "--wait-for-display", action="store_true", help="wait until there is a screen"
+    )
+    return parser
+
+
+def _run(given: argparse.Namespace) -> int:
+    draw_without_opengl(os.environ)
+    try:
+        # First: there are no threads yet.
+        if given.wait_for_display:
+            wait_for_display(_say)
+        else:
+            check_display(os.environ)
+    except DisplayUnavailableError as error:
+        _say(str(error))
+        return EXIT_NO_DISPLAY
+    with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
-            print(f"user_interface: {error}", file=sys.stderr)
+            _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
-            leave_now(EXIT_NO_MASTER)
+            return EXIT_NO_MASTER
+        on_display_lost(lambda: _leave_without_display(signals.received))
+        application = QApplication(rospy.myargv())
+        if signals.received:
+            _quit_soon()
         try:
             return _show(application)
         except Gpr20Error as error:
@@ -142,25 +196,69 @@ def main() -> int:
             return EXIT_WRONG_PARAMETER
 
 
+def _say(sentence: str) -> None:
+    print(f"user_interface: {sentence}", file=sys.stderr, flush=True)
+
+
+def _quit_soon(_name: str = "") -> None:
+    application = QApplication.instance()
+    if application is not None:
+        # A quit() before the event loop runs would be lost; this waits for the loop.
+        QTimer.singleShot(0, application.quit)
+
+
+def _leave_without_display(asked_to_end: bool) -> NoReturn:
+    if not asked_to_end:
+        _say("the display was closed, and the window with it; a survey that runs continues")
+    leave_now(0 if asked_to_end else EXIT_DISPLAY_LOST)
+
+
 def _show(application: QApplication) -> int:
-    code = rospy.get_param("~language", Language.ENGLISH.value)
-    languages = Languages(application, language_from_code(code))
-    folder = Path(rospy.get_param("~profiles", DEFAULT_PROFILES)).expanduser()
-    profiles = Profiles(ProfileFolder(folder))
-    # Beside the profiles.
-    interface = UserInterface(SurveyModel(Clock()), languages, profiles, folder.parent)
+    settings = _path("~settings", DEFAULT_SETTINGS)
+    memory = WindowMemory(SettingsFile(settings), _log)
+    languages = Languages(application, _language(memory.settings.language))
+    interface = UserInterface(
+        SurveyModel(Clock()),
+        languages,
+        Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
+        SettingsFile(settings.with_name(PLAN_FILE)),
+        memory,
+        bool(rospy.get_param("~full_screen", False)),
+    )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
+    screen_saver = ScreenSaver()
+    _note(screen_saver.switch_off())
     keeper = ConnectionKeeper()
     status = application.exec_()
+    _note(screen_saver.restore())
     keeper.close()
     interface.end()
+    memory.close(SETTINGS_LIMIT_S)
     # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")
     del diagnostics
     return status
+
+
+def _language(remembered: Language) -> Language:
+    code = rospy.get_param("~language", REMEMBERED)
+    return remembered if code == REMEMBERED else language_from_code(code)
+
+
+def _path(parameter: str, default: str) -> Path:
+    return Path(rospy.get_param(parameter, default)).expanduser()
+
+
+def _log(reason: Message) -> None:
+    rospy.logwarn("%s", reason)
+
+
+def _note(problem: Optional[str]) -> None:
+    if problem is not None:
+        rospy.loginfo("the screen saver is left as it is: %s", problem)
 
 
 def _connect_queued(signal: Any, slot: Callable[..., None]) -> None:

@@ -1,48 +1,20 @@
-"""The search for candidates in a stored survey, by the command `gpr20 candidates`."""
+"""The search for candidates in a stored survey, which the imaging node makes."""
 
 from __future__ import annotations
 
 import enum
-from pathlib import Path
-from typing import Callable, List, Optional, Protocol, Sequence
+from typing import Callable, Optional
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, verbatim
-from gpr20_user_interface.low.analysis_program import ProgramEnded
+from gpr20_common.message import Message
 from gpr20_user_interface.mid.candidate_list import ShownCandidates, candidates_from
+from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
+from gpr20_user_interface.mid.imaging_requests import SearchRequests, new_request_id
 from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.permittivity_entry import entered_permittivity
 
-LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 100.0
-COMPLETE, NOT_COMPLETE = 0, 1
-"""Exit statuses with a list."""
-NOT_HERE = Message(
-    "The data of the survey are not on this computer. Run gpr20 candidates on the computer that "
-    "has them."
-)
-NOT_INSTALLED = Message(
-    "The analysis is not installed on this computer. Copy the survey to a computer that has it, "
-    "and run gpr20 candidates there."
-)
 SURVEY_RUNS = Message("A survey is running. Search for candidates when it has ended.")
 CANCELLED = Message("The search was cancelled.")
-PERMITTIVITY_RANGE = Message(
-    "{lowest:g} to {highest:g}; empty: estimate it from the survey",
-    lowest=LOWEST_PERMITTIVITY,
-    highest=HIGHEST_PERMITTIVITY,
-)
-
-
-class BackgroundProgram(Protocol):
-    """Runs one program at a time beside the window, at low priority."""
-
-    def is_installed(self) -> bool:
-        """Whether the program is on this computer."""
-
-    def start(self, arguments: Sequence[str]) -> int:
-        """Start it and return its number; ProgramEnded comes as an event."""
-
-    def cancel(self) -> None:
-        """End it, if it is running."""
 
 
 class SearchState(enum.Enum):
@@ -58,7 +30,7 @@ class CandidateSearch:
     """One search at a time, never during a survey. Belongs to one thread.
 
     Args:
-        program: Runs the command.
+        requests: The imaging node.
         now_s: A clock that never goes back [s].
 
     Attributes:
@@ -66,14 +38,13 @@ class CandidateSearch:
         state: What the search does.
         found: The list; None unless the search is done.
         problem: Why there is no list; None if that is not known or there is one.
-        remarks: What the command said about the survey, in the language of the window.
+        remarks: What the analysis said about the survey, in the language of the window.
     """
 
-    def __init__(self, program: BackgroundProgram, now_s: Callable[[], float]) -> None:
-        self._program = program
+    def __init__(self, requests: SearchRequests, now_s: Callable[[], float]) -> None:
+        self._requests = requests
         self._now_s = now_s
-        self._data: Optional[Path] = None
-        self._number = -1
+        self._request_id = ""
         self._started_s = 0.0
         self._survey_runs = False
         self.survey: Optional[PastSurvey] = None
@@ -96,24 +67,19 @@ class CandidateSearch:
             and self.state is not SearchState.RUNNING
         )
 
-    def choose(self, survey: PastSurvey, data: str) -> None:
-        """Choose a survey and forget what was found in another.
-
-        Args:
-            survey: The survey.
-            data: Folder of the surveys on the computer of the storage; empty if it is not known.
-        """
+    def choose(self, survey: PastSurvey) -> None:
+        """Choose a survey and forget what was found in another."""
         if self.survey is not None and survey.folder == self.survey.folder:
             return
         self.close()
-        self.survey, self._data = survey, Path(data) if data else None
+        self.survey = survey
         self._rest(SearchState.READY, SURVEY_RUNS if self._survey_runs else None)
 
     def set_survey_runs(self, runs: bool) -> None:
         """Note whether a survey is running; a search ends when one begins."""
         if runs and not self._survey_runs:
             if self.state is SearchState.RUNNING:
-                self._program.cancel()
+                self._requests.cancel(self._request_id)
             if self.state is not SearchState.DONE:
                 self._rest(SearchState.READY, SURVEY_RUNS)
         elif not runs and self._survey_runs and self.problem is SURVEY_RUNS:
@@ -124,65 +90,47 @@ class CandidateSearch:
         """Start the search.
 
         Args:
-            permittivity: As it was entered; empty: estimate it.
-            language: Code of the language of the command's sentences.
+            permittivity: As it was entered and checked; empty: estimate it.
+            language: Code of the language of the analysis' sentences.
         """
         if not self.can_start or self.survey is None:
             return
-        folder = None if self._data is None else self._data / self.survey.folder
-        if folder is None or not (folder / "survey.json").is_file():
-            self._rest(SearchState.FAILED, NOT_HERE)
-        elif not self._program.is_installed():
-            self._rest(SearchState.FAILED, NOT_INSTALLED)
-        else:
-            options: List[str] = ["--json", "--leave-out-missing", "--language", language]
-            if permittivity.strip():
-                options.append(f"--permittivity={permittivity.strip().replace(',', '.')}")
-            self._number = self._program.start(["candidates", str(folder), *options])
-            self._started_s = self._now_s()
-            self._rest(SearchState.RUNNING, None)
+        self._request_id = new_request_id()
+        self._started_s = self._now_s()
+        self._rest(SearchState.RUNNING, None)
+        self._requests.find_candidates(
+            self._request_id, self.survey.folder, entered_permittivity(permittivity), language
+        )
 
     def cancel(self) -> None:
         """End a search that is running."""
         if self.state is SearchState.RUNNING:
-            self._program.cancel()
+            self._requests.cancel(self._request_id)
             self._rest(SearchState.READY, CANCELLED)
 
     def close(self) -> None:
         """End whatever is running, and say nothing about it."""
         if self.state is SearchState.RUNNING:
-            self._program.cancel()
+            self._requests.cancel(self._request_id)
             self._rest(SearchState.READY, None)
 
     def on_event(self, event: object) -> None:
-        """Take the end of the program; other events are ignored."""
-        if not isinstance(event, ProgramEnded) or self.survey is None:
+        """Take the end of the search; other events are ignored."""
+        if not isinstance(event, (CandidatesFound, RequestFailed)) or self.survey is None:
             return
-        if self.state is not SearchState.RUNNING or event.number != self._number:
+        if self.state is not SearchState.RUNNING or event.request_id != self._request_id:
             return  # it was cancelled
-        if event.status not in (COMPLETE, NOT_COMPLETE):
-            reason = event.errors.strip() or event.output.strip()
-            self._rest(SearchState.FAILED, verbatim(reason or f"gpr20: {event.status}"))
+        if isinstance(event, RequestFailed):
+            self._rest(SearchState.FAILED, event.reason)
             return
         try:
-            found = candidates_from(event.output, self.survey.survey_id)
+            found = candidates_from(event.candidates_json, self.survey.survey_id)
         except InvalidValueError as error:
             self._rest(SearchState.FAILED, error.message)
             return
         self._rest(SearchState.DONE, None)
-        self.found, self.remarks = found, " ".join(event.errors.split())
+        self.found, self.remarks = found, " ".join(event.remarks.split())
 
     def _rest(self, state: SearchState, problem: Optional[Message]) -> None:
         self.state, self.problem = state, problem
         self.found, self.remarks = None, ""
-
-
-def check_permittivity(text: str) -> Optional[Message]:
-    """Return what is allowed if a permittivity that was entered is wrong."""
-    try:
-        value = float(text.strip().replace(",", ".") or LOWEST_PERMITTIVITY)
-    except ValueError:
-        return PERMITTIVITY_RANGE
-    # Written so that NaN is refused too.
-    right = LOWEST_PERMITTIVITY <= value <= HIGHEST_PERMITTIVITY
-    return None if right else PERMITTIVITY_RANGE

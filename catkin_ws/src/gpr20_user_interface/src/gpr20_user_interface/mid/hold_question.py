@@ -15,7 +15,8 @@ from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.mid.time_words import duration
 
 Row = Tuple[Message, Message]
-
+# Of an operator or a site; the sheet has no room for more.
+LONGEST_NAME = 40
 HANDS_CLEAR = Message(
     "Hands clear! The robot homes its axes if necessary, and then moves on its own."
 )
@@ -87,7 +88,7 @@ def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuest
     rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(folder)),)
     if survey is not None:
         rows += (
-            (Message("Started"), Message("{time} UTC", time=survey.day_and_time)),
+            (Message("Started"), verbatim(survey.local_time())),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
@@ -128,6 +129,8 @@ def _area(p: SurveyParameters) -> Message:
 def _time(duration_s: Optional[float]) -> Message:
     if duration_s is None or not math.isfinite(duration_s):
         return Message("not known yet")
+    if duration_s < 60.0:
+        return duration(duration_s)
     return Message("about {time}", time=duration(duration_s))
 
 
@@ -141,4 +144,8 @@ def _people(annotation: Annotation) -> Tuple[Row, ...]:
         (Message("Operator"), annotation.operator),
         (Message("Site"), annotation.site),
     )
-    return tuple((title, verbatim(name)) for title, name in known if name)
+    return tuple((title, verbatim(_short(name))) for title, name in known if name)
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"

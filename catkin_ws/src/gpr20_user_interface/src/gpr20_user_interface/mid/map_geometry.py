@@ -3,9 +3,56 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Iterable, Tuple
 
 import numpy as np
+
+# A survey is not drawn smaller than this part of the map to show all of one around it.
+SMALLEST_PART = 1.0 / 3.0
+# What is then shown of the ground around it, as a part of its own size on each side.
+GROUND_AROUND = 0.25
+
+
+@dataclass(frozen=True)
+class Area:
+    """A rectangle of the ground [mm]."""
+
+    left_mm: float
+    right_mm: float
+    low_mm: float
+    high_mm: float
+
+    @property
+    def width_mm(self) -> float:
+        """Size along X."""
+        return self.right_mm - self.left_mm
+
+    @property
+    def height_mm(self) -> float:
+        """Size along Y."""
+        return self.high_mm - self.low_mm
+
+    def joined(self, other: Area) -> Area:
+        """Return the smallest rectangle around this one and another."""
+        return Area(
+            min(self.left_mm, other.left_mm),
+            max(self.right_mm, other.right_mm),
+            min(self.low_mm, other.low_mm),
+            max(self.high_mm, other.high_mm),
+        )
+
+    def grown(self, margin_mm: float) -> Area:
+        """Return a rectangle that is larger on each side."""
+        return Area(
+            self.left_mm - margin_mm,
+            self.right_mm + margin_mm,
+            self.low_mm - margin_mm,
+            self.high_mm + margin_mm,
+        )
+
+    def holds(self, x_mm: float, y_mm: float) -> bool:
+        """Return whether a place is in it."""
+        return self.left_mm <= x_mm <= self.right_mm and self.low_mm <= y_mm <= self.high_mm
 
 
 @dataclass(frozen=True)
@@ -13,19 +60,13 @@ class MapGeometry:
     """The survey area in a widget, to scale, X to the right and Y up.
 
     Args:
-        left_mm: Left edge of the area.
-        bottom_mm: Lower edge of the area.
-        width_mm: Width of the area.
-        height_mm: Height of the area.
-        left_px: Where the left edge is drawn.
-        bottom_px: Where the lower edge is drawn.
+        area: The stops, each with its share of the ground around it.
+        left_px: Where the left edge of the area is drawn.
+        bottom_px: Where its lower edge is drawn.
         px_per_mm: Scale, the same in both directions.
     """
 
-    left_mm: float
-    bottom_mm: float
-    width_mm: float
-    height_mm: float
+    area: Area
     left_px: float
     bottom_px: float
     px_per_mm: float
@@ -33,26 +74,29 @@ class MapGeometry:
     def to_screen(self, x_mm: float, y_mm: float) -> Tuple[float, float]:
         """Return where a place is drawn [px]."""
         return (
-            self.left_px + (x_mm - self.left_mm) * self.px_per_mm,
-            self.bottom_px - (y_mm - self.bottom_mm) * self.px_per_mm,
+            self.left_px + (x_mm - self.area.left_mm) * self.px_per_mm,
+            self.bottom_px - (y_mm - self.area.low_mm) * self.px_per_mm,
         )
 
     def to_ground(self, x_px: float, y_px: float) -> Tuple[float, float]:
         """Return the place that is drawn there [mm]."""
         return (
-            self.left_mm + (x_px - self.left_px) / self.px_per_mm,
-            self.bottom_mm + (self.bottom_px - y_px) / self.px_per_mm,
+            self.area.left_mm + (x_px - self.left_px) / self.px_per_mm,
+            self.area.low_mm + (self.bottom_px - y_px) / self.px_per_mm,
         )
 
     def clamped(self, x_mm: float, y_mm: float) -> Tuple[float, float, bool]:
         """Return the nearest place in the area, and whether that is the place itself."""
-        x = min(max(x_mm, self.left_mm), self.left_mm + self.width_mm)
-        y = min(max(y_mm, self.bottom_mm), self.bottom_mm + self.height_mm)
+        x = min(max(x_mm, self.area.left_mm), self.area.right_mm)
+        y = min(max(y_mm, self.area.low_mm), self.area.high_mm)
         return x, y, (x, y) == (x_mm, y_mm)
 
 
 def fit(
-    xs_mm: np.ndarray, ys_mm: np.ndarray, screen_px: Tuple[float, float, float, float]
+    xs_mm: np.ndarray,
+    ys_mm: np.ndarray,
+    screen_px: Tuple[float, float, float, float],
+    around: Iterable[Area] = (),
 ) -> MapGeometry:
     """Return the largest drawing of the stops, each with its share of the ground around it.
 
@@ -60,23 +104,38 @@ def fit(
         xs_mm: Columns, evenly spaced.
         ys_mm: Rows, evenly spaced.
         screen_px: Left, top, width and height of the room for it.
+        around: Areas of other surveys that should be seen too, unless the stops would become
+            too small.
     """
-    left_mm, width_mm = _span(xs_mm)
-    bottom_mm, height_mm = _span(ys_mm)
+    own = Area(*_span(xs_mm), *_span(ys_mm))
+    shown = _shown(own, around)
     left_px, top_px, room_width_px, room_height_px = screen_px
-    scale = max(min(room_width_px / width_mm, room_height_px / height_mm), 1e-6)
+    scale = max(min(room_width_px / shown.width_mm, room_height_px / shown.height_mm), 1e-6)
     return MapGeometry(
-        left_mm,
-        bottom_mm,
-        width_mm,
-        height_mm,
-        left_px + (room_width_px - width_mm * scale) / 2.0,
-        top_px + (room_height_px + height_mm * scale) / 2.0,
+        own,
+        left_px
+        + (room_width_px - shown.width_mm * scale) / 2.0
+        + (own.left_mm - shown.left_mm) * scale,
+        top_px
+        + (room_height_px + shown.height_mm * scale) / 2.0
+        - (own.low_mm - shown.low_mm) * scale,
         scale,
     )
+
+
+def _shown(own: Area, around: Iterable[Area]) -> Area:
+    shown = own
+    for one in around:
+        shown = shown.joined(one)
+    if (
+        own.width_mm >= SMALLEST_PART * shown.width_mm
+        and own.height_mm >= SMALLEST_PART * shown.height_mm
+    ):
+        return shown
+    return own.grown(GROUND_AROUND * max(own.width_mm, own.height_mm))
 
 
 def _span(places_mm: np.ndarray) -> Tuple[float, float]:
     spacing_mm = abs(places_mm[1] - places_mm[0])
     lowest_mm, highest_mm = float(places_mm.min()), float(places_mm.max())
-    return lowest_mm - spacing_mm / 2.0, highest_mm - lowest_mm + spacing_mm
+    return lowest_mm - spacing_mm / 2.0, highest_mm + spacing_mm / 2.0

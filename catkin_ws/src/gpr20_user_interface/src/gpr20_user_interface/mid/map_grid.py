@@ -111,6 +111,11 @@ class SurveyGrid:
         row = _nearest(self.ys_mm, y_mm)
         return None if row is None or column is None else Stop(row, column)
 
+    def closest_stop(self, x_mm: float, y_mm: float) -> Stop:
+        """Return the stop that is closest to a place, wherever that is."""
+        column = int(np.argmin(np.abs(self.xs_mm - x_mm)))
+        return Stop(int(np.argmin(np.abs(self.ys_mm - y_mm))), column)
+
     def holds(self, cell: Cell, x_mm: float, y_mm: float, z_deg: float) -> bool:
         """Return whether a place is that of a cell, to half a motor step."""
         planned = (

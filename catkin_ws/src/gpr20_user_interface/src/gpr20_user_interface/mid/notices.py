@@ -47,6 +47,7 @@ class Refused(enum.Enum):
     PROFILE = "profile"
     NOTES = "notes"
     PLAN = "plan"
+    MARKER = "marker"
 
 
 # What was refused, and what to do when its cause is gone.
@@ -75,6 +76,10 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.PLAN: (
         Message("The values of the last survey are not remembered."),
         Message("Next: check all values in CONTROL before START."),
+    ),
+    Refused.MARKER: (
+        Message("The markers of the survey were not changed."),
+        Message("Next: remove the cause, then set or remove the marker again."),
     ),
 }
 _FAULTS = {

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import datetime
 import enum
 from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 
 NO_LIST = Message("During a replay no list of surveys is available.")
+
+
+FOLDER = "%Y%m%dT%H%M"
 
 
 class Verdict(enum.Enum):
@@ -27,6 +31,11 @@ class PastSurvey:
     Attributes:
         verdict: On the coverage; None if there is none.
         problem: Why survey.json cannot be read; None if it can.
+        name: What people call it; empty if it has none.
+        width_mm: Of the area along X; 0 if it is not known.
+        height_mm: Along Y.
+        coverage: Stored share of the traces of each part of the area [%] (rows, columns), X and Y
+            ascending; None if it is not known.
     """
 
     folder: str
@@ -39,14 +48,34 @@ class PastSurvey:
     complete: bool
     simulated: bool
     problem: Optional[Message]
+    name: str = ""
+    width_mm: float = 0.0
+    height_mm: float = 0.0
+    coverage: Optional[Tuple[Tuple[int, ...], ...]] = None
 
-    @property
-    def day_and_time(self) -> str:
-        """When it started [UTC], as "2026-11-21 05:10"; from its folder if it is not recorded."""
-        name = self.folder
-        if len(self.started) >= 16:
-            return self.started[:16].replace("T", " ")
-        return f"{name[0:4]}-{name[4:6]}-{name[6:8]} {name[9:11]}:{name[11:13]}"
+    def local_time(self, zone: Optional[datetime.tzinfo] = None) -> str:
+        """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded.
+
+        Args:
+            zone: In whose time; None: that of this computer.
+        """
+        for text, pattern in ((self.started[:16], "%Y-%m-%dT%H:%M"), (self.folder[:13], FOLDER)):
+            try:
+                started = datetime.datetime.strptime(text, pattern)
+            except ValueError:
+                continue
+            at = started.replace(tzinfo=datetime.timezone.utc).astimezone(zone)
+            return at.strftime("%Y-%m-%d %H:%M")
+        return self.folder
+
+
+def coverage_map(
+    columns: int, rows: int, percent: Sequence[int]
+) -> Optional[Tuple[Tuple[int, ...], ...]]:
+    """Return the map of a coverage, row by row; None if there is none."""
+    if not columns or len(percent) != columns * rows:
+        return None
+    return tuple(tuple(percent[row * columns : (row + 1) * columns]) for row in range(rows))
 
 
 class PastSurveys:
@@ -133,8 +162,8 @@ class PastSurveys:
         """Whether there is something to show."""
         return survey.problem is None and survey.stored_traces > 0
 
-    def can_search(self, survey: PastSurvey) -> bool:
-        """Whether candidates can be searched for: in what is stored, never during a survey."""
+    def can_analyze(self, survey: PastSurvey) -> bool:
+        """Whether it can be searched for candidates or exported: never during a survey."""
         return self.can_open(survey) and not self._running_id and not self.replay
 
     def _change(self, problem: Optional[Message]) -> None:

@@ -17,6 +17,7 @@ EXPECTED_NODES = (
     "main_control",
     "vna_acquisition",
     "vna_processing",
+    "imaging",
     "x_axis/axis_driver",
     "y_axis/axis_driver",
     "z_axis/axis_driver",

@@ -18,6 +18,7 @@ _NODES: Dict[str, Message] = {
     "main_control": Message("Main control"),
     "vna_acquisition": Message("VNA driver"),
     "vna_processing": Message("Storage"),
+    "imaging": Message("Imaging"),
     "x_axis/axis_driver": Message("X axis"),
     "y_axis/axis_driver": Message("Y axis"),
     "z_axis/axis_driver": Message("Z axis"),

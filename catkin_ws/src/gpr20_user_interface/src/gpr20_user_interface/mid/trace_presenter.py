@@ -14,6 +14,7 @@ from gpr20_user_interface.mid.past_surveys import PastSurveys
 from gpr20_user_interface.mid.replay import ReplayView
 from gpr20_user_interface.mid.shown_band import ShownBand, past_band, replay_band
 from gpr20_user_interface.mid.shown_survey import ShownSurvey
+from gpr20_user_interface.mid.survey_additions import AdditionsSource
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_events import (
     ReadingFailed,
@@ -27,7 +28,7 @@ from gpr20_user_interface.mid.trace_events import (
 RETRY_REFRESHES = 80
 
 
-class TraceSource(Protocol):
+class TraceSource(AdditionsSource, Protocol):
     """Requests to the storage, without waiting; the answers come as events."""
 
     def list_surveys(self, before: str) -> None:

@@ -8,6 +8,7 @@ from typing import Optional, Protocol
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import Request
+from gpr20_user_interface.mid.finer_plan import FinerPlan
 from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import Refusal, Snapshot
 from gpr20_user_interface.mid.survey_preview import (
@@ -21,8 +22,16 @@ from gpr20_user_interface.mid.survey_preview import (
 class SurveyControl(Protocol):
     """Requests to the main control, without waiting; the answers come as events."""
 
-    def start_survey(self, parameters: SurveyParameters, annotation: Annotation) -> None:
-        """Ask to accept the parameters and to start."""
+    def start_survey(
+        self, parameters: SurveyParameters, annotation: Annotation, refines: str
+    ) -> None:
+        """Ask to accept the parameters and to start.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey.
+            refines: Id of the survey that this one measures more finely; empty: none.
+        """
 
     def stop_survey(self) -> None:
         """Ask to stop."""
@@ -51,6 +60,7 @@ class WindowPresenter:
     Attributes:
         snapshot: What the window shows now.
         preview: What the survey of the fields will be; None while they are wrong.
+        finer: The finer survey that was put into the fields; None: none.
     """
 
     def __init__(self, model: ShownModel, control: SurveyControl, estimator: CostEstimator) -> None:
@@ -61,6 +71,7 @@ class WindowPresenter:
         self._permittivity = 1.0
         self._resumed = ""
         self.preview: Optional[SurveyPreview] = None
+        self.finer: Optional[FinerPlan] = None
         self.snapshot = model.snapshot()
 
     def on_event(self, event: object) -> Optional[Refusal]:
@@ -118,7 +129,8 @@ class WindowPresenter:
             annotation: What people add to the survey.
         """
         self._model.request_sent(Request.START)
-        self._control.start_survey(parameters, annotation)
+        refines = "" if self.finer is None else self.finer.refined_by(parameters)
+        self._control.start_survey(parameters, annotation, refines)
 
     def stop(self) -> None:
         """Ask to stop the survey."""

@@ -17,7 +17,7 @@ from gpr20_user_interface.views.widgets import new_button, set_look
 
 UNKNOWN = "—"
 DISTANCES = (*(-step for step in reversed(STEPS)), *STEPS)
-PLACE_PX = 140
+PLACE_PX = 110
 
 # Called with an axis, what it is asked for, and a distance.
 Move = Callable[[AxisId, AxisAction, float], None]
@@ -62,11 +62,12 @@ class AxisRows(TranslatedWidget):
         super().__init__()
         self._state: Optional[ServiceState] = None
         self.rows = [AxisRow(axis, move) for axis in AxisId]
-        self._endstop_title, self._jog_title = QLabel(), QLabel()
+        self._place_title, self._endstop_title, self._jog_title = QLabel(), QLabel(), QLabel()
         for title in (self._endstop_title, self._jog_title):
             title.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.addWidget(self._place_title, 0, 0)
         self._grid.addWidget(self._endstop_title, 0, 1)
         self._grid.addWidget(self._jog_title, 0, 2, 1, len(DISTANCES))
         for line, row in enumerate(self.rows, 1):
@@ -103,8 +104,9 @@ class AxisRows(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
+        self._place_title.setText(self.tr("mm (Z: °)"))
         self._endstop_title.setText(self.tr("Endstop"))
-        self._jog_title.setText(self.tr("Move by mm (Z: degrees)"))
+        self._jog_title.setText(self.tr("Move by mm (Z: °)"))
         for row in self.rows:
             row.home.setText(self.tr("HOME"))
             if row.set_zero is not None:
@@ -120,10 +122,10 @@ class AxisRows(TranslatedWidget):
         elif state.coordinate is None:
             place = UNKNOWN
         elif state.axis is AxisId.Z:
-            place = f"{state.coordinate:.1f}°"
+            place = f"{state.coordinate:.1f}"
         else:
-            place = f"{state.coordinate:.2f} mm"
-        row.place.setText(f"{name}  {place}")
+            place = f"{state.coordinate:.2f}"
+        row.place.setText(f"{name} {place}")
         set_look(row.lamp, "lamp", "on" if state.pressed else "off")
         row.lamp.setText(self._lamp_text(state.pressed))
 

@@ -20,15 +20,11 @@ from PyQt5.QtWidgets import (
 
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_user_interface.mid.candidate_list import ShownCandidate
-from gpr20_user_interface.mid.candidate_search import (
-    PERMITTIVITY_RANGE,
-    CandidateSearch,
-    SearchState,
-    check_permittivity,
-)
+from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
 from gpr20_user_interface.views.key_pad import KeyPad
-from gpr20_user_interface.views.look import TOUCH_PX, look_of
+from gpr20_user_interface.views.look import look_of
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
@@ -37,7 +33,9 @@ from gpr20_user_interface.views.widgets import new_button
 MM_PER_M = 1e3
 SMALLEST_ALARM = 1e-6
 NONE = "—"
-LONGEST_REMARK = 400
+LONGEST_REMARK = 220
+# Nothing in a row is touched.
+ROW_PX = 40
 
 
 class CandidatesSheet(Overlay):
@@ -55,6 +53,7 @@ class CandidatesSheet(Overlay):
         super().__init__(window)
         self.search = search
         self._language = language
+        self._shown: object = None
         self.title = QLabel()
         self.title.setObjectName("title")
         self.simulated = QLabel()
@@ -79,39 +78,23 @@ class CandidatesSheet(Overlay):
         self._lay_out()
         self.retranslate()
 
-    def show_survey(self, survey: PastSurvey, data: str) -> None:
-        """Open for a survey.
-
-        Args:
-            survey: The survey.
-            data: Folder of the surveys on the computer of the storage; empty if it is not known.
-        """
-        self.search.choose(survey, data)
+    def show_survey(self, survey: PastSurvey) -> None:
+        """Open for a survey."""
+        self.search.choose(survey)
         self.retranslate()
         self.open()
 
-    def on_event(self, event: object) -> None:
-        """Take the end of the search; other events change nothing."""
-        state = self.search.state
-        self.search.on_event(event)
-        if self.search.state is not state:
-            self._show()
-
-    def refresh(self, survey_runs: bool) -> None:
-        """Show how long the search has been running; end it when a survey begins.
-
-        Args:
-            survey_runs: Whether a survey is running.
-        """
-        before = self.search.state, self.search.problem, self.search.can_start
-        self.search.set_survey_runs(survey_runs)
-        after = self.search.state, self.search.problem, self.search.can_start
-        if before != after or self.search.state is SearchState.RUNNING:
+    def refresh(self) -> None:
+        """Show the search if it has changed, and how long it has been running."""
+        search = self.search
+        state = search.state, search.problem, search.can_start, int(search.running_s)
+        if state != self._shown:
+            self._shown = state
             self._show()
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(TOUCH_PX))
+        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(ROW_PX))
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""

@@ -79,7 +79,8 @@ class DoctorList(TranslatedWidget):
 
     @staticmethod
     def _show(finding: Finding, level: QLabel, text: QLabel) -> None:
-        level.setText(shown_text(level_title(finding.level)))
+        # First: the width of the text counts with the padding of its look.
         set_look(level, "level", LOOKS[finding.level])
+        level.setText(shown_text(level_title(finding.level)))
         lines = [finding.text] if finding.remedy is None else [finding.text, finding.remedy]
         text.setText("\n".join(map(shown_text, lines)))

@@ -45,6 +45,8 @@ class HoldButton(QPushButton):
 
     def tick(self) -> None:
         """Look at the clock; act if the button was held long enough."""
+        if not self._hold.active:
+            return
         if not self._is_seen():
             # Something has opened over it under the finger.
             self._cancel()

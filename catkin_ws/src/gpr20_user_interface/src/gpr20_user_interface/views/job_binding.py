@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
-from PyQt5.QtCore import QTimer
+from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QStackedWidget, QWidget
 
 from gpr20_common.low.clock import Clock
+from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.fault_messages import FaultWatch, is_fault
 from gpr20_user_interface.mid.job import JobScreen
 from gpr20_user_interface.mid.message_source import Received
@@ -20,8 +21,8 @@ from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.job_view import JobView
-from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.stop_warning_view import StopWarningView
+from gpr20_user_interface.views.survey_binding import SurveyBinding
 from gpr20_user_interface.views.top_bar import TopBar
 
 
@@ -34,7 +35,7 @@ class JobBinding(Binding):
         traces: The traces, for the small map.
         top_bar: State, PAUSE and STOP.
         pages: Of CONTROL: the plan, then the job.
-        notice: The cards.
+        dialogs: Shows the cards.
 
     Attributes:
         view: The job screen.
@@ -48,12 +49,12 @@ class JobBinding(Binding):
         traces: TracePresenter,
         top_bar: TopBar,
         pages: QStackedWidget,
-        notice: NoticeView,
+        dialogs: SurveyBinding,
     ) -> None:
         self._survey = survey
         self._traces = traces
         self._pages = pages
-        self._notice = notice
+        self._dialogs = dialogs
         self._screen = JobScreen()
         self._faults = FaultWatch()
         self._stop = StopConfirmation(Clock())
@@ -63,7 +64,8 @@ class JobBinding(Binding):
         self._job_page = pages.addWidget(self.view)
         self._answer_due = QTimer(window)
         self._answer_due.setSingleShot(True)
-        self._answer_due.setInterval(math.ceil(ANSWER_S * 1000.0))
+        self._answer_due.setTimerType(Qt.TimerType.PreciseTimer)
+        self._answer_due.setInterval(math.ceil(ANSWER_S * 1000.0) + 1)
         self._answer_due.timeout.connect(self._show_stop)
         self.view.plan_pressed.connect(self._on_plan)
         self.view.fault_pressed.connect(self._show_state)
@@ -74,6 +76,8 @@ class JobBinding(Binding):
     def on_event(self, event: object) -> None:
         """Follow what is known of a STOP, and the name of the survey."""
         self._stop.on_event(event)
+        if isinstance(event, Answer):
+            self._show_stop()
         content = event.event if isinstance(event, Received) else event
         if isinstance(content, SurveyDescribed) and self._survey.is_shown(event):
             self.view.set_name(survey_name(content.text))
@@ -98,21 +102,18 @@ class JobBinding(Binding):
             self.view.map.set_model(self._traces.live.map)
 
     def _note_fault(self, snapshot: Snapshot) -> None:
-        before = self._notice.notice if self._notice.isVisible() else None
         state = self._faults.note(snapshot.state)
         if state is not None:
-            card = fault_notice(state)
-            # A START or RESUME that failed has told the same reason already.
-            if before is None or before.text != card.text:
-                self._notice.show_notice(card)
-        elif before is not None and before.resumable and not snapshot.paused:
-            self._notice.hide()
+            self._dialogs.show_fault(fault_notice(state))
+        elif not snapshot.paused:
+            self._dialogs.hide_resumable()
 
     def _show_state(self) -> None:
         state = self._survey.snapshot.state
         if state is None or self._survey.snapshot.replay is not None:
             return
-        self._notice.show_notice(fault_notice(state) if is_fault(state) else state_notice(state))
+        notice = fault_notice(state) if is_fault(state) else state_notice(state)
+        self._dialogs.notice.show_notice(notice)
 
     def _on_plan(self) -> None:
         self._screen.leave(self._survey.snapshot)

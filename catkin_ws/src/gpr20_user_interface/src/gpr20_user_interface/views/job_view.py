@@ -7,6 +7,7 @@ from typing import Optional
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
+from gpr20_user_interface.mid.additions_presenter import NoAdditions
 from gpr20_user_interface.mid.job import area_of, job_of
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -18,7 +19,7 @@ from gpr20_user_interface.views.state_band import StateBand, StateSign
 from gpr20_user_interface.views.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.views.widgets import new_button
 
-BAND_PX = 84
+BAND_PX = 72
 UNKNOWN = "—"
 
 
@@ -46,7 +47,7 @@ class JobView(TranslatedWidget):
         self.line.setObjectName("figure")
         self.area = ElidedLabel()
         self.message = LinesLabel()
-        self.map = MapCanvas(model)
+        self.map = MapCanvas(model, NoAdditions())
         self.map.setMinimumSize(1, 1)
         self.map.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.plan = new_button(self.plan_pressed.emit)
@@ -92,6 +93,7 @@ class JobView(TranslatedWidget):
         self.left.setVisible(job.left is not None)
         self.percent.setText(UNKNOWN if job.percent is None else f"{job.percent} %")
         self.line.setText("" if job.line is None else shown_text(job.line))
+        self.line.setVisible(job.line is not None)
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.show_text(", ".join(text for text in (self._name, area) if text))

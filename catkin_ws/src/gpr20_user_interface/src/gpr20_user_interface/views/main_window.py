@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import enum
 from dataclasses import replace
-from typing import Callable, Dict, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
 
 from gpr20_common.low.clock import Clock
-from gpr20_user_interface.mid.candidate_search import CandidateSearch
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.events import Answer
-from gpr20_user_interface.mid.plan_memory import PlanMemory
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.service_model import ServiceModel
-from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.window_presenter import WindowPresenter
+from gpr20_user_interface.mid.presenters import Presenters
+from gpr20_user_interface.mid.window_settings import WindowMemory
 from gpr20_user_interface.views.band_page import BandPage
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.control_binding import ControlBinding
 from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.imaging_binding import ImagingBinding
 from gpr20_user_interface.views.job_binding import JobBinding
 from gpr20_user_interface.views.look import (
     DESIGN_HEIGHT_PX,
@@ -31,11 +30,14 @@ from gpr20_user_interface.views.look import (
     Look,
     scale_for,
 )
+from gpr20_user_interface.views.map_binding import MapBinding
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.radar_binding import RadarBinding
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.service_binding import ServiceBinding
 from gpr20_user_interface.views.service_view import ServiceView
+from gpr20_user_interface.views.settings_binding import SettingsBinding
 from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.status_view import StatusView
 from gpr20_user_interface.views.style_sheet import style_sheet
@@ -45,7 +47,6 @@ from gpr20_user_interface.views.top_bar import TopBar
 from gpr20_user_interface.views.touch_binding import TouchBinding
 from gpr20_user_interface.views.traces_binding import TracesBinding
 from gpr20_user_interface.views.translation import Languages, TranslatedWidget
-from gpr20_user_interface.views.widgets import new_button
 
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
@@ -71,15 +72,10 @@ class MainWindow(TranslatedWidget):
     """Shows what its presenters hold and passes the operator's requests to them.
 
     Args:
-        survey: The survey that runs, and the requests to the main control.
-        traces: The traces, and the requests to the storage.
-        profiles: Parameters that are stored under a name.
+        presenters: What it shows and asks through.
         languages: Languages of the window.
-        search: The search for candidates in a stored survey.
-        memory: What the operator planned last.
-        service: Maintenance of the robot.
-        look: Theme of the window; the scale follows its size.
-        clock: Measures how long a button is held, and the time after something has opened.
+        memory: What the operator has chosen for the window; None: the defaults.
+        clock: Measures how long a button is held, and the time after a touch and a change.
 
     Attributes:
         look: Theme and scale now.
@@ -87,31 +83,29 @@ class MainWindow(TranslatedWidget):
 
     def __init__(
         self,
-        survey: WindowPresenter,
-        traces: TracePresenter,
-        profiles: Profiles,
+        presenters: Presenters,
         languages: Languages,
-        search: CandidateSearch,
-        memory: PlanMemory,
-        service: ServiceModel,
-        look: Look = Look(),  # noqa: B008 (it is immutable)
+        memory: Optional[WindowMemory] = None,
         clock: Clock = Clock(),  # noqa: B008 (it has no state)
     ) -> None:
         super().__init__()
-        self.look = look
+        memory = memory or WindowMemory()
+        self.look = Look(memory.settings.theme)
+        survey, traces = presenters.survey, presenters.traces
         self.survey = survey
         self.traces = traces
-        self._languages = languages
         self.top_bar = TopBar()
         self.tabs = QTabWidget()
         self.control = ControlView()
         self.status = StatusView()
-        self.map = MapView(traces.shown.map, traces.shown.radar)
+        self.additions = AdditionsPresenter(
+            traces.source, lambda: self.control_binding.next_annotation.value.operator
+        )
+        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
         self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = PastSurveysView(traces.past)
         self.service = ServiceView()
-        self.language_button = new_button(languages.use_next)
         # Planning a survey, or the job while there is one.
         self.control_pages = QStackedWidget()
         self.control_pages.addWidget(self.control)
@@ -130,41 +124,66 @@ class MainWindow(TranslatedWidget):
             self, survey, self.top_bar, self.status, self.start_sheet
         )
         self.job_binding = JobBinding(
-            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding.notice
+            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(
-            self,
-            survey,
-            self.control,
-            profiles,
-            memory,
-            traces.source,
-            self.survey_binding.show_refusal,
-            self.start_sheet,
+            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
+            *(self.survey_binding.show_refusal, self.start_sheet),
         )
         self.surveys_binding = SurveysBinding(
-            self, survey, self.past, traces, self.start_sheet, search, languages
+            self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
         )
         self.job.notes_pressed.connect(self.control_binding.show_notes)
+        self.map_binding = MapBinding(
+            self,
+            survey,
+            traces,
+            self.additions,
+            self.map,
+            self._use_parameters,
+            self.survey_binding.show_refusal,
+        )
+        self.radar_binding = RadarBinding(
+            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
+        )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
         self.values = self.control_binding.values
-        self.memory = memory
+        self.plans = presenters.plans
+        self.stop_warning = self.job_binding.stop_warning
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
+        self.export = self.surveys_binding.export
+        self.settings = SettingsBinding(
+            *(self, self.top_bar.stop, (self.notice, self.question), languages),
+            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+        )
         # The traces first: the others show what they have.
+        self._imaging = presenters.imaging
         self._bindings: Tuple[Binding, ...] = (
+            ImagingBinding(
+                traces,
+                presenters.imaging,
+                lambda: self.map.isVisible() or self.radar.isVisible(),
+                lambda: self.radar.presenter.settings.permittivity,
+            ),
             TracesBinding(
                 survey, traces, self.map_page, self.radar_page, lambda: self.show_tab(TabName.RADAR)
             ),
             self.survey_binding,
             self.job_binding,
+            self.map_binding,
             self.control_binding,
             self.surveys_binding,
+            self.radar_binding,
+            self.settings,
             ServiceBinding(
-                survey, service, self.service, lambda: self.tabs.currentWidget() is self.service
+                survey,
+                presenters.service,
+                self.service,
+                lambda: self.tabs.currentWidget() is self.service,
             ),
         )
         self._timers = [
@@ -193,7 +212,7 @@ class MainWindow(TranslatedWidget):
         for timer in self._timers:
             timer.stop()
         self.survey.end()
-        self.candidates.search.close()
+        self._imaging.end()
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
@@ -217,6 +236,11 @@ class MainWindow(TranslatedWidget):
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""
         self.tabs.setCurrentWidget(self._pages[name])
+
+    def _use_parameters(self, parameters: SurveyParameters) -> None:
+        """Put the parameters of a plan into CONTROL, and bring it to the front."""
+        self.control.show_parameters(parameters)
+        self.show_tab(TabName.CONTROL)
 
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
@@ -243,15 +267,13 @@ class MainWindow(TranslatedWidget):
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
-        # The language that a touch changes to, by its own name.
-        self.language_button.setText(self._languages.language.next.own_name)
 
     def _lay_out(self) -> None:
         for page in self._pages.values():
             self.tabs.addTab(page, "")
         self.corner.setContentsMargins(0, 0, 0, 0)
         self.corner.setSpacing(GAP_PX)
-        self.corner.addWidget(self.language_button)
+        self.corner.addWidget(self.settings.button)
         corner = QWidget()
         corner.setLayout(self.corner)
         self.tabs.setCornerWidget(corner)

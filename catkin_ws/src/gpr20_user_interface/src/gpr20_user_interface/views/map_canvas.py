@@ -2,51 +2,72 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional, Tuple
+from typing import Optional, Tuple, Union
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontMetrics, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
 from PyQt5.QtWidgets import QSizePolicy
 
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter, NoAdditions
+from gpr20_user_interface.mid.finer_plan import FinerPlan
 from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.map_geometry import MapGeometry, fit
-from gpr20_user_interface.mid.map_grid import Stop
+from gpr20_user_interface.mid.map_geometry import Area, MapGeometry, fit
 from gpr20_user_interface.mid.map_model import MapModel
-from gpr20_user_interface.views.look import look_of
+from gpr20_user_interface.mid.map_patterns import Ink, StopPattern
+from gpr20_user_interface.mid.map_selection import Selection
+from gpr20_user_interface.views.look import Look, look_of
+from gpr20_user_interface.views.map_marks import MarkPainter
 from gpr20_user_interface.views.palette import Mark
 from gpr20_user_interface.views.translation import TranslatedWidget
 
-MARGIN_LEFT_PX, MARGIN_BOTTOM_PX, MARGIN_PX = 44, 22, 10
-# Smaller stops are drawn without lines between them.
-SMALLEST_WITH_LINES_PX = 7.0
-SMALLEST_MARK_PX = 12.0
+GAP_PX = 6
+# How far from a ring or a flag a finger may be.
+REACH_PX = 24
 # Single stops that are not done must not be overlooked among thousands.
 MAX_RINGS = 60
-RING_PX = 9.0
 
-STOP_MARKS: Dict[StopState, Mark] = {
-    StopState.MISSING: Mark.STOP_MISSING,
-    StopState.PARTLY: Mark.STOP_PARTLY,
-    StopState.DONE: Mark.STOP_DONE,
-    StopState.FAILED: Mark.STOP_FAILED,
+INKS = {
+    Ink.PAPER: Mark.PAPER,
+    Ink.GRID: Mark.GRID,
+    Ink.MISSING: Mark.STOP_MISSING,
+    Ink.PARTLY: Mark.STOP_PARTLY,
+    Ink.DONE: Mark.STOP_DONE,
+    Ink.FAILED: Mark.STOP_FAILED,
 }
 
 
+def stops_image(pattern: StopPattern, states: np.ndarray, look: Look) -> QImage:
+    """Return a drawing of stops.
+
+    Args:
+        pattern: Shape and size of the drawing.
+        states: StopState of each stop, the uppermost row first.
+        look: The colours.
+    """
+    colours = np.array([QColor(look.colour(INKS[ink])).rgb() for ink in Ink], np.uint32)
+    pixels = colours.take(pattern.inks(states))
+    height, width = pixels.shape
+    image = QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_RGB32)
+    return image.copy()  # its own memory
+
+
 class MapCanvas(TranslatedWidget):
-    """Draws a MapModel to scale; a touch chooses the nearest stop."""
+    """Draws a MapModel to scale, with what belongs to the survey; a touch chooses a place."""
 
-    # Carries the Stop.
-    stop_touched = pyqtSignal(object)
+    # A place that was touched, X and Y, and how far from it a mark may be: all in mm.
+    touched = pyqtSignal(float, float, float)
 
-    def __init__(self, model: MapModel) -> None:
+    def __init__(self, model: MapModel, additions: Union[AdditionsPresenter, NoAdditions]) -> None:
         super().__init__()
         self._model = model
+        self._additions = additions
         self._carriage_mm: Optional[Tuple[float, float]] = None
-        self._selected: Optional[Stop] = None
+        self._selected: Optional[Selection] = None
+        self._pattern: Optional[StopPattern] = None
+        self._pattern_of: object = None
         self._picture: Optional[QImage] = None
-        self._picture_of: Tuple[Optional[MapModel], int] = (None, -1)
-        self.setMinimumSize(200, 200)
+        self._picture_of: object = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
     @property
@@ -55,9 +76,14 @@ class MapCanvas(TranslatedWidget):
         grid = self._model.grid
         if grid is None:
             return None
-        width = max(1, self.width() - MARGIN_LEFT_PX - MARGIN_PX)
-        height = max(1, self.height() - MARGIN_BOTTOM_PX - MARGIN_PX)
-        return fit(grid.xs_mm, grid.ys_mm, (MARGIN_LEFT_PX, MARGIN_PX, width, height))
+        metrics = QFontMetrics(self.font())
+        gap = look_of(self).px(GAP_PX)
+        left = metrics.horizontalAdvance("0000") + 2 * gap
+        bottom = metrics.height() * (2 if self._shows_candidates else 1) + 2 * gap
+        width = max(1, self.width() - left - metrics.horizontalAdvance("00"))
+        height = max(1, self.height() - bottom - gap)
+        around = [one.area for one in self._additions.related]
+        return fit(grid.xs_mm, grid.ys_mm, (left, gap, width, height), around)
 
     def set_model(self, model: MapModel) -> None:
         """Draw another survey."""
@@ -70,9 +96,9 @@ class MapCanvas(TranslatedWidget):
             self._carriage_mm = place_mm
             self.update()
 
-    def set_selected(self, stop: Optional[Stop]) -> None:
-        """Mark the stop that the operator looks at."""
-        self._selected = stop
+    def set_selected(self, selected: Optional[Selection]) -> None:
+        """Mark the place that the operator looks at."""
+        self._selected = selected
         self.update()
 
     def retranslate(self) -> None:
@@ -81,25 +107,22 @@ class MapCanvas(TranslatedWidget):
 
     def restyle(self) -> None:
         """Draw in the colours of the theme."""
-        self._picture_of = (None, -1)
         self.update()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
-        """Choose the stop below the finger."""
-        geometry, grid = self.geometry_now, self._model.grid
-        if geometry is None or grid is None:
+        """Choose the place below the finger."""
+        geometry = self.geometry_now
+        if geometry is None:
             return
         x_mm, y_mm = geometry.to_ground(event.localPos().x(), event.localPos().y())
-        inside_x, inside_y, _is_inside = geometry.clamped(x_mm, y_mm)
-        stop = grid.nearest_stop(inside_x, inside_y)
-        if stop is not None:
-            self.stop_touched.emit(stop)
+        self.touched.emit(x_mm, y_mm, look_of(self).px(REACH_PX) / geometry.px_per_mm)
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
         """Draw everything."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), self._ink(Mark.PAPER))
         geometry = self.geometry_now
+        painter.setPen(self._ink(Mark.INK))
         if geometry is None:
             painter.drawText(
                 self.rect(),
@@ -107,132 +130,117 @@ class MapCanvas(TranslatedWidget):
                 self.tr("No survey yet: the map appears when one starts."),
             )
             return
-        self._draw_stops(painter, geometry)
-        self._draw_axes(painter, geometry)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        self._draw_rings(painter, geometry)
-        self._outline(painter, geometry, self._model.current, Mark.CURRENT, Mark.INK)
-        self._outline(painter, geometry, self._selected, Mark.SELECTED, Mark.PAPER)
-        self._draw_carriage(painter, geometry)
+        area = _pixels_of(geometry)
+        self._draw_stops(painter, area)
+        self._draw_axes(painter, geometry, area)
+        self._draw_marks(MarkPainter(painter, geometry, look_of(self)))
 
-    def _draw_stops(self, painter: QPainter, geometry: MapGeometry) -> None:
-        area = self._area(geometry)
-        picture = self._stop_picture()
-        if picture is None:
-            painter.fillRect(area, self._ink(Mark.STOP_MISSING))
-        else:
-            painter.drawImage(area, picture)
-        grid = self._model.grid
-        if grid is None:
-            return
-        rows, columns = grid.shape
-        cell_px = min(area.width() / columns, area.height() / rows)
-        painter.setPen(QPen(self._ink(Mark.PAPER), 1))
-        if cell_px >= SMALLEST_WITH_LINES_PX:
-            for column in range(1, columns):
-                x = area.left() + area.width() * column / columns
-                painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
-            for row in range(1, rows):
-                y = area.top() + area.height() * row / rows
-                painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
+    def _draw_stops(self, painter: QPainter, area: QRectF) -> None:
+        size = max(1, round(area.width())), max(1, round(area.height()))
+        picture = self._stop_picture(size)
+        if picture is not None:
+            painter.drawImage(QPointF(round(area.left()), round(area.top())), picture)
         painter.setPen(QPen(self._ink(Mark.BORDER), 1))
-        painter.drawRect(area)
+        painter.drawRect(round(area.left()), round(area.top()), *size)
 
-    def _stop_picture(self) -> Optional[QImage]:
-        """Return one pixel per stop, the highest Y first; made again only after a change."""
-        state = (self._model, self._model.revision)
-        if self._picture_of != state:
-            self._picture_of = state
-            self._picture = self._new_picture()
-        return self._picture
-
-    def _new_picture(self) -> Optional[QImage]:
-        states, grid = self._model.stop_states, self._model.grid
+    def _stop_picture(self, size_px: Tuple[int, int]) -> Optional[QImage]:
+        """Return the stops; drawn again only after a change."""
+        model, look = self._model, look_of(self)
+        states, grid = model.stop_states, model.grid
         if states is None or grid is None:
             return None
-        upwards = grid.ys_mm[0] <= grid.ys_mm[-1]
-        rightwards = grid.xs_mm[0] <= grid.xs_mm[-1]
-        shown = states[:: -1 if upwards else 1, :: 1 if rightwards else -1]
-        colours = np.array([self._ink(STOP_MARKS[state]).rgb() for state in StopState], np.uint32)
-        pixels = np.ascontiguousarray(colours[shown])
-        rows, columns = pixels.shape
-        image = QImage(pixels.tobytes(), columns, rows, 4 * columns, QImage.Format.Format_RGB32)
-        return image.copy()  # its own memory
+        if self._pattern is None or self._pattern_of != (grid.shape, size_px):
+            self._pattern_of = (grid.shape, size_px)
+            self._pattern = StopPattern(grid.shape, size_px)
+            self._picture = None
+        if self._picture is None or self._picture_of != (model, model.revision, look):
+            self._picture_of = (model, model.revision, look)
+            upwards = grid.ys_mm[0] <= grid.ys_mm[-1]
+            rightwards = grid.xs_mm[0] <= grid.xs_mm[-1]
+            shown = states[:: -1 if upwards else 1, :: 1 if rightwards else -1]
+            self._picture = stops_image(self._pattern, shown, look)
+        return self._picture
 
-    def _draw_axes(self, painter: QPainter, geometry: MapGeometry) -> None:
+    def _draw_axes(self, painter: QPainter, geometry: MapGeometry, area: QRectF) -> None:
         grid = self._model.grid
         if grid is None:
             return
-        area = self._area(geometry)
         metrics = QFontMetrics(painter.font())
+        gap = look_of(self).px(GAP_PX) / 2.0
+        below = area.bottom() + metrics.ascent() + gap
         painter.setPen(self._ink(Mark.INK))
-        for x_mm in (float(grid.xs_mm.min()), float(grid.xs_mm.max())):
-            text = f"{x_mm:g}"
+        ends = (float(grid.xs_mm.min()), float(grid.xs_mm.max()))
+        for x_mm in ends:
+            text = f"{x_mm:.5g}"
             x_px = geometry.to_screen(x_mm, 0.0)[0] - metrics.horizontalAdvance(text) / 2.0
-            painter.drawText(QPointF(x_px, area.bottom() + metrics.ascent() + 2.0), text)
-        for y_mm in (float(grid.ys_mm.min()), float(grid.ys_mm.max())):
-            text = f"{y_mm:g}"
+            painter.drawText(QPointF(min(x_px, self.width() - metrics.horizontalAdvance(text)),
+                                     below), text)  # fmt: skip
+        title = self.tr("X mm")
+        middle = area.center().x() - metrics.horizontalAdvance(title) / 2.0
+        painter.drawText(QPointF(middle, below), title)
+        names = [(float(one), f"{one:.5g}") for one in (grid.ys_mm.min(), grid.ys_mm.max())]
+        for y_mm, text in [*names, (float(np.mean([y for y, _text in names])), self.tr("Y mm"))]:
             y_px = geometry.to_screen(0.0, y_mm)[1] + metrics.ascent() / 2.0
-            x_px = area.left() - metrics.horizontalAdvance(text) - 4.0
-            painter.drawText(QPointF(x_px, y_px), text)
-        middle = QPointF(area.center().x() - 20.0, area.bottom() + metrics.ascent() + 2.0)
-        painter.drawText(middle, self.tr("X mm"))
-        title = self.tr("Y mm")
-        left = area.left() - metrics.horizontalAdvance(title) - 4.0
-        painter.drawText(QPointF(left, area.center().y()), title)
+            x_px = area.left() - metrics.horizontalAdvance(text) - gap
+            painter.drawText(QPointF(max(x_px, 0.0), y_px), text)
+        if self._shows_candidates:
+            rest = QRectF(0.0, below + metrics.descent(), self.width(), metrics.height())
+            place = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
+            painter.drawText(rest, place, self.tr("No echo does not mean no mine."))
 
-    def _draw_rings(self, painter: QPainter, geometry: MapGeometry) -> None:
-        """Ring the stops that failed, so that one among thousands is seen."""
-        states, grid = self._model.stop_states, self._model.grid
-        if states is None or grid is None:
+    def _draw_marks(self, marks: MarkPainter) -> None:
+        grid, states = self._model.grid, self._model.stop_states
+        if grid is None:
             return
-        rows, columns = np.nonzero(states == StopState.FAILED)
-        painter.setPen(QPen(self._ink(Mark.STOP_FAILED), 2.5))
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        for row, column in list(zip(rows, columns))[:MAX_RINGS]:
-            centre = geometry.to_screen(grid.xs_mm[column], grid.ys_mm[row])
-            painter.drawEllipse(QPointF(*centre), RING_PX, RING_PX)
+        spacing_mm = (
+            float(abs(grid.xs_mm[1] - grid.xs_mm[0])),
+            float(abs(grid.ys_mm[1] - grid.ys_mm[0])),
+        )
+        if states is not None:
+            failed = np.argwhere(states == StopState.FAILED)[:MAX_RINGS]
+            for row, column in failed:
+                marks.failed((grid.xs_mm[column], grid.ys_mm[row]))
+        for one in self._additions.related:
+            marks.area(one.area, Mark.INK, dashed=False)
+        plan = self._additions.plan
+        if plan is not None and plan.refines == grid.survey_id:
+            marks.area(_area_of(plan), Mark.CURRENT, dashed=True)
+        current = self._model.current
+        if current is not None:
+            place_mm = grid.xs_mm[current.column], grid.ys_mm[current.row]
+            marks.stop(place_mm, spacing_mm, Mark.CURRENT)
+        if self._selected is not None and self._selected.mark is None:
+            place_mm = self._selected.x_mm, self._selected.y_mm
+            marks.stop(place_mm, spacing_mm, Mark.SELECTED)
+        self._draw_found(marks)
+        if self._carriage_mm is not None:
+            marks.carriage(self._carriage_mm)
 
-    def _outline(
-        self,
-        painter: QPainter,
-        geometry: MapGeometry,
-        stop: Optional[Stop],
-        colour: Mark,
-        border: Mark,
-    ) -> None:
-        grid = self._model.grid
-        if stop is None or grid is None:
-            return
-        rows, columns = grid.shape
-        x_px, y_px = geometry.to_screen(grid.xs_mm[stop.column], grid.ys_mm[stop.row])
-        area = self._area(geometry)
-        width = max(area.width() / columns, SMALLEST_MARK_PX)
-        height = max(area.height() / rows, SMALLEST_MARK_PX)
-        mark = QRectF(x_px - width / 2.0, y_px - height / 2.0, width, height)
-        for pen in (QPen(self._ink(border), 5.0), QPen(self._ink(colour), 3.0)):
-            painter.setPen(pen)
-            painter.drawRect(mark)
+    def _draw_found(self, marks: MarkPainter) -> None:
+        """Draw candidates and markers, those that are selected last."""
+        chosen = None if self._selected is None else self._selected.mark
+        # The brightest candidates are the first ones, and lie on top.
+        for candidate in sorted(
+            self._additions.candidates, key=lambda one: (one == chosen, -one.number)
+        ):
+            place_mm = candidate.x_mm, candidate.y_mm
+            marks.candidate(place_mm, candidate.number, candidate.doubtful, candidate == chosen)
+        for marker in sorted(self._additions.markers, key=lambda one: one == chosen):
+            marks.marker((marker.x_mm, marker.y_mm), marker == chosen)
 
-    def _draw_carriage(self, painter: QPainter, geometry: MapGeometry) -> None:
-        """Draw a cross where the antennas are; at the edge, hollow, if they are off the area."""
-        if self._carriage_mm is None:
-            return
-        x_mm, y_mm, is_inside = geometry.clamped(*self._carriage_mm)
-        x_px, y_px = geometry.to_screen(x_mm, y_mm)
-        for pen in (QPen(self._ink(Mark.PAPER), 5.0), QPen(self._ink(Mark.CARRIAGE), 2.0)):
-            painter.setPen(pen)
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawEllipse(QPointF(x_px, y_px), 7.0, 7.0)
-            if is_inside:
-                painter.drawLine(QPointF(x_px - 12.0, y_px), QPointF(x_px + 12.0, y_px))
-                painter.drawLine(QPointF(x_px, y_px - 12.0), QPointF(x_px, y_px + 12.0))
+    @property
+    def _shows_candidates(self) -> bool:
+        return self._additions.image is not None
 
     def _ink(self, mark: Mark) -> QColor:
         return QColor(look_of(self).colour(mark))
 
-    @staticmethod
-    def _area(geometry: MapGeometry) -> QRectF:
-        width = geometry.width_mm * geometry.px_per_mm
-        height = geometry.height_mm * geometry.px_per_mm
-        return QRectF(geometry.left_px, geometry.bottom_px - height, width, height)
+
+def _pixels_of(geometry: MapGeometry) -> QRectF:
+    left, top = geometry.to_screen(geometry.area.left_mm, geometry.area.high_mm)
+    right, bottom = geometry.to_screen(geometry.area.right_mm, geometry.area.low_mm)
+    return QRectF(left, top, right - left, bottom - top)
+
+
+def _area_of(plan: FinerPlan) -> Area:
+    return Area(*plan.x_range_mm, *plan.y_range_mm)

@@ -6,17 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, NamedTuple
 
-
-class Theme(enum.Enum):
-    """Where the window is read: in sunlight, or in the dark without dazzling."""
-
-    SUN = "sun"
-    NIGHT = "night"
-
-    @property
-    def next(self) -> Theme:
-        """The other theme."""
-        return Theme.NIGHT if self is Theme.SUN else Theme.SUN
+from gpr20_user_interface.mid.window_settings import Theme
 
 
 class ColourPair(NamedTuple):
@@ -119,9 +109,9 @@ _SUN = Palette(
         Mark.INK: "#111111",
         Mark.BORDER: "#555555",
         Mark.GRID: "#777777",
-        Mark.STOP_MISSING: "#909090",
-        Mark.STOP_PARTLY: "#5b8fc7",
-        Mark.STOP_DONE: "#1f4e8c",
+        Mark.STOP_MISSING: "#777777",
+        Mark.STOP_PARTLY: "#4a90d9",
+        Mark.STOP_DONE: "#10336a",
         Mark.STOP_FAILED: "#c94200",
         Mark.CURRENT: "#8a6d00",
         Mark.CARRIAGE: "#000000",
@@ -164,9 +154,9 @@ _NIGHT = Palette(
         Mark.INK: "#e6e6e6",
         Mark.BORDER: "#8a949e",
         Mark.GRID: "#707a84",
-        Mark.STOP_MISSING: "#6b747c",
-        Mark.STOP_PARTLY: "#5f95cc",
-        Mark.STOP_DONE: "#b8dcff",
+        Mark.STOP_MISSING: "#8a949e",
+        Mark.STOP_PARTLY: "#46739f",
+        Mark.STOP_DONE: "#c4e2ff",
         Mark.STOP_FAILED: "#ff7a33",
         Mark.CURRENT: "#ffd400",
         Mark.CARRIAGE: "#ffffff",

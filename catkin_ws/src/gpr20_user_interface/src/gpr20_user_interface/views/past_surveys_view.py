@@ -1,11 +1,11 @@
-"""The list of past surveys: how each ended; resume one, look at one."""
+"""The list of past surveys: how each ended; look at one, resume, search or export it."""
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Dict, Optional, Tuple
 
-from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtGui import QShowEvent
+from PyQt5.QtCore import QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QIcon, QShowEvent
 from PyQt5.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
@@ -17,11 +17,18 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
-from gpr20_user_interface.views.look import TOUCH_PX, look_of
+from gpr20_user_interface.views.coverage_icon import coverage_icon
+from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.views.widgets import new_button
 
-WHEN, VERDICT, TRACES = range(3)
+MAP, WHAT, AREA, VERDICT = range(4)
+ROW_PX = 64
+MAP_PX = 56
+BUTTONS_PX = 150
+LONGEST_NAME = 24
+LONGEST_SENTENCE = 160
+MOST_ICONS = 500
 
 
 class PastSurveysView(TranslatedWidget):
@@ -35,23 +42,26 @@ class PastSurveysView(TranslatedWidget):
     notes_requested = pyqtSignal(str)
     # A PastSurvey.
     candidates_requested = pyqtSignal(object)
+    export_requested = pyqtSignal(object)
 
     def __init__(self, surveys: PastSurveys) -> None:
         super().__init__()
         self._surveys = surveys
         self._revision = -1
+        self._asked_before: Optional[str] = None
         # As in the rows of the table.
         self._shown: Tuple[PastSurvey, ...] = ()
-        self.table = QTableWidget(0, 3)
+        self._icons: Dict[object, QIcon] = {}
+        self.table = QTableWidget(0, 4)
         self.details = QLabel()
         self.open = new_button(self._on_open)
-        self.resume = new_button(self._on_resume)
         self.notes = new_button(self._on_notes)
         self.candidates = new_button(self._on_candidates)
-        self.older = new_button(lambda: self.page_requested.emit(self._surveys.next_before))
-        self.again = new_button(lambda: self.page_requested.emit(""))
+        self.export = new_button(self._on_export)
+        self.resume = new_button(self._on_resume)
         self._lay_out()
         self.table.itemSelectionChanged.connect(self._show_choice)
+        self.table.verticalScrollBar().valueChanged.connect(lambda _: self._read_older())
         self.retranslate()
 
     @property
@@ -70,8 +80,18 @@ class PastSurveysView(TranslatedWidget):
 
     def _ask_again(self) -> None:
         self._surveys.outdated = False
+        self._asked_before = None
         if not self._surveys.replay:
             self.page_requested.emit("")
+
+    def _read_older(self) -> None:
+        """Request the next page when the end of the list comes near."""
+        bar, before = self.table.verticalScrollBar(), self._surveys.next_before
+        near = bar.value() >= bar.maximum() - bar.pageStep()
+        wanted = near and self._surveys.more and not self._surveys.replay
+        if wanted and self.isVisible() and before != self._asked_before:
+            self._asked_before = before
+            self.page_requested.emit(before)
 
     def _show_list(self) -> None:
         # The choice stays, wherever its survey is in the new list.
@@ -83,48 +103,80 @@ class PastSurveysView(TranslatedWidget):
             if chosen is not None and survey.folder == chosen.folder:
                 self.table.selectRow(row)
         self._show_choice()
+        self._read_older()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
         """Request the list whenever the tab is opened."""
         super().showEvent(event)
         self._ask_again()
 
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look."""
+        look = look_of(self)
+        table = self.table
+        table.verticalHeader().setDefaultSectionSize(look.px(ROW_PX))
+        table.setIconSize(QSize(look.px(MAP_PX), look.px(MAP_PX)))
+        header = table.horizontalHeader()
+        header.resizeSection(MAP, look.px(ROW_PX + 8))
+        for button in (self.open, self.notes, self.candidates, self.export, self.resume):
+            button.setFixedWidth(look.px(BUTTONS_PX))
+        self._icons.clear()
+        self._show_list()
+
     def _show_row(self, row: int, survey: PastSurvey) -> None:
         counted = f"{survey.stored_traces} / {survey.planned_traces}"
+        area = f"{survey.width_mm:.0f} x {survey.height_mm:.0f} mm" if survey.width_mm else "—"
+        when = survey.local_time()
+        name = survey.name
+        if len(name) > LONGEST_NAME:
+            name = f"{name[: LONGEST_NAME - 1]}…"
         texts = {
-            WHEN: survey.day_and_time,
+            MAP: "",
+            WHAT: f"{name}\n{when}" if name else when,
+            AREA: f"{area}\n{counted}" if survey.problem is None else "—",
             VERDICT: self._word(survey),
-            TRACES: counted if survey.problem is None else "—",
         }
         for column, text in texts.items():
-            self.table.setItem(row, column, QTableWidgetItem(text))
+            item = QTableWidgetItem(text)
+            if column == MAP:
+                item.setIcon(self._icon(survey))
+            self.table.setItem(row, column, item)
+
+    def _icon(self, survey: PastSurvey) -> QIcon:
+        key = survey.coverage, survey.width_mm, survey.height_mm
+        if key not in self._icons:
+            if len(self._icons) >= MOST_ICONS:
+                self._icons.clear()
+            look = look_of(self)
+            self._icons[key] = coverage_icon(*key, look.px(MAP_PX), look)
+        return self._icons[key]
 
     def _word(self, survey: PastSurvey) -> str:
         word = {
             Verdict.COMPLETE: self.tr("complete"),
             Verdict.INCOMPLETE: self.tr("INCOMPLETE"),
             Verdict.RUNNING: self.tr("running"),
-            Verdict.UNREADABLE: self.tr("CANNOT BE READ"),
+            Verdict.UNREADABLE: self.tr("UNREADABLE"),
         }[self._surveys.verdict(survey)]
         # Not inside an f-string, where xgettext finds no text.
-        simulated = self.tr("simulated")
-        return f"{word} ({simulated})" if survey.simulated else word
+        simulated = self.tr("SIMULATED")
+        return f"{word}\n{simulated}" if survey.simulated and survey.problem is None else word
 
     def _show_choice(self) -> None:
         chosen = self.chosen
+        analyzable = chosen is not None and self._surveys.can_analyze(chosen)
         self.open.setEnabled(chosen is not None and self._surveys.can_open(chosen))
         self.resume.setEnabled(chosen is not None and self._surveys.can_resume(chosen))
         self.notes.setEnabled(chosen is not None and chosen.problem is None)
-        self.candidates.setEnabled(chosen is not None and self._surveys.can_search(chosen))
-        self.older.setEnabled(self._surveys.more and not self._surveys.replay)
-        self.again.setEnabled(not self._surveys.replay)
+        self.candidates.setEnabled(analyzable)
+        self.export.setEnabled(analyzable)
         if self._surveys.problem is not None:
             text = shown_text(self._surveys.problem)
         elif chosen is None:
-            text = self.tr("Touch a survey.")
+            text = self.tr("Touch a survey. Times are local.")
         else:
             text = f"{chosen.folder}: {self._sentence(chosen)}"
-        self.details.setText(text)
+        self.details.setText(text[:LONGEST_SENTENCE])
 
     def _sentence(self, survey: PastSurvey) -> str:
         if self._surveys.verdict(survey) is Verdict.RUNNING:
@@ -150,20 +202,17 @@ class PastSurveysView(TranslatedWidget):
         if self.chosen is not None:
             self.candidates_requested.emit(self.chosen)
 
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        self.table.verticalHeader().setDefaultSectionSize(look_of(self).px(TOUCH_PX))
+    def _on_export(self) -> None:
+        if self.chosen is not None:
+            self.export_requested.emit(self.chosen)
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
-        titles = [self.tr("Started (UTC)"), self.tr("Coverage"), self.tr("Traces")]
-        self.table.setHorizontalHeaderLabels(titles)
-        self.open.setText(self.tr("Show in RADAR"))
+        self.open.setText(self.tr("Open"))
         self.resume.setText(self.tr("Resume"))
         self.notes.setText(self.tr("Notes"))
         self.candidates.setText(self.tr("Candidates"))
-        self.older.setText(self.tr("Older"))
-        self.again.setText(self.tr("Refresh"))
+        self.export.setText(self.tr("Export"))
         self._show_list()
 
     def _lay_out(self) -> None:
@@ -171,24 +220,27 @@ class PastSurveysView(TranslatedWidget):
         table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        table.verticalHeader().hide()
-        table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        table.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        table.verticalHeader().hide()
+        header = table.horizontalHeader()
+        header.hide()
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setSectionResizeMode(MAP, QHeaderView.ResizeMode.Fixed)
+        header.setSectionResizeMode(WHAT, QHeaderView.ResizeMode.Stretch)
         self.details.setWordWrap(True)
         self.details.setTextFormat(Qt.TextFormat.PlainText)
-        buttons = QHBoxLayout()
-        for button in (
-            self.open,
-            self.resume,
-            self.notes,
-            self.candidates,
-            self.older,
-            self.again,
-        ):
+        buttons = QVBoxLayout()
+        buttons.setSpacing(GAP_PX)
+        for button in (self.open, self.notes, self.candidates, self.export, self.resume):
             buttons.addWidget(button)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(4, 4, 4, 4)
-        column.setSpacing(4)
-        column.addWidget(table, 1)
-        column.addWidget(self.details)
-        column.addLayout(buttons)
+        buttons.addStretch(1)
+        left = QVBoxLayout()
+        left.setSpacing(4)
+        left.addWidget(table, 1)
+        left.addWidget(self.details)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(4, 4, 4, 4)
+        row.setSpacing(GAP_PX)
+        row.addLayout(left, 1)
+        row.addLayout(buttons)

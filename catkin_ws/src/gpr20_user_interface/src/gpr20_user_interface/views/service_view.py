@@ -95,7 +95,7 @@ class ServiceView(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.enter_button.setText(self.tr("HOLD FOR SERVICE"))
+        self.enter_button.setText(self.tr("BEGIN SERVICE"))
         self.leave_button.setText(self.tr("END SERVICE"))
         self._write_switch()
         state, self._state = self._state, None
@@ -133,8 +133,8 @@ class ServiceView(TranslatedWidget):
         if state.obstacle is not None:
             return shown_text(state.obstacle)
         return self.tr(
-            "Service moves single axes and tests the instruments. Keep hands and cables clear of "
-            "the robot."
+            "Hold for 1 s. Service moves single axes and tests the instruments. Keep hands and "
+            "cables clear of the robot."
         )
 
     def _on_move(self, axis: AxisId, action: AxisAction, distance: float) -> None:

@@ -80,14 +80,18 @@ QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_P
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog {{ padding: 0; }}
+QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
-QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
+QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton:checked, QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
 QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
-QPushButton#arrow:disabled {{ {css(TextColours.DISABLED)} border-style: dashed; }}
+QPushButton#arrow:disabled, QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
+    border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
 QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(10)}px;
     border: 1px solid {border}; }}
@@ -152,7 +156,7 @@ QFrame#band[job="{level.value}"], QLabel[job="{level.value}"] {{
     return f"""{bands}
 QFrame#band QLabel#simulated {{ {_css(look, TextColours.SIMULATED)} padding: 0 {px(6)}px; }}
 QPushButton#pause {{ min-width: {px(PAUSE_WIDTH_PX)}px; font-size: {px(TITLE_PX)}px; }}
-QLabel#job_title {{ font-size: {px(34)}px; font-weight: bold; }}
+QLabel#job_title {{ font-size: {px(30)}px; font-weight: bold; }}
 QLabel#percent {{ font-size: {px(64)}px; font-weight: bold; }}
 QTextEdit#reason {{ font-size: {px(TITLE_PX)}px; }}
 QFrame#tile {{ border: {px(BORDER_PX)}px solid {look.colour(Mark.BORDER)};

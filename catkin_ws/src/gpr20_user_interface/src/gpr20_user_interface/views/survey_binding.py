@@ -8,6 +8,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.notices import (
+    Notice,
     Refused,
     analyzer_notice,
     node_notice,
@@ -71,6 +72,17 @@ class SurveyBinding(Binding):
     def show_refusal(self, refused: Refused, reason: Message) -> None:
         """Show why something did not succeed."""
         self.notice.show_notice(refusal_notice(refused, reason))
+
+    def show_fault(self, card: Notice) -> None:
+        """Show the card of a fault, unless a dialog asks about it or says it already."""
+        told = self.notice.notice if self.notice.isVisible() else None
+        if not self.question.isVisible() and (told is None or told.text != card.text):
+            self.notice.show_notice(card)
+
+    def hide_resumable(self) -> None:
+        """Close the card of a fault after which the survey has been resumed or stopped."""
+        if self.notice.notice is not None and self.notice.notice.resumable:
+            self.notice.hide()
 
     def _ask_about_analyzer(self, reason: Message, identity: str) -> None:
         # The status of the survey may have opened a notice with the same reason.

@@ -122,7 +122,7 @@ class TopBar(TranslatedWidget):
 def title_text(job: Job) -> str:
     """Return the state, with the percentage if there is one."""
     title = shown_text(job.title)
-    return title if job.percent is None else f"{title}  {job.percent} %"
+    return title if job.percent is None else f"{title} {job.percent} %"
 
 
 def short_message(job: Job) -> Message:

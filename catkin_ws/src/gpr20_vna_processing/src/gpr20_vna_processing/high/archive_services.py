@@ -87,6 +87,13 @@ def _summary_message(summary: survey_archive.SurveySummary) -> SurveySummary:
         verdict_json=summary.verdict_json,
         complete=summary.complete,
         simulated=summary.simulated,
+        refines=summary.refines,
         problem="" if problem is None else str(problem),
         problem_json="" if problem is None else problem.to_json(),
+        name=summary.name,
+        width_mm=summary.thumbnail.width_mm,
+        height_mm=summary.thumbnail.height_mm,
+        map_columns=summary.thumbnail.columns,
+        map_rows=summary.thumbnail.rows,
+        map_percent=summary.thumbnail.percent,
     )

@@ -44,6 +44,7 @@ from gpr20_vna_processing.high.annotation_service import AnnotationService
 from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.connections import connect_recorder, connect_subscribers
 from gpr20_vna_processing.high.end_messages import end_messages, end_status
+from gpr20_vna_processing.high.marker_service import MarkerService
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -97,6 +98,7 @@ class ProcessingNode:
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
         self._annotation = AnnotationService(self._processing)
+        self._markers = MarkerService(self._processing)
         self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
         self._description = publish_description(NODE, NO_HARDWARE, parameters)

@@ -11,10 +11,11 @@ from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printabl
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import annotate_folder
+from gpr20_survey.folder.annotating import annotate_folder, change_description
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
+from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid import new_survey
@@ -23,6 +24,8 @@ from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
     AnnotatedSurvey,
     ClosedSurvey,
+    MarkedSurvey,
+    MarkerChange,
     ReopenedSurvey,
     Storage,
 )
@@ -280,6 +283,26 @@ class CurrentSurvey:
         folder, description = find_survey(self._storage.data, survey)
         annotate_folder(folder, keeping_heading(annotation, description))
         return AnnotatedSurvey(description["survey_id"], folder)
+
+    def mark(self, survey: str, change: MarkerChange) -> MarkedSurvey:
+        """Add or remove a marker of a survey, whether it is open or not.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            change: What is to be done.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, its survey.json is damaged, or the
+                change is not possible.
+            StorageFailedError: The disk refused; the former markers remain.
+        """
+        opened = self.opened() if not survey else self._survey
+        if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
+            folder, description = opened.folder, opened.mark(change)
+        else:
+            folder, _ = find_survey(self._storage.data, survey)
+            description = change_description(folder, change)
+        return MarkedSurvey(description["survey_id"], folder, markers_of(description))
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.

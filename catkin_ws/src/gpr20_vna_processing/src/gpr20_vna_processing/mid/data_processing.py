@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Dict, Optional, Sequence
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, verbatim
@@ -15,7 +15,9 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.markers import Marker, with_marker, without_marker
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.current_survey import CurrentSurvey
@@ -24,6 +26,7 @@ from gpr20_vna_processing.mid.processing_records import (
     AnnotatedSurvey,
     ClosedSurvey,
     Limits,
+    MarkedSurvey,
     ProcessingState,
     ReopenedSurvey,
     Storage,
@@ -158,6 +161,45 @@ class DataProcessing:
         """
         return self._do(
             lambda: self._survey.annotate(survey, annotation), self._limits.long_timeout_s
+        )
+
+    def add_marker(self, survey: str, marker: Marker) -> MarkedSurvey:
+        """Add a marker to the open survey or to a past one, durably; may be repeated.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            marker: The marker, without its time.
+
+        Raises:
+            SurveyRefusedError: There is no such survey, its survey.json is damaged, it has
+                another marker of this id or too many markers.
+            StorageFailedError: The disk refused; the former markers remain.
+        """
+        return self._mark(survey, lambda values, now: with_marker(values, marker, now))
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> MarkedSurvey:
+        """Remove a marker, durably; it stays in survey.json as removed. May be repeated.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            marker_id: UUID of the marker.
+            author: Who removes it.
+
+        Raises:
+            SurveyRefusedError: There is no such survey or marker, or survey.json is damaged.
+            StorageFailedError: The disk refused; the marker is still there.
+        """
+        return self._mark(
+            survey, lambda values, now: without_marker(values, marker_id, author, now)
+        )
+
+    def _mark(
+        self, survey: str, change: Callable[[Dict[str, Any], str], Optional[Dict[str, Any]]]
+    ) -> MarkedSurvey:
+        now = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
+        return self._do(
+            lambda: self._survey.mark(survey, lambda values: change(values, now)),
+            self._limits.long_timeout_s,
         )
 
     def store(self, trace: Trace) -> Path:

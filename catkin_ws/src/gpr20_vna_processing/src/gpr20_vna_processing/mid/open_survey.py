@@ -34,7 +34,7 @@ from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.processing_records import ReopenedSurvey
+from gpr20_vna_processing.mid.processing_records import MarkerChange, ReopenedSurvey
 from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 COMMIT_BYTES = 1 << 20
@@ -231,6 +231,19 @@ class OpenSurvey:
         """
         self._refuse_ending()
         self._describe({**self.description, ANNOTATION: annotation.values()})
+
+    def mark(self, change: MarkerChange) -> Dict[str, Any]:
+        """Add or remove a marker in survey.json; return its content when that is durable.
+
+        Raises:
+            SurveyRefusedError: The survey is being closed, or the change is not possible.
+            StorageFailedError: The disk refused; the former markers remain.
+        """
+        self._refuse_ending()
+        changed = change(self.description)
+        if changed is not None:
+            self._describe(changed)
+        return self.description
 
     def close(self, outcome: str, reason: str, ended: str) -> None:
         """Finish the recordings and write how the survey ended; may be repeated.

@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace.trace import Trace
@@ -64,6 +65,20 @@ class AnnotatedSurvey:
 
     survey_id: str
     folder: Path
+
+
+MarkerChange = Callable[[Dict[str, Any]], Optional[Dict[str, Any]]]
+"""Returns the content of survey.json with one marker more or less; None: it has that already."""
+
+
+@dataclass(frozen=True)
+class MarkedSurvey:
+    """A survey whose markers were changed."""
+
+    survey_id: str
+    folder: Path
+    markers: Tuple[Marker, ...]
+    """All of them, removed ones too."""
 
 
 @dataclass(frozen=True)

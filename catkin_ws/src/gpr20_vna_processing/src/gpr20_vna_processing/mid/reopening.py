@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Set, Tuple
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import (
     ManifestDamagedError,
@@ -32,6 +33,7 @@ from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.description_recovery import RecoveredDescription, repairs_of, start_of
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
+from gpr20_survey.plan.markers import MARKERS, markers_of
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, utc_time
@@ -181,6 +183,10 @@ class Reopening:
             wrong.append("resumed")
         if not isinstance(self._description.get("report", {}), dict):
             wrong.append("report")
+        try:
+            markers_of(self._description)
+        except InvalidValueError:
+            wrong.append(MARKERS)
         self._repairs += [
             Message("left out '{key}' of survey.json, which is damaged", key=key) for key in wrong
         ]

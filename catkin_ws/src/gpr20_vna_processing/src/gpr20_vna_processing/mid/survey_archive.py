@@ -23,7 +23,11 @@ from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing.mid.recent_summaries import RecentSummaries
+from gpr20_vna_processing.mid.survey_thumbnail import NONE, Thumbnail, thumbnail_of
 
 MAX_SURVEYS_PER_PAGE = 50
 MAX_TRACES_PER_PAGE = 200
@@ -49,7 +53,10 @@ class SurveySummary:
     verdict_json: str = ""
     complete: bool = False
     simulated: bool = False
+    refines: str = ""
     problem: Optional[Message] = None
+    name: str = ""
+    thumbnail: Thumbnail = NONE
 
 
 @dataclass(frozen=True)
@@ -79,6 +86,7 @@ class SurveyArchive:
 
     def __init__(self, data: Path) -> None:
         self._data = data
+        self._summaries = RecentSummaries(self._summary)
 
     def list(self, before: str, max_surveys: int) -> Tuple[List[SurveySummary], bool]:
         """Return the newest surveys, and whether older ones are left.
@@ -102,7 +110,7 @@ class SurveyArchive:
                 )
             )
         names = sorted((one for one in self._folders() if not before or one < before), reverse=True)
-        page = [self._summary(self._data / name) for name in names[:max_surveys]]
+        page = [self._summaries.of(self._data / name) for name in names[:max_surveys]]
         return page, len(names) > max_surveys
 
     def survey(self, survey: str) -> StoredSurvey:
@@ -186,7 +194,7 @@ class SurveyArchive:
             values = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
             survey_folder.check_survey_id(values["survey_id"])
             values = _with_sealed_plan(folder, values)
-            stored = len(_trace_files(folder))
+            stored = [index for index, _ in _trace_files(folder)]
             # Without a manifest nothing vouches for the outcome.
             sealed = (folder / MANIFEST_FILE).is_file()
         except ProcessingError as error:
@@ -203,13 +211,16 @@ class SurveyArchive:
             survey_id=values["survey_id"],
             started=_text(values.get("started")),
             outcome=outcome,
-            stored_traces=stored,
+            stored_traces=len(stored),
             planned_traces=planned,
             verdict=verdict,
             verdict_json=_verdict_json(report, verdict),
-            complete=sealed and outcome == "finished" and 0 < planned == stored,
+            complete=sealed and outcome == "finished" and 0 < planned == len(stored),
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
+            refines=refines_of(values),
+            name=_name(values.get(ANNOTATION)),
+            thumbnail=thumbnail_of(values.get("parameters"), stored),
         )
 
 
@@ -291,6 +302,10 @@ def _verdict_json(report: Dict[str, Any], verdict: str) -> str:
         return ""
     message = received_message("", text)
     return message.to_json() if str(message) == verdict else ""
+
+
+def _name(annotation: Any) -> str:
+    return _text(annotation.get("name")) if isinstance(annotation, dict) else ""
 
 
 def _text(value: Any) -> str:

@@ -1,0 +1,111 @@
+"""The image of a survey as the robot's window shows it, also of one that is still measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.candidates.candidate import CandidateList
+from gpr20_analysis.candidates.rating import Rating
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.dataset import DEPTH, IMAGE, MM_PER_M, POLARIZATION, SAMPLE_DIMS, X, Y, usable
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.noise import law_of
+from gpr20_analysis.processing.chain import process_survey
+from gpr20_common.message import Message
+
+BACKGROUND = "background:method=surface"
+# With fewer lines neither the background nor the noise can be measured.
+FEWEST_LINES = 3
+
+
+@dataclass(frozen=True)
+class Focused:
+    """A focused image above its noise, and the candidates in it.
+
+    Attributes:
+        traces: Number of traces of which it was made.
+        x_mm: Positions of the survey along X [mm].
+        y_mm: Positions along Y [mm].
+        depth_mm: Depths below the surface [mm].
+        levels_db: Level of the brighter polarization (depth, y, x), float32, above the noise of its
+            place [dB]; NaN where nothing was measured.
+        found: The candidates.
+    """
+
+    traces: int
+    x_mm: np.ndarray
+    y_mm: np.ndarray
+    depth_mm: np.ndarray
+    levels_db: np.ndarray
+    found: CandidateList
+
+
+def focus(survey: xr.Dataset, permittivity: Optional[float]) -> Focused:
+    """Return the focused image of what was measured of a survey.
+
+    Args:
+        survey: Dataset of `load_survey`; samples may be missing.
+        permittivity: Relative permittivity of the ground; None: estimate it.
+
+    Returns:
+        The image, at the positions of the survey.
+
+    Raises:
+        AnalysisError: There are too few traces, or no image can be made of them.
+    """
+    present = usable(survey).transpose(*SAMPLE_DIMS).values
+    rows, columns = _measured_part(np.any(present, axis=0))
+    # Lines without any trace would count as lines without noise.
+    part = survey.isel({Y: rows, X: columns})
+    options = ImageOptions(permittivity=permittivity, leave_out_missing=True)
+    image = image_survey(process_survey(part, BACKGROUND), options)
+    levels_db = np.full((image.sizes[DEPTH], *present.shape[1:]), np.nan, np.float32)
+    levels_db[:, rows, columns] = levels_above_noise_db(image)
+    levels_db[:, ~np.any(present, axis=0)] = np.nan
+    x_mm, y_mm = (MM_PER_M * survey[name].values.astype(np.float64) for name in (X, Y))
+    return Focused(
+        traces=int(np.count_nonzero(present)),
+        x_mm=x_mm,
+        y_mm=y_mm,
+        depth_mm=MM_PER_M * image[DEPTH].values,
+        levels_db=levels_db,
+        found=find_candidates(image),
+    )
+
+
+def levels_above_noise_db(image: xr.Dataset) -> np.ndarray:
+    """Return the level of the brighter polarization (depth, y, x) above noise [dB], float32.
+
+    Args:
+        image: Dataset of `image_survey`. If its noise could not be measured, the median of each
+            depth takes its place, which is that of the noise or higher.
+    """
+    magnitude = np.abs(image[IMAGE].transpose(POLARIZATION, DEPTH, Y, X).values)
+    rating = Rating(image, magnitude)
+    ratio = np.stack([rating.level(turn) for turn in range(rating.polarizations)])
+    law = law_of(str(image.attrs["method"]))
+    if not rating.is_rated:
+        usual = np.median(ratio, axis=(2, 3), keepdims=True) / law.median
+        ratio = ratio / np.maximum(usual, np.finfo(np.float32).tiny)
+    floor = np.finfo(np.float32).tiny
+    return law.level_db(np.maximum(ratio.max(axis=0), floor)).astype(np.float32)
+
+
+def _measured_part(present: np.ndarray) -> Tuple[slice, slice]:
+    """Return the rows and columns between the first and the last with a sample (y, x)."""
+    rows, columns = (np.flatnonzero(np.any(present, axis=axis)) for axis in (1, 0))
+    if min(len(rows), len(columns)) < FEWEST_LINES:
+        raise WrongDatasetError(
+            Message(
+                "a focused image needs traces on {fewest} lines; {rows} have any so far",
+                fewest=FEWEST_LINES,
+                rows=min(len(rows), len(columns)),
+            )
+        )
+    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)

@@ -1,0 +1,1 @@
+"""Focused images, candidates and exports of stored surveys, beside the storage."""

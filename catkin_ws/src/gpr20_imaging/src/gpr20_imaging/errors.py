@@ -1,0 +1,17 @@
+"""What the imaging node refuses, and what fails in it."""
+
+from __future__ import annotations
+
+from gpr20_common.errors import Gpr20Error
+
+
+class ImagingError(Gpr20Error):
+    """A request to the imaging node was refused or failed."""
+
+
+class CancelledError(ImagingError):
+    """A request was cancelled."""
+
+
+class ExportFailedError(ImagingError, OSError):
+    """A survey could not be written to a stick."""

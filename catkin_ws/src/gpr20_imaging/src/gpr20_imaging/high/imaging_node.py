@@ -1,0 +1,123 @@
+"""The node imaging: focused images, candidates and exports of what is stored."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+
+from gpr20_common.high.description import publish_description
+from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
+from gpr20_common.high.graph_message import message_fields
+from gpr20_common.high.node import run_device
+from gpr20_common.high.services import advertise
+from gpr20_common.message import Message
+from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.mid.imaging import Imaging, health_values
+from gpr20_imaging.mid.imaging_parameters import ImagingParameters
+from gpr20_msgs.msg import ImagingProgress, Volume
+from gpr20_msgs.srv import (
+    CancelImaging,
+    CancelImagingResponse,
+    ExportSurvey,
+    ExportSurveyResponse,
+    FindCandidates,
+    FindCandidatesResponse,
+    FocusSurvey,
+    FocusSurveyResponse,
+    ListVolumes,
+    ListVolumesResponse,
+)
+
+NODE = "imaging"
+
+
+class ImagingNode:
+    """Turns requests into calls of Imaging and its answers into messages."""
+
+    def __init__(self, parameters: ImagingParameters, volumes: UsbVolumes) -> None:
+        """Connect everything; no child process is started before the first request."""
+        self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
+        self._imaging = Imaging(
+            parameters.data_folder(), AnalysisCommand(), volumes, self._publish_progress
+        )
+        rospy.on_shutdown(self._imaging.close)
+        self._services = [
+            advertise("focus_survey", FocusSurvey, self._focus),
+            advertise("find_candidates", FindCandidates, self._find),
+            advertise("export_survey", ExportSurvey, self._export),
+            advertise("list_volumes", ListVolumes, self._volumes),
+            advertise("cancel_imaging", CancelImaging, self._cancel),
+        ]
+        self._diagnostics = Diagnostics(NODE, self._health)
+        self._description = publish_description(NODE, NO_HARDWARE, parameters)
+
+    def _focus(self, request: Any) -> FocusSurveyResponse:
+        found = self._imaging.focus(request.request_id, request.survey, request.permittivity)
+        return FocusSurveyResponse(
+            success=True,
+            **message_fields(Message("an image of {count} traces", count=found.traces)),
+            survey_id=found.survey_id,
+            traces=found.traces,
+            x_mm=found.x_mm,
+            y_mm=found.y_mm,
+            depth_mm=found.depth_mm,
+            levels_db=found.levels_db,
+            candidates_json=found.candidates_json,
+        )
+
+    def _find(self, request: Any) -> FindCandidatesResponse:
+        found = self._imaging.find_candidates(
+            request.request_id, request.survey, request.permittivity, request.language
+        )
+        return FindCandidatesResponse(
+            success=True,
+            **message_fields(Message("the list is complete")),
+            candidates_json=found.candidates_json,
+            remarks=found.remarks,
+        )
+
+    def _export(self, request: Any) -> ExportSurveyResponse:
+        files = self._imaging.export(
+            request.request_id,
+            request.survey,
+            request.kinds,
+            request.permittivity,
+            request.language,
+            request.volume,
+        )
+        message = Message("{count} files are on the USB stick", count=len(files))
+        return ExportSurveyResponse(success=True, **message_fields(message), files=files)
+
+    def _volumes(self, _request: Any) -> ListVolumesResponse:
+        found = self._imaging.volumes()
+        return ListVolumesResponse(
+            success=True,
+            **message_fields(Message("{count} USB sticks", count=len(found))),
+            computer=self._imaging.computer,
+            volumes=[
+                Volume(str(one.path), one.name, one.free_bytes, one.writable) for one in found
+            ],
+        )
+
+    def _cancel(self, request: Any) -> CancelImagingResponse:
+        self._imaging.cancel(request.request_id)
+        message = Message("the request is cancelled")
+        return CancelImagingResponse(success=True, **message_fields(message))
+
+    def _publish_progress(self, request_id: str, stage: Message) -> None:
+        self._progress.publish(ImagingProgress(request_id=request_id, **message_fields(stage)))
+
+    def _health(self) -> Health:
+        missing = self._imaging.missing
+        values = health_values(self._imaging)
+        if missing is not None:
+            return WARN, missing, values
+        return OK, Message("ready for images, candidates and exports"), values
+
+
+def main() -> None:
+    """Run the node."""
+    run_device(NODE, ImagingParameters, lambda found: ImagingNode(found, UsbVolumes()))

@@ -1,0 +1,164 @@
+"""The USB sticks that are mounted on this computer, by lsblk."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, Tuple
+
+from gpr20_common.message import Message
+from gpr20_imaging.errors import ImagingError
+
+COMMAND = (
+    *("lsblk", "--json", "--bytes"),
+    *("--output", "NAME,LABEL,RM,HOTPLUG,TRAN,RO,MOUNTPOINT"),
+)
+LIMIT_S = 10.0
+# Where desktops, servers and people mount sticks; never a disk of the system.
+MOUNT_FOLDERS = (Path("/media"), Path("/run/media"), Path("/mnt"))
+
+
+@dataclass(frozen=True)
+class Volume:
+    """A mounted removable volume.
+
+    Attributes:
+        path: Where it is mounted.
+        name: Its label, or that of its device.
+        free_bytes: What can be written [bytes].
+        writable: Whether this process may write to it.
+        device: Number of the device; another stick at the same place has another one.
+    """
+
+    path: Path
+    name: str
+    free_bytes: int
+    writable: bool
+    device: int
+
+
+def list_block_devices() -> str:
+    """Return what lsblk prints as JSON.
+
+    Raises:
+        ImagingError: It failed.
+    """
+    try:
+        done = subprocess.run(
+            COMMAND,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=LIMIT_S,
+            check=True,
+            encoding="utf-8",
+        )
+    except (OSError, subprocess.SubprocessError) as error:
+        raise ImagingError(
+            Message("the USB sticks of this computer cannot be listed", details=error)
+        ) from error
+    return done.stdout
+
+
+class UsbVolumes:
+    """Finds the sticks.
+
+    Args:
+        list_devices: Returns the JSON of lsblk.
+        mount_folders: Folders below which sticks are mounted.
+    """
+
+    def __init__(
+        self,
+        list_devices: Callable[[], str] = list_block_devices,
+        mount_folders: Tuple[Path, ...] = MOUNT_FOLDERS,
+    ) -> None:
+        self._list_devices = list_devices
+        self._mount_folders = mount_folders
+
+    def mounted(self) -> List[Volume]:
+        """Return every mounted stick.
+
+        Raises:
+            ImagingError: They cannot be listed.
+        """
+        try:
+            devices = json.loads(self._list_devices())["blockdevices"]
+            found = [
+                (Path(one["mountpoint"]), str(one.get("label") or one["name"]), one)
+                for one in _removable(devices, False)
+                if one.get("mountpoint")
+            ]
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise ImagingError(
+                Message("the USB sticks of this computer cannot be listed", details=error)
+            ) from error
+        return [
+            volume
+            for path, name, device in found
+            if any(folder in path.parents for folder in self._mount_folders)
+            for volume in _volume(path, name, _flag(device.get("ro")))
+        ]
+
+    def find(self, path: str) -> Volume:
+        """Return a mounted stick by its path.
+
+        Raises:
+            ImagingError: There is none.
+        """
+        for volume in self.mounted():
+            if str(volume.path) == path:
+                return volume
+        raise ImagingError(
+            Message(
+                "the USB stick at {path} is not mounted any more; plug it in",
+                path=repr(path[:200]),
+            )
+        )
+
+    def check_present(self, volume: Volume) -> None:
+        """Check that a stick is still the one that it was.
+
+        Raises:
+            ImagingError: It was removed or replaced. What is written to its folder then would be
+                on another disk.
+        """
+        if self.find(str(volume.path)).device != volume.device:
+            raise ImagingError(
+                Message("the USB stick at {path} was replaced by another one", path=volume.path)
+            )
+
+
+def _removable(devices: List[Dict[str, Any]], inherited: bool) -> Iterator[Dict[str, Any]]:
+    """Yield devices that can be pulled out, and their partitions."""
+    for device in devices:
+        removable = (
+            inherited
+            or device.get("tran") == "usb"
+            or _flag(device.get("rm"))
+            or _flag(device.get("hotplug"))
+        )
+        if removable:
+            yield device
+        yield from _removable(device.get("children") or [], removable)
+
+
+def _flag(value: object) -> bool:
+    # Older versions print "1" and "0".
+    return value is True or value == "1"
+
+
+def _volume(path: Path, name: str, read_only: bool) -> Iterator[Volume]:
+    try:
+        status, room = path.stat(), os.statvfs(str(path))
+    except OSError:
+        return  # it was pulled out since lsblk has listed it
+    yield Volume(
+        path=path,
+        name=name,
+        free_bytes=room.f_bavail * room.f_frsize,
+        writable=not read_only and os.access(str(path), os.W_OK),
+        device=status.st_dev,
+    )

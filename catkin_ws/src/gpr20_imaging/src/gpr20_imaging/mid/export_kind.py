@@ -1,0 +1,67 @@
+"""What can be exported of a survey, and how the command gpr20 writes it."""
+
+from __future__ import annotations
+
+import enum
+from typing import Tuple
+
+from gpr20_common.message import Message
+from gpr20_imaging.errors import ImagingError
+
+
+class ExportKind(enum.Enum):
+    """One file of an export."""
+
+    REPORT_HTML = "report-html"
+    REPORT_PDF = "report-pdf"
+    CANDIDATES_CSV = "candidates-csv"
+    CANDIDATES_GEOJSON = "candidates-geojson"
+    SURVEY_ZIP = "survey-zip"
+
+    @property
+    def ending(self) -> str:
+        """End of the file's name."""
+        return {
+            ExportKind.REPORT_HTML: "report.html",
+            ExportKind.REPORT_PDF: "report.pdf",
+            ExportKind.CANDIDATES_CSV: "candidates.csv",
+            ExportKind.CANDIDATES_GEOJSON: "candidates.geojson",
+            ExportKind.SURVEY_ZIP: "survey.zip",
+        }[self]
+
+    @property
+    def command(self) -> Tuple[str, ...]:
+        """Subcommand of gpr20 that writes the file; empty: none is needed."""
+        if self is ExportKind.SURVEY_ZIP:
+            return ()
+        is_report = self in (ExportKind.REPORT_HTML, ExportKind.REPORT_PDF)
+        return ("report",) if is_report else ("candidates",)
+
+    @property
+    def message(self) -> Message:
+        """What people call it."""
+        return {
+            ExportKind.REPORT_HTML: Message("report as HTML"),
+            ExportKind.REPORT_PDF: Message("report as PDF"),
+            ExportKind.CANDIDATES_CSV: Message("candidates as CSV"),
+            ExportKind.CANDIDATES_GEOJSON: Message("candidates as GeoJSON"),
+            ExportKind.SURVEY_ZIP: Message("whole survey as ZIP"),
+        }[self]
+
+    @classmethod
+    def of(cls, name: str) -> ExportKind:
+        """Return the kind of a name.
+
+        Raises:
+            ImagingError: There is none.
+        """
+        for one in cls:
+            if one.value == name:
+                return one
+        raise ImagingError(
+            Message(
+                "{name} cannot be exported; allowed: {kinds}",
+                name=repr(name[:64]),
+                kinds=", ".join(one.value for one in cls),
+            )
+        )

@@ -1,0 +1,183 @@
+"""Exports to a USB stick."""
+
+from __future__ import annotations
+
+import errno
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, List, Optional, Sequence, Tuple
+
+from gpr20_common.message import Message, verbatim
+from gpr20_common.os_reason import os_reason
+from gpr20_imaging.errors import ExportFailedError, ImagingError
+from gpr20_imaging.low import stick_files
+from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.cancellation import Cancellation
+from gpr20_imaging.low.usb_volumes import UsbVolumes, Volume
+from gpr20_imaging.mid.export_kind import ExportKind
+from gpr20_imaging.mid.survey_zip import write_zip
+
+FOLDER = "GPR20"
+LIMIT_S = 1800.0
+# Exit statuses of gpr20 with an output.
+WRITTEN = (0, 1)
+MARGIN_BYTES = 1 << 20
+GONE = (errno.ENOENT, errno.EIO, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.EROFS)
+
+
+@dataclass(frozen=True)
+class ExportRequest:
+    """What to export.
+
+    Attributes:
+        folder: The survey's folder.
+        simulated: Whether the survey shows no real ground.
+        kinds: The files.
+        permittivity: Relative permittivity of the ground; None: estimate it.
+        language: Code of the language of reports.
+        volume: Path of the stick.
+    """
+
+    folder: Path
+    simulated: bool
+    kinds: Tuple[ExportKind, ...]
+    permittivity: Optional[float]
+    language: str
+    volume: str
+
+    def name(self, kind: ExportKind) -> str:
+        """Return the name of a file on the stick."""
+        mark = "_SIMULATED" if self.simulated else ""
+        return f"{self.folder.name}{mark}_{kind.ending}"
+
+
+class Exporter:
+    """Writes files of a survey to a stick.
+
+    Args:
+        command: The command gpr20.
+        volumes: The sticks.
+        report: Told what is being done.
+    """
+
+    def __init__(
+        self, command: AnalysisCommand, volumes: UsbVolumes, report: Callable[[Message], None]
+    ) -> None:
+        self._command = command
+        self._volumes = volumes
+        self._report = report
+
+    def export(self, request: ExportRequest, cancellation: Cancellation) -> List[str]:
+        """Write the files; return their names when all of them are on the stick.
+
+        Raises:
+            ImagingError: Something is missing, or the stick is full or was removed. No file has
+                its name unless it is whole.
+        """
+        volume = self._volumes.find(request.volume)
+        if not volume.writable:
+            raise ImagingError(Message("the USB stick {name} is write-protected", name=volume.name))
+        with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
+            # Before the stick is touched: it may be refused, and takes longest.
+            files = [(kind, self._made(kind, request, Path(made), cancellation))
+                     for kind in request.kinds]  # fmt: skip
+            try:
+                return self._put(files, request, volume, cancellation)
+            except OSError as error:
+                if isinstance(error, ImagingError):
+                    raise
+                raise self._refusal(volume, error) from error
+
+    def _made(
+        self, kind: ExportKind, request: ExportRequest, folder: Path, cancellation: Cancellation
+    ) -> Optional[Path]:
+        """Return the file that the analysis has written; None if the kind needs none."""
+        if not kind.command:
+            return None
+        self._report(Message("creating {what}", what=kind.message))
+        path = folder / request.name(kind)
+        options = ["-o", str(path), "--leave-out-missing", "--language", request.language]
+        if request.permittivity is not None:
+            options.append(f"--permittivity={request.permittivity:g}")
+        done = self._command.run(
+            [*kind.command, str(request.folder), *options], LIMIT_S, cancellation
+        )
+        if done.status not in WRITTEN or not path.is_file():
+            raise ImagingError(
+                Message(
+                    "{what} could not be created: {reason}",
+                    what=kind.message,
+                    reason=verbatim(done.errors.strip()[-1000:]),
+                )
+            )
+        return path
+
+    def _put(
+        self,
+        files: Sequence[Tuple[ExportKind, Optional[Path]]],
+        request: ExportRequest,
+        volume: Volume,
+        cancellation: Cancellation,
+    ) -> List[str]:
+        needed = sum(path.stat().st_size for _, path in files if path is not None) + MARGIN_BYTES
+        if volume.free_bytes < needed:
+            raise ExportFailedError(
+                Message(
+                    "the USB stick {name} has {free_mb:.0f} MB free, but {needed_mb:.0f} MB are "
+                    "needed; make space or use another one",
+                    name=volume.name,
+                    free_mb=volume.free_bytes / 1e6,
+                    needed_mb=needed / 1e6,
+                )
+            )
+        folder = volume.path / FOLDER
+        stick_files.make_folder(folder)
+        for kind, path in files:
+            self._report(Message("copying {what} to the USB stick", what=kind.message))
+            with stick_files.new_file(folder / request.name(kind), cancellation) as target:
+                if path is None:
+                    write_zip(request.folder, target)
+                else:
+                    stick_files.copy_file(path, target)
+                # Before it gets its name: this may be a folder of the disk by now.
+                self._volumes.check_present(volume)
+        self._report(Message("waiting until the USB stick has stored everything"))
+        stick_files.sync_volume(folder)
+        self._volumes.check_present(volume)
+        return [f"{FOLDER}/{request.name(kind)}" for kind, _ in files]
+
+    def _refusal(self, volume: Volume, error: OSError) -> ExportFailedError:
+        if error.errno == errno.ENOSPC:
+            return ExportFailedError(
+                Message(
+                    "the USB stick {name} is full; nothing unfinished was left on it. Make space "
+                    "or use another one.",
+                    name=volume.name,
+                    details=error,
+                )
+            )
+        if error.errno == errno.EFBIG:
+            return ExportFailedError(
+                Message(
+                    "the file is too large for the file system of the USB stick {name}; format it "
+                    "as exFAT",
+                    name=volume.name,
+                    details=error,
+                )
+            )
+        if error.errno in GONE:
+            return ExportFailedError(
+                Message(
+                    "the USB stick {name} was removed, or failed, before everything was written",
+                    name=volume.name,
+                    details=error,
+                )
+            )
+        return ExportFailedError(
+            Message(
+                "the USB stick {name} could not be written: {reason}",
+                name=volume.name,
+                reason=os_reason(error),
+            )
+        )

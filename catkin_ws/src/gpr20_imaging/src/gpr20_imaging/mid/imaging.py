@@ -1,0 +1,261 @@
+"""Focused images, candidates and exports of the surveys in the data folder."""
+
+from __future__ import annotations
+
+import math
+import socket
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence
+
+from gpr20_common.message import Message, verbatim
+from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.cancellation import Cancellation
+from gpr20_imaging.low.child_process import lower_this_thread
+from gpr20_imaging.low.focus_process import FocusProcess
+from gpr20_imaging.low.usb_volumes import UsbVolumes, Volume
+from gpr20_imaging.mid.export_kind import ExportKind
+from gpr20_imaging.mid.exporting import Exporter, ExportRequest
+from gpr20_imaging.mid.job_queue import JobQueue
+from gpr20_survey.folder.survey_search import find_survey
+
+LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 100.0
+LANGUAGES = ("en", "es")
+MOST_ID_CHARACTERS = 64
+FOCUS_LIMIT_S = 300.0
+SEARCH_LIMIT_S = 1800.0
+# Memory is given back if nobody looks at images for so long [s].
+IDLE_S = 60.0
+# Exit statuses of `gpr20 candidates` with a list.
+LISTED = (0, 1)
+LONGEST_REASON = 1000
+Progress = Callable[[str, Message], None]
+"""Told the id of a request and what is done for it."""
+
+
+@dataclass(frozen=True)
+class FocusAnswer:
+    """A focused image; see gpr20_msgs/FocusSurvey."""
+
+    survey_id: str
+    traces: int
+    x_mm: List[float]
+    y_mm: List[float]
+    depth_mm: List[float]
+    levels_db: bytes
+    candidates_json: str
+
+
+@dataclass(frozen=True)
+class SearchAnswer:
+    """The candidates of a survey; see gpr20_msgs/FindCandidates."""
+
+    candidates_json: str
+    remarks: str
+
+
+class Imaging:
+    """Carries out the requests, one at a time and with the lowest priority.
+
+    Args:
+        data: Folder of the surveys.
+        command: The command gpr20.
+        volumes: The sticks.
+        progress: Told what is done for a request.
+    """
+
+    def __init__(
+        self, data: Path, command: AnalysisCommand, volumes: UsbVolumes, progress: Progress
+    ) -> None:
+        self._data = data
+        self._command = command
+        self._volumes = volumes
+        self._progress = progress
+        self._focus = FocusProcess(lambda: command.path, FOCUS_LIMIT_S)
+        self._jobs = JobQueue(lower_this_thread, self._focus.close, IDLE_S)
+        self.computer = socket.gethostname()
+
+    @property
+    def requests(self) -> int:
+        """Number of requests that wait or are carried out."""
+        return self._jobs.waiting
+
+    @property
+    def missing(self) -> Optional[Message]:
+        """What is missing on this computer; None if nothing is."""
+        if self._command.is_installed:
+            return None
+        return Message(
+            "The analysis is not installed on the computer {computer}: no focused image, "
+            "candidates or report. Install it there with scripts/setup.sh, or copy the survey to "
+            "a computer that has it.",
+            computer=self.computer,
+        )
+
+    def focus(self, request_id: str, survey: str, permittivity: float) -> FocusAnswer:
+        """Return the focused image of what is stored of a survey.
+
+        Args:
+            request_id: For `cancel`.
+            survey: Its id, or the name of its folder.
+            permittivity: Relative permittivity of the ground; 0: estimate it.
+
+        Raises:
+            Gpr20Error: There is no image; the message says why.
+        """
+        value = _permittivity(permittivity)
+        self._require_analysis()
+        folder, description = find_survey(self._data, survey)
+        answer = self._run(request_id, lambda stop: self._focus.ask(folder, value, stop))
+        return FocusAnswer(
+            survey_id=description["survey_id"],
+            traces=answer["traces"],
+            x_mm=answer["x_mm"],
+            y_mm=answer["y_mm"],
+            depth_mm=answer["depth_mm"],
+            levels_db=answer["levels"],
+            candidates_json=answer["candidates"],
+        )
+
+    def find_candidates(
+        self, request_id: str, survey: str, permittivity: float, language: str
+    ) -> SearchAnswer:
+        """Return the candidates of a survey.
+
+        Args:
+            request_id: For `cancel`.
+            survey: Its id, or the name of its folder.
+            permittivity: Relative permittivity of the ground; 0: estimate it.
+            language: Code of the language of the remarks.
+
+        Raises:
+            Gpr20Error: There is no list; the message says why.
+        """
+        value = _permittivity(permittivity)
+        _check_language(language)
+        self._require_analysis()
+        folder, _ = find_survey(self._data, survey)
+        arguments = ["candidates", str(folder), "--json", "--leave-out-missing"]
+        arguments += ["--language", language]
+        if value is not None:
+            arguments.append(f"--permittivity={value:g}")
+        done = self._run(
+            request_id, lambda stop: self._command.run(arguments, SEARCH_LIMIT_S, stop)
+        )
+        remarks = done.errors.strip()
+        if done.status not in LISTED:
+            # In the language of the request already.
+            raise ImagingError(
+                verbatim(remarks[-LONGEST_REASON:])
+                if remarks
+                else Message("the analysis ended with status {status}", status=done.status)
+            )
+        return SearchAnswer(done.output, remarks)
+
+    def export(
+        self,
+        request_id: str,
+        survey: str,
+        kinds: Sequence[str],
+        permittivity: float,
+        language: str,
+        volume: str,
+    ) -> List[str]:
+        """Write parts of a survey to a stick; return the names of the files.
+
+        Args:
+            request_id: For `cancel`.
+            survey: Its id, or the name of its folder.
+            kinds: Values of `ExportKind`.
+            permittivity: Relative permittivity of the ground; 0: estimate it.
+            language: Code of the language of reports.
+            volume: Path of the stick.
+
+        Raises:
+            Gpr20Error: The export failed; the message says why.
+        """
+        value = _permittivity(permittivity)
+        _check_language(language)
+        chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
+        if not chosen:
+            raise ImagingError(Message("Choose what to export."))
+        if any(one.command for one in chosen):
+            self._require_analysis()
+        folder, description = find_survey(self._data, survey)
+        simulated = description.get("simulated") is not False
+        request = ExportRequest(folder, simulated, chosen, value, language, volume)
+        exporter = Exporter(
+            self._command, self._volumes, lambda stage: self._progress(request_id, stage)
+        )
+        return self._run(request_id, lambda stop: exporter.export(request, stop))
+
+    def volumes(self) -> List[Volume]:
+        """Return the sticks that are mounted on this computer.
+
+        Raises:
+            ImagingError: They cannot be listed.
+        """
+        return self._volumes.mounted()
+
+    def cancel(self, request_id: str) -> None:
+        """End a request, or take it from the queue.
+
+        Raises:
+            ImagingError: There is none of this name.
+        """
+        if not request_id or not self._jobs.cancel(request_id):
+            raise ImagingError(Message("There is no such request; it may have ended."))
+
+    def close(self) -> None:
+        """End every request and every child process."""
+        self._jobs.close()
+
+    def _run(self, request_id: str, work: Callable[[Cancellation], Any]) -> Any:
+        if len(request_id) > MOST_ID_CHARACTERS:
+            raise ImagingError(
+                Message(
+                    "request_id has {count} characters; at most {most} are allowed",
+                    count=len(request_id),
+                    most=MOST_ID_CHARACTERS,
+                )
+            )
+        return self._jobs.run(request_id, work)
+
+    def _require_analysis(self) -> None:
+        missing = self.missing
+        if missing is not None:
+            raise ImagingError(missing)
+
+
+def health_values(imaging: Imaging) -> Dict[str, Any]:
+    """Return what diagnostics show."""
+    return {"computer": imaging.computer, "requests": imaging.requests}
+
+
+def _permittivity(value: float) -> Optional[float]:
+    if value == 0.0:
+        return None
+    # Written so that NaN is refused too.
+    if not (LOWEST_PERMITTIVITY <= value <= HIGHEST_PERMITTIVITY and math.isfinite(value)):
+        raise ImagingError(
+            Message(
+                "the permittivity is {value:g}; it must lie between {lowest:g} and {highest:g}, "
+                "or be 0 to estimate it",
+                value=value,
+                lowest=LOWEST_PERMITTIVITY,
+                highest=HIGHEST_PERMITTIVITY,
+            )
+        )
+    return value
+
+
+def _check_language(language: str) -> None:
+    if language not in LANGUAGES:
+        raise ImagingError(
+            Message(
+                "the language is {language}; allowed: {languages}",
+                language=repr(language[:16]),
+                languages=", ".join(LANGUAGES),
+            )
+        )

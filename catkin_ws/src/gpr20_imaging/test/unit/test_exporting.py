@@ -1,0 +1,187 @@
+import errno
+import hashlib
+import os
+import threading
+import zipfile
+
+import pytest
+from imaging_kit import store_survey
+
+from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
+from gpr20_imaging.low import stick_files
+from gpr20_imaging.low.cancellation import Cancellation
+from gpr20_imaging.mid.export_kind import ExportKind
+from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
+
+
+@pytest.fixture
+def stages():
+    return []
+
+
+@pytest.fixture
+def exporter(command, sticks, stages):
+    return Exporter(command.command, sticks.volumes, stages.append)
+
+
+def request_for(folder, stick, *kinds, simulated=True):
+    return ExportRequest(folder, simulated, kinds, 4.0, "es", str(stick))
+
+
+def files_of(stick):
+    return sorted(one.name for one in (stick / FOLDER).glob("*")) if stick.is_dir() else []
+
+
+def test_every_kind_is_written_with_its_checksum(tmp_path, exporter, sticks, stages):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    names = exporter.export(request_for(folder, stick, *ExportKind), Cancellation())
+    assert [one.split("_", 2)[2] for one in names] == [
+        f"SIMULATED_{kind.ending}" for kind in ExportKind
+    ]
+    for name in names:
+        content = (stick / name).read_bytes()
+        line = (stick / (name + ".sha256")).read_text()
+        assert line == f"{hashlib.sha256(content).hexdigest()}  {name.split('/')[1]}\n"
+    assert len(files_of(stick)) == 2 * len(names)
+    report = (stick / names[0]).read_text()
+    assert "--leave-out-missing --language es --permittivity=4" in report
+    assert str(stages[-1]) == "waiting until the USB stick has stored everything"
+
+
+def test_the_zip_file_holds_the_whole_survey(tmp_path, exporter, sticks):
+    folder, stick = store_survey(tmp_path / "data", simulated=False), sticks.plug_in()
+    (name,) = exporter.export(
+        request_for(folder, stick, ExportKind.SURVEY_ZIP, simulated=False), Cancellation()
+    )
+    assert "SIMULATED" not in name
+    with zipfile.ZipFile(str(stick / name)) as archive:
+        assert archive.testzip() is None
+        archive.extractall(str(tmp_path / "copy"))
+    for path in (one for one in folder.rglob("*") if one.is_file()):
+        copy = tmp_path / "copy" / path.relative_to(folder.parent)
+        assert copy.read_bytes() == path.read_bytes()
+
+
+def test_a_second_export_replaces_the_first(tmp_path, exporter, sticks):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    wanted = request_for(folder, stick, ExportKind.SURVEY_ZIP)
+    exporter.export(wanted, Cancellation())
+    (folder / "traces" / "000009.json").write_text("{}")
+    (name,) = exporter.export(wanted, Cancellation())
+    assert len(zipfile.ZipFile(str(stick / name)).namelist()) == 5
+    assert len(files_of(stick)) == 2
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.ENODEV, errno.EFBIG])
+@pytest.mark.parametrize("at", [0, 1, 2, 3])
+def test_no_file_has_its_name_when_the_stick_fails(
+    tmp_path, exporter, sticks, monkeypatch, number, at
+):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    written = []
+    real = stick_files.SummedFile.write
+
+    def write(self, data):
+        written.append(data)
+        if len(written) > at:
+            raise OSError(number, os.strerror(number))
+        return real(self, data)
+
+    monkeypatch.setattr(stick_files.SummedFile, "write", write)
+    with pytest.raises(ExportFailedError, match="full|removed|too large"):
+        exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), Cancellation())
+    assert files_of(stick) == []
+
+
+def test_a_full_stick_is_refused_before_anything_is_written(
+    tmp_path, exporter, sticks, monkeypatch
+):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    real = os.statvfs(str(stick))
+    full = os.statvfs_result((*real[:4], 1, *real[5:]))
+    monkeypatch.setattr(os, "statvfs", lambda _path: full)
+    with pytest.raises(ExportFailedError, match="MB are needed"):
+        exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
+    assert files_of(stick) == []
+
+
+def test_a_stick_that_is_removed_leaves_no_file_on_the_disk_below(
+    tmp_path, exporter, sticks, monkeypatch
+):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    real = stick_files.copy_file
+
+    def copy(source, target):
+        real(source, target)
+        sticks.pull_out()
+
+    monkeypatch.setattr(stick_files, "copy_file", copy)
+    with pytest.raises(ImagingError, match="not mounted any more"):
+        exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
+    assert files_of(stick) == []
+
+
+def test_what_an_interrupted_export_left_is_removed(tmp_path, exporter, sticks):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    (stick / FOLDER).mkdir()
+    (stick / FOLDER / ".old_survey.zip.0011aabb.tmp").write_text("half")
+    exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
+    assert len(files_of(stick)) == 2
+
+
+def test_a_survey_that_changes_meanwhile_is_refused(tmp_path, exporter, sticks, monkeypatch):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    real = stick_files.SummedFile.write
+
+    def write(self, data):
+        (folder / "survey.json").write_text("{}")
+        return real(self, data)
+
+    monkeypatch.setattr(stick_files.SummedFile, "write", write)
+    with pytest.raises(ExportFailedError, match="changed while it was exported"):
+        exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), Cancellation())
+    assert files_of(stick) == []
+
+
+def test_a_refusal_of_the_analysis_is_passed_on(tmp_path, exporter, sticks, command):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    command.mode = "refuse"
+    with pytest.raises(ImagingError, match="permittivity cannot be estimated"):
+        exporter.export(request_for(folder, stick, ExportKind.REPORT_PDF), Cancellation())
+    assert files_of(stick) == []
+
+
+def test_a_cancelled_export_leaves_nothing(tmp_path, exporter, sticks, monkeypatch):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    cancellation = Cancellation()
+    real = stick_files.SummedFile.write
+
+    def write(self, data):
+        cancellation.cancel()
+        return real(self, data)
+
+    monkeypatch.setattr(stick_files.SummedFile, "write", write)
+    with pytest.raises(CancelledError):
+        exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), cancellation)
+    assert files_of(stick) == []
+
+
+def test_cancelling_ends_the_command(tmp_path, exporter, sticks, command):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    command.mode = "hang"
+    cancellation = Cancellation()
+    seen = threading.Event()
+
+    def cancel_when_started():
+        while not seen.wait(0.02):
+            if command.started.exists() and command.started.read_text():
+                cancellation.cancel()
+                return
+
+    watcher = threading.Thread(target=cancel_when_started)
+    watcher.start()
+    with pytest.raises(CancelledError):
+        exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), cancellation)
+    seen.set()
+    watcher.join()
+    assert files_of(stick) == []

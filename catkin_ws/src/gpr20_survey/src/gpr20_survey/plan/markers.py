@@ -1,0 +1,197 @@
+"""Markers: places of a survey that people noted, with a text, while it was measured or later."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
+from gpr20_survey.trace.trace import MAX_COORDINATE, SURVEY_ID
+
+MARKERS = "markers"
+"""Key of survey.json."""
+MAX_TEXT_CHARACTERS = 500
+# With every text as long as it may be, survey.json remains far below its own limit.
+MAX_MARKERS = 1000
+MAX_DEPTH_MM = 10_000.0
+
+X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text of the marker")
+
+
+@dataclass(frozen=True)
+class Marker:
+    """A place that somebody noted; one that was removed stays in survey.json.
+
+    Attributes:
+        marker_id: UUID, made by the client.
+        x_mm: Place along X [mm], in the coordinates of the robot.
+        y_mm: Place along Y [mm].
+        depth_mm: Depth below the surface [mm]; None if it is not known.
+        text: One line; may be empty.
+        author: Who made it; may be empty.
+        time: When the storage took it, as ISO 8601 text; empty before that.
+        removed: When it was removed, as ISO 8601 text; empty if it was not.
+        removed_by: Who removed it; may be empty.
+    """
+
+    marker_id: str
+    x_mm: float
+    y_mm: float
+    depth_mm: Optional[float] = None
+    text: str = ""
+    author: str = ""
+    time: str = ""
+    removed: str = ""
+    removed_by: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.marker_id, str) or not SURVEY_ID.fullmatch(self.marker_id):
+            raise InvalidValueError(
+                Message(
+                    "marker_id is {marker}; it must be a UUID in lower case with hyphens",
+                    marker=repr(str(self.marker_id)[:64]),
+                )
+            )
+        _set_number(self, "x_mm", X, -MAX_COORDINATE, MAX_COORDINATE)
+        _set_number(self, "y_mm", Y, -MAX_COORDINATE, MAX_COORDINATE)
+        if self.depth_mm is not None:
+            _set_number(self, "depth_mm", DEPTH, 0.0, MAX_DEPTH_MM)
+        check_text(TEXT, self.text, MAX_TEXT_CHARACTERS)
+        for name in ("author", "removed_by"):
+            check_text(OPERATOR, getattr(self, name), MAX_NAME_CHARACTERS)
+        for name in ("time", "removed"):
+            check_text(name, getattr(self, name), MAX_NAME_CHARACTERS)
+
+    @property
+    def is_present(self) -> bool:
+        """Whether nobody has removed it."""
+        return not self.removed
+
+    def same_request(self, other: Marker) -> bool:
+        """Return whether another marker was made by the same request, whenever it came."""
+        return replace(self, time="", removed="", removed_by="") == replace(
+            other, time="", removed="", removed_by=""
+        )
+
+
+def _set_number(marker: Marker, name: str, title: Message, lower: float, upper: float) -> None:
+    value = getattr(marker, name)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InvalidValueError(
+            Message(
+                "{name} is of type {type}; it must be {wanted}",
+                name=title,
+                type=type(value).__name__,
+                wanted=Message("a number"),
+            )
+        )
+    number_between(title, value, lower, upper, "mm")
+    object.__setattr__(marker, name, float(value))
+
+
+_KEYS = {one.name for one in fields(Marker)}
+
+
+def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
+    """Return all markers of a survey in the order in which they were made, removed ones too.
+
+    Args:
+        description: Content of survey.json; older ones have no markers.
+
+    Raises:
+        InvalidValueError: Its markers are not those that the storage writes.
+    """
+    values = description.get(MARKERS, [])
+    if not isinstance(values, list) or len(values) > MAX_MARKERS:
+        raise _damaged()
+    if not all(isinstance(one, dict) and one.keys() == _KEYS for one in values):
+        raise _damaged()
+    found = tuple(Marker(**one) for one in values)
+    if len({one.marker_id for one in found}) != len(found):
+        raise _damaged()
+    return found
+
+
+def present_markers(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
+    """Return the markers of a survey that were not removed; see `markers_of`."""
+    return tuple(one for one in markers_of(description) if one.is_present)
+
+
+def values_of(markers: Tuple[Marker, ...]) -> List[Dict[str, Any]]:
+    """Return the entry of survey.json."""
+    return [asdict(one) for one in markers]
+
+
+def with_marker(
+    description: Mapping[str, Any], marker: Marker, now: str
+) -> Optional[Dict[str, Any]]:
+    """Return a description with one more marker; None if it has it already.
+
+    Args:
+        description: Content of survey.json.
+        marker: The new marker.
+        now: The present moment, as ISO 8601 text.
+
+    Raises:
+        SurveyRefusedError: Its id is taken by another marker, or the survey has too many.
+    """
+    present = _stored(description)
+    for one in present:
+        if one.marker_id == marker.marker_id:
+            if one.same_request(marker):
+                return None  # the answer to the first call may have been lost
+            raise SurveyRefusedError(
+                Message("another marker has the id {marker}", marker=marker.marker_id)
+            )
+    if len(present) >= MAX_MARKERS:
+        raise SurveyRefusedError(
+            Message("the survey has {count} markers; it can have no more", count=len(present))
+        )
+    return {**description, MARKERS: values_of((*present, replace(marker, time=now)))}
+
+
+def without_marker(
+    description: Mapping[str, Any], marker_id: str, author: str, now: str
+) -> Optional[Dict[str, Any]]:
+    """Return a description in which a marker is removed; None if it is already.
+
+    Args:
+        description: Content of survey.json.
+        marker_id: UUID of the marker.
+        author: Who removes it.
+        now: The present moment, as ISO 8601 text.
+
+    Raises:
+        SurveyRefusedError: The survey never had such a marker.
+    """
+    present = _stored(description)
+    former = next((one for one in present if one.marker_id == marker_id), None)
+    if former is None:
+        raise SurveyRefusedError(
+            Message("the survey has no marker {marker}", marker=repr(marker_id[:64]))
+        )
+    if not former.is_present:
+        return None
+    removed = replace(former, removed=now, removed_by=author)
+    changed = tuple(removed if one is former else one for one in present)
+    return {**description, MARKERS: values_of(changed)}
+
+
+def _stored(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
+    try:
+        return markers_of(description)
+    except InvalidValueError as error:
+        raise SurveyRefusedError(
+            Message(
+                "the markers in survey.json are damaged: {reason}; nothing was changed",
+                reason=error.message,
+            )
+        ) from error
+
+
+def _damaged() -> InvalidValueError:
+    return InvalidValueError(Message("'markers' in survey.json is not a list of markers"))

@@ -1,0 +1,98 @@
+"""The display that the window is shown on: none at the start, or lost later."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from typing import Callable, Mapping, MutableMapping, Optional
+
+from PyQt5.QtCore import QMessageLogContext, QtMsgType, qInstallMessageHandler
+from PyQt5.QtGui import QGuiApplication
+
+from gpr20_common.message import Message
+from gpr20_user_interface.errors import DisplayUnavailableError
+from gpr20_user_interface.low.display_probe import display_problem
+
+# Between two attempts, where a window waits for its display [s].
+RETRY_S = 3.0
+# What Qt says before it calls exit(): of X11, and of Wayland.
+LOST = "connection broke"
+
+
+def draw_without_opengl(environment: MutableMapping[str, str]) -> None:
+    """Keep Qt from loading OpenGL, which the window does not use.
+
+    It costs memory and time at the start, and crashes when the display closes while the
+    window is made.
+
+    Args:
+        environment: `os.environ`; what the user has set there stays.
+    """
+    environment.setdefault("QT_XCB_GL_INTEGRATION", "none")
+
+
+def check_display(environment: Mapping[str, str]) -> None:
+    """Check that a window can be shown: Qt would end this process with a core dump.
+
+    Call it before there are threads.
+
+    Args:
+        environment: `os.environ` or the like, for the sentence.
+
+    Raises:
+        DisplayUnavailableError: It cannot.
+    """
+    # Only the name of the program: the options of the window are not Qt's.
+    problem = display_problem(lambda: QGuiApplication(sys.argv[:1]))
+    if problem is None:
+        return
+    name = environment.get("DISPLAY", "")
+    what = (
+        Message("the display {name} cannot be opened", name=repr(name))
+        if name
+        else Message("DISPLAY is not set")
+    )
+    raise DisplayUnavailableError(
+        Message(
+            "no screen for the window, {what}; set DISPLAY to the screen of this computer "
+            "(usually :0), or launch with ui:=false to run without a window",
+            what=what,
+            details=problem,
+        )
+    )
+
+
+def wait_for_display(say: Callable[[str], None]) -> None:
+    """Return when a window can be shown; a screen may start later than the robot.
+
+    Args:
+        say: Gets the reason of the waiting, once.
+    """
+    said = False
+    while True:
+        try:
+            return check_display(os.environ)
+        except DisplayUnavailableError as error:
+            if not said:
+                say(str(error))
+            said = True
+        # A signal ends the process meanwhile.
+        time.sleep(RETRY_S)
+
+
+def on_display_lost(leave: Callable[[], None]) -> None:
+    """Call a function when the connection to the display breaks, instead of Qt's own end.
+
+    Qt aborts, or calls exit() and so the destructors of what other threads still use.
+
+    Args:
+        leave: Ends the process without exit handlers.
+    """
+
+    def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:
+        if kind == QtMsgType.QtFatalMsg or LOST in (text or ""):
+            leave()
+        print(text, file=sys.stderr, flush=True)
+
+    qInstallMessageHandler(handle)

@@ -1,0 +1,87 @@
+"""What the imaging node answers, beside images."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+from gpr20_common.message import Message
+
+
+@dataclass(frozen=True)
+class StickVolume:
+    """A mounted USB stick; see gpr20_msgs/Volume."""
+
+    path: str
+    name: str
+    free_bytes: int
+    writable: bool
+
+
+@dataclass(frozen=True)
+class VolumesListed:
+    """The sticks that are mounted on the computer of the storage."""
+
+    computer: str
+    volumes: Tuple[StickVolume, ...]
+
+
+@dataclass(frozen=True)
+class VolumesFailed:
+    """The sticks cannot be listed."""
+
+    reason: Message
+
+
+@dataclass(frozen=True)
+class CandidatesFound:
+    """A search has ended with a list.
+
+    Attributes:
+        request_id: As it was sent.
+        candidates_json: As `gpr20 candidates --json` prints it.
+        remarks: What is missing, damaged or noted, in the language of the request.
+    """
+
+    request_id: str
+    candidates_json: str
+    remarks: str
+
+
+@dataclass(frozen=True)
+class ExportDone:
+    """Everything is on the stick.
+
+    Attributes:
+        request_id: As it was sent.
+        files: Names on the stick.
+    """
+
+    request_id: str
+    files: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RequestFailed:
+    """A search or an export has failed.
+
+    Attributes:
+        request_id: As it was sent.
+        reason: Why, and what to do.
+    """
+
+    request_id: str
+    reason: Message
+
+
+@dataclass(frozen=True)
+class RequestProgress:
+    """What the node does for a request.
+
+    Attributes:
+        request_id: As it was sent.
+        stage: What it does.
+    """
+
+    request_id: str
+    stage: Message

@@ -1,0 +1,33 @@
+"""Everything that the window shows and asks through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
+from gpr20_user_interface.mid.plan_memory import PlanMemory
+from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.service_model import ServiceModel
+from gpr20_user_interface.mid.trace_presenter import TracePresenter
+from gpr20_user_interface.mid.window_presenter import WindowPresenter
+
+
+@dataclass(frozen=True)
+class Presenters:
+    """The parts of the window without their widgets.
+
+    Attributes:
+        survey: The survey that runs, and the requests to the main control.
+        traces: The traces, and the requests to the storage.
+        imaging: Focused images, candidates and exports.
+        service: Maintenance of the robot.
+        profiles: Parameters that are stored under a name.
+        plans: What the operator planned last.
+    """
+
+    survey: WindowPresenter
+    traces: TracePresenter
+    imaging: ImagingPresenter
+    service: ServiceModel
+    profiles: Profiles
+    plans: PlanMemory

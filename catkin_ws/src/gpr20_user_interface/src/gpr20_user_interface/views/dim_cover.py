@@ -1,0 +1,92 @@
+"""The dark cover of a dimmed screen, under which STOP stays bright and acts."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import QEvent, QObject, QPoint, QRect, Qt
+from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QRegion, QTouchEvent
+from PyQt5.QtWidgets import QWidget
+
+from gpr20_user_interface.mid.dimming import Dimming
+
+# An eighth of the light: what is shown can still be read in the dark.
+DARKNESS = QColor(0, 0, 0, 222)
+BEGINS = (QEvent.Type.MouseButtonPress, QEvent.Type.TouchBegin, QEvent.Type.KeyPress)
+ENDS = (
+    QEvent.Type.MouseButtonRelease,
+    QEvent.Type.TouchEnd,
+    QEvent.Type.TouchCancel,
+    QEvent.Type.KeyRelease,
+)
+# Of the touch that woke the screen: parts of it, too.
+PARTS = (QEvent.Type.MouseMove, QEvent.Type.MouseButtonDblClick, QEvent.Type.TouchUpdate)
+
+
+class DimCover(QWidget):
+    """Darkens a window while it is dimmed, and takes the touch that wakes it.
+
+    Args:
+        window: The window.
+        stop: Its button STOP, which is not covered.
+        dimming: When the window is dimmed.
+    """
+
+    def __init__(self, window: QWidget, stop: QWidget, dimming: Dimming) -> None:
+        super().__init__(window)
+        self._stop = stop
+        self._dimming = dimming
+        # Parts of the touch that has woken the screen have no effect either.
+        self._waking = False
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        self.hide()
+        window.installEventFilter(self)
+
+    def refresh(self) -> None:
+        """Cover the window if it is dimmed."""
+        if self._dimming.dimmed:
+            self._cover()
+        self.setVisible(self._dimming.dimmed)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: something happens to the window, or to its place on the screen."""
+        if watched is self.parentWidget():
+            if event.type() == QEvent.Type.Show:
+                # What comes from the screen, before any widget gets it.
+                self.parentWidget().windowHandle().installEventFilter(self)
+            elif event.type() == QEvent.Type.Resize and self.isVisible():
+                self._cover()
+        elif event.type() in BEGINS and not self._waking:
+            self._waking = self._dimming.wake() and not self._meets_stop(event)
+            self.refresh()
+            return self._waking
+        elif event.type() in ENDS and self._waking:
+            self._waking = False
+            return True
+        elif event.type() in PARTS or event.type() in BEGINS:
+            return self._waking
+        return False
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        """Qt: draw the widget."""
+        QPainter(self).fillRect(self.rect(), DARKNESS)
+
+    def _meets_stop(self, event: QEvent) -> bool:
+        if isinstance(event, QMouseEvent):
+            place = event.globalPos()
+        elif isinstance(event, QTouchEvent) and event.touchPoints():
+            place = event.touchPoints()[0].screenPos().toPoint()
+        else:
+            return False
+        return self._stop.isVisible() and self._stop_area().contains(
+            self.parentWidget().mapFromGlobal(place)
+        )
+
+    def _stop_area(self) -> QRect:
+        corner = self._stop.mapTo(self.parentWidget(), QPoint(0, 0))
+        return QRect(corner, self._stop.size())
+
+    def _cover(self) -> None:
+        self.setGeometry(self.parentWidget().rect())
+        shown = QRegion(self.rect())
+        self.setMask(shown - QRegion(self._stop_area()) if self._stop.isVisible() else shown)
+        self.raise_()

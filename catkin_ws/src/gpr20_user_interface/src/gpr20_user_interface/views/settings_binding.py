@@ -1,0 +1,91 @@
+"""Connects the settings of the window with the languages, the theme and the dimming."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Callable, Sequence
+
+from PyQt5.QtWidgets import QPushButton, QWidget
+
+from gpr20_common.catalogue import Language
+from gpr20_common.low.clock import Clock
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.dimming import Dimming
+from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.window_settings import Theme, WindowMemory
+from gpr20_user_interface.views.binding import Binding
+from gpr20_user_interface.views.dim_cover import DimCover
+from gpr20_user_interface.views.gear_button import GearButton
+from gpr20_user_interface.views.settings_sheet import SettingsSheet
+from gpr20_user_interface.views.translation import Languages
+
+# These wait for the operator.
+AWAKE = (SurveyState.PAUSED, SurveyState.FAILED)
+
+
+class SettingsBinding(Binding):
+    """Changes the window as the operator chooses, and remembers it.
+
+    Args:
+        window: The window.
+        stop: Its button STOP, which no dimming covers.
+        notices: What must be seen while it is open.
+        languages: Languages of the window.
+        use_theme: Changes the theme of the window.
+        memory: What was chosen before.
+        clock: Measures the time without a touch.
+
+    Attributes:
+        button: Opens the sheet.
+        sheet: The settings.
+        cover: What dims the window.
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        stop: QPushButton,
+        notices: Sequence[QWidget],
+        languages: Languages,
+        use_theme: Callable[[Theme], None],
+        memory: WindowMemory,
+        clock: Clock,
+    ) -> None:
+        self._notices = notices
+        self._languages = languages
+        self._apply_theme = use_theme
+        self._memory = memory
+        self._dimming = Dimming(clock, memory.settings.dim_after_s)
+        self.button = GearButton()
+        self.button.setObjectName("settings")
+        self.sheet = SettingsSheet(window)
+        self.cover = DimCover(window, stop, self._dimming)
+        self.button.clicked.connect(lambda: self._open())
+        self.sheet.language_chosen.connect(self._use_language)
+        self.sheet.theme_chosen.connect(self._use_theme)
+        self.sheet.dimming_chosen.connect(self._dim_after)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Dim the window when it is time; not while there is something to see."""
+        waits = snapshot.state is not None and snapshot.state.code in AWAKE
+        seen = any(notice.isVisible() for notice in self._notices)
+        self._dimming.refresh(waits or seen or snapshot.alarm is not None)
+        self.cover.refresh()
+
+    def _open(self) -> None:
+        settings = self._memory.settings
+        # A launch may have set another language than the one that is remembered.
+        self.sheet.show_settings(replace(settings, language=self._languages.language))
+        self.sheet.open()
+
+    def _use_language(self, language: Language) -> None:
+        self._languages.use(language)
+        self._memory.change(language=language)
+
+    def _use_theme(self, theme: Theme) -> None:
+        self._apply_theme(theme)
+        self._memory.change(theme=theme)
+
+    def _dim_after(self, minutes: int) -> None:
+        self._memory.change(dim_after_min=minutes)
+        self._dimming.set_after(self._memory.settings.dim_after_s)

@@ -1,0 +1,23 @@
+"""Candidates and markers for the tests of MAP."""
+
+import numpy as np
+from view_kit import SURVEY
+
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.markers import Marker
+from gpr20_user_interface.mid.focused_image import CandidateMark, FocusedImage
+
+FINER = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+MARKER = Marker(
+    "0f8fad5b-d9cb-469f-a165-708677289501", 175.0, 70.0, 60.0, "raíz", "Ana",
+    "2026-11-21T05:10:00.000000Z",
+)  # fmt: skip
+SURE = CandidateMark(1, 125.0, 90.0, 85.0, 21.0, False)
+DOUBTED = CandidateMark(2, 125.0, 90.0, 140.0, 12.0, True, (verbatim("close to the edge"),))
+
+
+def focused(candidates=(SURE, DOUBTED), survey_id=SURVEY):
+    """Return a focused image with candidates."""
+    x_mm, y_mm, depth_mm = np.arange(3.0), np.arange(2.0), np.arange(4.0)
+    levels_db = np.zeros((4, 2, 3), np.float32)
+    return FocusedImage(survey_id, 9, 4.0, True, x_mm, y_mm, depth_mm, levels_db, candidates)

@@ -1,0 +1,103 @@
+import pytest
+from map_kit import DOUBTED, FINER, MARKER, SURE, focused
+from view_kit import SURVEY
+from window_helpers import Storage
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import verbatim
+from gpr20_user_interface.mid.additions_presenter import (
+    IMAGES_KEPT,
+    RETRY_REFRESHES,
+    AdditionsPresenter,
+)
+from gpr20_user_interface.mid.focused_image import ImageFocused
+from gpr20_user_interface.mid.map_geometry import Area
+from gpr20_user_interface.mid.survey_additions import (
+    AdditionsFailed,
+    AdditionsRead,
+    MarkersStored,
+    MarkingFailed,
+    RelatedSurvey,
+)
+
+RELATED = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(1.0, 2.0, 3.0, 4.0))
+
+
+@pytest.fixture
+def storage():
+    return Storage()
+
+
+@pytest.fixture
+def additions(storage):
+    additions = AdditionsPresenter(storage, lambda: "Ana")
+    additions.follow(SURVEY, can_read=True)
+    return additions
+
+
+def test_what_belongs_to_a_survey_is_asked_for_once_and_shown(storage, additions):
+    additions.follow(SURVEY, can_read=True)
+    assert storage.asked == [("additions", SURVEY)]
+    additions.on_event(AdditionsRead(SURVEY, (MARKER,), (RELATED,)))
+    assert (additions.markers, additions.related) == ((MARKER,), (RELATED,))
+
+
+def test_nothing_of_another_survey_is_shown(additions):
+    additions.on_event(AdditionsRead(FINER, (MARKER,), (RELATED,)))
+    additions.on_event(MarkersStored(FINER, (MARKER,)))
+    additions.on_event(ImageFocused(focused(survey_id=FINER)))
+    assert (additions.markers, additions.related, additions.candidates) == ((), (), ())
+    additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    additions.follow(FINER, can_read=True)
+    assert additions.markers == ()
+    assert additions.candidates == (SURE, DOUBTED)
+
+
+def test_a_replay_has_no_storage_to_ask(storage):
+    additions = AdditionsPresenter(storage, str)
+    additions.follow(SURVEY, can_read=False)
+    assert storage.asked == []
+    assert not additions.can_mark
+
+
+def test_a_failure_is_followed_by_another_request_later(storage, additions):
+    additions.on_event(AdditionsFailed(SURVEY, verbatim("no")))
+    for _ in range(RETRY_REFRESHES - 1):
+        additions.refresh()
+    assert len(storage.asked) == 1
+    additions.refresh()
+    assert storage.asked == 2 * [("additions", SURVEY)]
+
+
+def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
+    additions.add_marker(1.0, 2.0, None, "metal")
+    _kind, survey, marker = storage.asked[-1]
+    assert (survey, marker.text, marker.author, marker.depth_mm) == (SURVEY, "metal", "Ana", None)
+    assert additions.markers == ()
+    additions.on_event(MarkersStored(SURVEY, (marker,)))
+    assert additions.markers == (marker,)
+    additions.remove_marker(marker.marker_id)
+    assert storage.asked[-1] == ("remove marker", SURVEY, marker.marker_id, "Ana")
+
+
+def test_a_marker_that_is_not_allowed_is_not_sent(storage, additions):
+    with pytest.raises(InvalidValueError):
+        additions.add_marker(1.0, 2.0, None, "a\nb")
+    assert len(storage.asked) == 1
+
+
+def test_a_failure_of_a_marker_is_reported_once(additions):
+    additions.on_event(MarkingFailed(SURVEY, MARKER.marker_id, verbatim("disk full")))
+    assert str(additions.take_problem()) == "disk full"
+    assert additions.take_problem() is None
+
+
+def test_images_of_finer_surveys_are_kept_but_not_without_end(additions):
+    additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
+    additions.on_event(ImageFocused(focused()))
+    additions.on_event(ImageFocused(focused(survey_id=FINER)))
+    assert [one.survey_id for one in additions.finer_images] == [FINER]
+    for number in range(2 * IMAGES_KEPT):
+        additions.on_event(ImageFocused(focused(survey_id=str(number))))
+    assert additions.candidates == (SURE, DOUBTED)
+    assert additions.finer_images == ()

@@ -1,0 +1,103 @@
+from dataclasses import replace
+
+import pytest
+
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_user_interface.mid.events import Progress
+from gpr20_user_interface.mid.hold_question import (
+    LONGEST_NAME,
+    delete_profile_question,
+    other_analyzer_question,
+    resume_past_question,
+    resume_question,
+    start_question,
+)
+from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.survey_preview import preview
+
+PARAMETERS = default_parameters()
+FOLDER = "20261121T051000_7c9e6679"
+
+
+def rows(question):
+    return {str(name): str(value) for name, value in question.rows}
+
+
+def test_start_says_area_spacing_traces_time_and_people():
+    figures = replace(preview(PARAMETERS), cost=SurveyCost(65.0, 1))
+    question = start_question(PARAMETERS, figures, Annotation(operator="Ana", site="El Dorado"))
+    assert rows(question) == {
+        "Area": "100 x 100 mm: X 50 to 150, Y 50 to 150",
+        "Spacing": "X 25 mm, Y 25 mm",
+        "Traces": "50 at 25 stops",
+        "Time": "about 2 min",
+        "Operator": "Ana",
+        "Site": "El Dorado",
+    }
+
+
+def test_start_says_nothing_of_people_who_are_not_known():
+    question = start_question(PARAMETERS, preview(PARAMETERS), EMPTY)
+    assert list(rows(question)) == ["Area", "Spacing", "Traces", "Time"]
+    assert rows(question)["Time"] == "not known yet"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (0.0, "less than 1 min"),
+        (60.1, "about 2 min"),
+        (3600.0, "about 1 h 0 min"),
+        (90000.0, "about 1 d 1 h"),
+        (float("nan"), "not known yet"),
+    ],
+)
+def test_times_are_rounded_up_to_minutes(seconds, words):
+    question = resume_question(Progress("id", 50.0, 242, 121, seconds))
+    assert rows(question) == {"Stored": "121 of 242 traces", "Time left": words}
+
+
+def test_resume_without_any_progress_has_only_its_warning():
+    assert resume_question(None).rows == ()
+
+
+def test_a_past_survey_is_named_before_it_is_resumed():
+    survey = PastSurvey(
+        *(FOLDER, "7c9e6679", "2026-11-21T05:10:00", "stopped", 7, 40),
+        *(verbatim(""), False, True, None),
+    )
+    assert rows(resume_past_question(FOLDER, survey)) == {
+        "Survey": FOLDER,
+        "Started": survey.local_time(),
+        "Stored": "7 of 40 traces",
+    }
+    assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        start_question(PARAMETERS, preview(PARAMETERS), EMPTY),
+        resume_question(None),
+        resume_past_question(FOLDER, None),
+        other_analyzer_question("Anritsu,MS2026C"),
+    ],
+)
+def test_whatever_moves_the_robot_warns_of_it(question):
+    assert str(question.warning).startswith("Hands clear!")
+
+
+def test_what_is_deleted_is_named():
+    question = delete_profile_question("field-1")
+    assert rows(question) == {"Profile": "field-1"}
+    assert "Hands" not in str(question.warning)
+
+
+def test_long_names_end_where_the_sheet_ends():
+    annotation = Annotation(operator="O" * 200, site="S" * 200)
+    shown = rows(start_question(PARAMETERS, preview(PARAMETERS), annotation))
+    assert len(shown["Operator"]) == len(shown["Site"]) == LONGEST_NAME
+    assert shown["Site"].endswith("…")

@@ -1,0 +1,273 @@
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QAbstractButton, QLabel
+from test_remedies import paused
+from view_kit import description, make_grid
+from window_helpers import application, click, close, new_window, show, snapshot, window, wishes
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_user_interface.mid.events import (
+    Answer,
+    ControlState,
+    HealthLevel,
+    NodeHealth,
+    Progress,
+    Request,
+    TargetPosition,
+)
+from gpr20_user_interface.mid.hold import HOLD_S
+from gpr20_user_interface.mid.job import JobLevel
+from gpr20_user_interface.mid.notices import fault_notice
+from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
+from gpr20_user_interface.mid.robot_health import EXPECTED_NODES, Alarm, AlarmKind, HealthReport
+from gpr20_user_interface.mid.survey_name import survey_name
+from gpr20_user_interface.mid.trace_events import SurveyDescribed
+from gpr20_user_interface.views.elided_label import ElidedLabel
+from gpr20_user_interface.views.lines_label import LinesLabel
+from gpr20_user_interface.views.look import BORDER_PX, Look
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.palette import Theme
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application", "window"]
+
+FULL = Message("the disk is full", details="[Errno 28] No space left on device")
+LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
+SIZES = [(480, 320), (800, 480), (1280, 800)]
+
+
+def shown(code, message="as it is", **other):
+    values = {
+        "state": ControlState(code, verbatim(message), "id", True),
+        "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
+        "job_parameters": make_grid().parameters,
+        **other,
+    }
+    return snapshot(code, **values)
+
+
+def is_job_shown(window):
+    return window.control_pages.currentWidget() is window.job
+
+
+@pytest.mark.parametrize("code", list(SurveyState))
+def test_control_shows_the_job_from_its_begin_until_the_next_is_planned(window, code):
+    show(window, shown(code))
+    assert is_job_shown(window) is (code in RUNNING or code in ENDED)
+    assert window.job.plan.isVisible() is (code in ENDED)
+    if code in ENDED:
+        click(window.job.plan)
+        assert not is_job_shown(window)
+        show(window, shown(code))
+        assert not is_job_shown(window)
+
+
+def test_the_job_is_told_in_large_type(window):
+    target = TargetPosition(150.0, 50.0, 0.0)
+    progress = Progress("id", 42.7, 242, 103, 1080.0)
+    window.on_event(SurveyDescribed(description(annotation={"name": "Field 4", "site": "x"})))
+    show(window, shown(SurveyState.SURVEYING, progress=progress, target=target))
+    job = window.job
+    assert (job.title.text(), job.left.text()) == ("SURVEYING", "18 min left")
+    assert (job.percent.text(), job.line.text()) == ("42 %", "line 1 of 4")
+    assert job.area.whole == "Field 4, 100 x 60 mm"
+    assert job.percent.fontMetrics().height() >= 2.5 * job.message.fontMetrics().height()
+
+
+@pytest.mark.parametrize("code", [SurveyState.PAUSED, SurveyState.FAILED])
+def test_a_survey_that_rests_differs_from_one_that_measures_without_colours(window, code):
+    pictures, words = [], []
+    for one in (SurveyState.SURVEYING, code):
+        show(window, shown(one))
+        sign = window.job.sign
+        picture = sign.grab().toImage()
+        ground = picture.pixelColor(1, picture.height() // 2).lightness()
+        pictures.append(
+            [
+                abs(picture.pixelColor(x, y).lightness() - ground) > 60
+                for x in range(0, picture.width(), 2)
+                for y in range(0, picture.height(), 2)
+            ]
+        )
+        words.append(window.job.title.text())
+    different = sum(a != b for a, b in zip(*pictures))
+    assert different > len(pictures[0]) * 0.1
+    assert words[0] != words[1]
+
+
+def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window):
+    received = wishes(window)
+    show(window, shown(SurveyState.SURVEYING))
+    assert not window.notice.isVisible()
+    faulty = shown(SurveyState.PAUSED, state=paused(FULL))
+    show(window, faulty)
+    notice = window.notice
+    assert notice.isVisible() and notice.reason.toPlainText() == "The disk is full"
+    assert "Make space" in notice.first.text() and notice.resume.isVisible()
+    assert not notice.details.isVisible()
+    click(notice.close_button)
+    show(window, faulty)
+    assert not notice.isVisible()
+    click(window.job.fault)
+    assert notice.isVisible()
+    asked = []
+    window.top_bar.resume_pressed.connect(lambda: asked.append("resume"))
+    click(notice.resume)
+    assert asked == ["resume"] == received
+    assert not notice.isVisible()
+
+
+def test_a_card_goes_when_the_survey_goes_on(window):
+    show(window, shown(SurveyState.PAUSED, state=paused(FULL)))
+    assert window.notice.isVisible()
+    show(window, shown(SurveyState.SURVEYING))
+    assert not window.notice.isVisible()
+
+
+def test_a_replay_opens_no_card(window):
+    replay = ReplayView(ReplayMark(), state=SurveyState.PAUSED)
+    show(window, shown(SurveyState.PAUSED, state=paused(FULL), replay=replay))
+    assert not window.notice.isVisible()
+    assert not window.job.plan.isVisible() and not window.job.notes.isVisible()
+
+
+def test_a_stop_without_a_master_says_at_once_to_switch_off_the_motors(window):
+    gone = shown(SurveyState.SURVEYING, master_alive=False, alarm=Alarm(AlarmKind.MASTER_GONE))
+    show(window, gone)
+    QTest.mousePress(window.top_bar.stop, 1)
+    warning = window.stop_warning
+    assert warning.isVisible()
+    QTest.mouseRelease(window.top_bar.stop, 1)
+    assert warning.title.text() == "SWITCH OFF THE MOTORS' POWER"
+    assert warning.title.fontMetrics().height() >= 2.5 * window.fontMetrics().height()
+    bar = window.top_bar.geometry()
+    assert warning.geometry().top() == bar.bottom() + 1
+    assert warning.geometry().bottom() == window.rect().bottom()
+    # Nothing may cover it.
+    window.notice.show_notice(fault_notice(paused(FULL)))
+    show(window, gone)
+    assert window.childAt(400, 300) in (warning, *warning.findChildren(QLabel))
+    show(window, shown(SurveyState.STOPPED, master_alive=False))
+    assert not warning.isVisible()
+
+
+def test_a_stop_that_is_not_answered_is_said_within_300_ms(window):
+    show(window, shown(SurveyState.SURVEYING))
+    QTest.mousePress(window.top_bar.stop, 1)
+    assert not window.stop_warning.isVisible()
+    QTest.qWait(300)
+    assert window.stop_warning.isVisible()
+    window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
+    show(window, shown(SurveyState.SURVEYING))
+    assert not window.stop_warning.isVisible()
+
+
+def test_the_warning_is_closed_by_a_hold_and_not_by_a_tap(window):
+    show(window, shown(SurveyState.SURVEYING, master_alive=False))
+    click(window.top_bar.stop)
+    button = window.stop_warning.close_button
+    click(button)
+    assert window.stop_warning.isVisible()
+    QTest.mousePress(button, 1)
+    QTest.qWait(int(1000 * HOLD_S) + 300)
+    QTest.mouseRelease(button, 1)
+    assert not window.stop_warning.isVisible()
+
+
+def test_a_name_is_read_from_a_description_whatever_it_holds():
+    assert survey_name('{"annotation": {"name": "A", "site": "B"}}') == "A"
+    assert survey_name('{"annotation": {"name": "", "site": "B"}}') == "B"
+    for text in ("", "{}", "[]", '{"annotation": null}', '{"annotation": {}}'):
+        assert survey_name(text) == ""
+
+
+CASES = {
+    "surveying": shown(SurveyState.SURVEYING, LONG),
+    "paused": shown(SurveyState.PAUSED, state=paused(verbatim(LONG))),
+    "failed": shown(SurveyState.FAILED, LONG),
+    "finished": shown(SurveyState.FINISHED, LONG),
+    "checking": shown(SurveyState.CHECKING, LONG),
+    "homing": shown(SurveyState.HOMING, LONG),
+    "interrupted": shown(SurveyState.IDLE, alarm=Alarm(AlarmKind.SURVEY_INTERRUPTED)),
+    "gone": shown(SurveyState.SURVEYING, alarm=Alarm(AlarmKind.CONTROL_LOST, 86399.0)),
+}
+
+
+@pytest.fixture(params=[(size, one) for size in SIZES for one in Language], ids=str)
+def sized(request, application):
+    size, language = request.param
+    languages = Languages(application, language)
+    window = new_window(languages)
+    window.use_look(Look(Theme.NIGHT if size == (480, 320) else Theme.SUN))
+    window.resize(*size)
+    window.show()
+    yield window
+    close(window)
+
+
+def assert_fits(window, parts):
+    """Check that no text of these parts is cut."""
+    QTest.qWait(1)
+    for part in parts:
+        for widget in [*part.findChildren(QLabel), *part.findChildren(QAbstractButton)]:
+            if not widget.isVisible() or isinstance(widget, (ElidedLabel, LinesLabel)):
+                continue
+            corner = widget.mapTo(window, widget.rect().bottomRight())
+            assert corner.x() < window.width() and corner.y() < window.height(), widget.text()
+            if isinstance(widget, QLabel) and widget.wordWrap():
+                assert widget.heightForWidth(widget.width()) <= widget.height(), widget.text()
+                continue
+            frame_px = 0 if isinstance(widget, QLabel) else 2 * BORDER_PX
+            needed_px = widget.fontMetrics().horizontalAdvance(widget.text()) + frame_px
+            assert needed_px <= widget.contentsRect().width(), widget.text()
+            assert widget.fontMetrics().height() <= widget.height(), widget.text()
+
+
+@pytest.mark.parametrize("case", list(CASES))
+def test_nothing_of_the_job_is_cut_off(sized, case):
+    show(sized, CASES[case])
+    show(sized, CASES[case])
+    assert_fits(sized, [sized.top_bar, sized.job, sized.notice])
+    assert sized.top_bar.message.height() >= sized.top_bar.message.fontMetrics().lineSpacing()
+    if sized.notice.isVisible():
+        click(sized.notice.details_button)
+        assert_fits(sized, [sized.notice])
+        assert sized.notice.reason.fontMetrics().height() * 2 <= sized.notice.height() / 3
+
+
+def test_nothing_of_status_and_of_the_stop_warning_is_cut_off(sized):
+    nodes = tuple(
+        NodeHealth(name, level, verbatim(LONG), {"calibration": "MODERATE_POWER"})
+        for name, level in zip((*EXPECTED_NODES, "simulator"), list(HealthLevel) * 2)
+    )
+    target = TargetPosition(650.1234, 800.1234, -90.0)
+    now = shown(
+        SurveyState.SURVEYING, LONG, target=target, height_m=0.123, health=HealthReport(nodes)
+    )
+    sized.show_tab(TabName.STATUS)
+    for button in (sized.status.robot_button, sized.status.parts_button):
+        click(button)
+        show(sized, now)
+        assert_fits(sized, [sized.top_bar, sized.status])
+    click(sized.status.robot_button)
+    assert sized.status.positions.cell("target", 1) == "650.12"
+    click(sized.top_bar.stop)
+    QTest.qWait(300)
+    assert sized.stop_warning.isVisible()
+    assert_fits(sized, [sized.stop_warning])
+
+
+@pytest.mark.parametrize("level", list(JobLevel))
+def test_every_level_has_its_own_sign(window, level):
+    others = [one for one in JobLevel if one is not level]
+    sign = window.top_bar.sign
+    sign.show_level(level)
+    picture = sign.grab().toImage()
+    for other in others:
+        sign.show_level(other)
+        assert sign.grab().toImage() != picture

@@ -1,0 +1,214 @@
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from map_kit import FINER, MARKER, SURE, focused
+from PyQt5.QtTest import QTest
+from view_kit import SURVEY, description, make_grid, trace_at
+from window_helpers import application, click, close, new_window, show, snapshot, window
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import Answer, Request
+from gpr20_user_interface.mid.focused_image import ImageFocused
+from gpr20_user_interface.mid.map_coverage import CoverageRuns
+from gpr20_user_interface.mid.map_geometry import Area
+from gpr20_user_interface.mid.survey_additions import (
+    AdditionsRead,
+    MarkersStored,
+    MarkingFailed,
+    RelatedSurvey,
+)
+from gpr20_user_interface.mid.trace_events import SurveyDescribed
+from gpr20_user_interface.views.look import Look
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.palette import Theme
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application", "window"]
+
+SIZES = [(480, 320), (800, 480), (1280, 800)]
+
+
+def fill(window):
+    """Let a window show a survey with candidates and a marker on MAP."""
+    grid = make_grid()
+    window.on_event(SurveyDescribed(description()))
+    window.on_event(CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), {}))
+    window.on_event(trace_at(grid, 0))
+    window.show_tab(TabName.MAP)
+    window.refresh()
+    window.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    window.on_event(ImageFocused(focused()))
+    window.draw()
+
+
+@pytest.fixture
+def filled(window):
+    fill(window)
+    return window
+
+
+def asked(window, kind):
+    return [one for one in window.traces.source.asked if one[0] == kind]
+
+
+def choose_place(window):
+    window.map.next_candidate.click()
+    assert window.map.selected.mark == SURE
+
+
+def test_a_finer_survey_goes_to_control_and_starts_only_there(filled):
+    choose_place(filled)
+    click(filled.map.finer)
+    sheet = filled.map_binding.finer
+    assert sheet.isVisible()
+    assert "2 x" not in sheet.figures.text()
+    click(sheet.sizes[1])
+    click(sheet.use)
+    assert filled.tabs.currentWidget() is filled.control_pages
+    p = filled.control.parameters
+    assert (p.x_start_mm, p.x_stop_mm, p.x_points) == (50.0, 200.0, 16)
+    assert (p.y_start_mm, p.y_stop_mm, p.y_points) == (15.0, 165.0, 16)
+    assert p.polarizations_deg == (0.0, 90.0)
+    assert filled.survey.asked == []
+    assert filled.survey.finer == filled.additions.plan == sheet.plan
+    filled.on_event(Answer(Request.START, True, verbatim("Survey started")))
+    assert filled.survey.finer is filled.additions.plan is None
+
+
+def test_a_plan_made_while_a_survey_runs_is_kept_and_found_again(filled):
+    before = filled.control.parameters
+    show(filled, snapshot(SurveyState.SURVEYING))
+    choose_place(filled)
+    click(filled.map.finer)
+    assert "running" in filled.map_binding.finer.note.text()
+    click(filled.map_binding.finer.use)
+    assert filled.tabs.currentWidget() is filled.map
+    assert filled.control.parameters == before
+    assert filled.survey.finer is None
+    plan = filled.additions.plan
+    show(filled, snapshot(SurveyState.FINISHED))
+    filled.map.select(None)
+    assert filled.map.finer.text() == "Finer\nplan"
+    click(filled.map.finer)
+    assert filled.map_binding.finer.plan == plan
+    click(filled.map_binding.finer.use)
+    assert filled.survey.finer == plan
+
+
+def test_a_plan_is_dropped(filled):
+    choose_place(filled)
+    click(filled.map.finer)
+    click(filled.map_binding.finer.use)
+    filled.show_tab(TabName.MAP)
+    filled.map.select(None)
+    click(filled.map.finer)
+    click(filled.map_binding.finer.drop)
+    assert filled.additions.plan is filled.survey.finer is None
+
+
+def test_spacing_is_changed_by_touch_and_never_below_a_millimetre(filled):
+    choose_place(filled)
+    click(filled.map.finer)
+    sheet = filled.map_binding.finer
+    for _ in range(20):
+        click(sheet.closer)
+    assert sheet.spacing.text() == "1 mm"
+    assert "101 x 101 stops, 20402 traces" in sheet.figures.text()
+    click(sheet.wider)
+    assert sheet.spacing.text() == "2 mm"
+
+
+def test_a_marker_is_written_on_the_pad_and_sent_to_the_storage(filled):
+    choose_place(filled)
+    click(filled.map.set_marker)
+    pad = filled.map_binding.note_pad
+    assert pad.isVisible()
+    pad.press("metal")
+    pad.accept_button.click()
+    ((_kind, survey, marker),) = asked(filled, "add marker")
+    assert survey == SURVEY
+    place = (marker.x_mm, marker.y_mm, marker.depth_mm)
+    assert place == (SURE.x_mm, SURE.y_mm, SURE.depth_mm)
+    assert marker.text == "metal"
+    filled.on_event(MarkersStored(SURVEY, (MARKER, marker)))
+    filled.draw()
+    assert filled.map.markers.text() == "Markers\n2"
+
+
+def test_a_marker_that_was_not_stored_opens_a_dialog(filled):
+    filled.on_event(MarkingFailed(SURVEY, MARKER.marker_id, verbatim("the disk is full")))
+    assert filled.notice.isVisible()
+
+
+def test_a_marker_is_removed_only_by_holding(filled):
+    click(filled.map.markers)
+    sheet = filled.map_binding.markers
+    sheet.list.setCurrentRow(0)
+    click(sheet.remove)
+    assert asked(filled, "remove marker") == []
+    sheet.remove.held.emit()
+    ((_kind, survey, marker_id, _author),) = asked(filled, "remove marker")
+    assert (survey, marker_id) == (SURVEY, MARKER.marker_id)
+    filled.on_event(MarkersStored(SURVEY, ()))
+    filled.refresh()
+    assert sheet.list.count() == 0
+
+
+def test_a_trace_opens_over_the_tabs_and_changes_its_antenna(filled):
+    click(filled.map.next_problem)
+    click(filled.map.trace)
+    sheet = filled.map_binding.trace
+    assert sheet.isVisible()
+    assert sheet.cell.polarization == 0
+    click(sheet.polarization)
+    assert sheet.cell.polarization == 1
+    click(sheet.close_button)
+    assert not sheet.isVisible()
+
+
+def test_what_belongs_to_a_survey_is_read_when_it_is_shown_and_when_one_ends(window):
+    window.on_event(SurveyDescribed(description()))
+    window.refresh()
+    assert asked(window, "additions") == [("additions", SURVEY)]
+    show(window, snapshot(SurveyState.SURVEYING))
+    show(window, snapshot(SurveyState.FINISHED))
+    assert len(asked(window, "additions")) == 3
+
+
+@pytest.mark.parametrize("theme", list(Theme))
+@pytest.mark.parametrize("language", list(Language))
+@pytest.mark.parametrize("size", SIZES)
+def test_nothing_on_map_is_cut(application, tmp_path, size, language, theme):
+    languages = Languages(application, language)
+    window = new_window(languages, profiles=tmp_path)
+    window.use_look(Look(theme))
+    window.resize(*size)
+    window.show()
+    fill(window)
+    related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
+    window.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
+    for open_sheet, sheet in (
+        (lambda: window.map.next_candidate.click(), window.map),
+        (lambda: window.map.finer.click(), window.map_binding.finer),
+        (lambda: window.map.markers.click(), window.map_binding.markers),
+        (lambda: window.map.trace.click(), window.map_binding.trace),
+    ):
+        open_sheet()
+        window.draw()
+        QTest.qWait(1)
+        assert sheet.isVisible()
+        for button in sheet.findChildren(type(window.map.trace)):
+            if not button.isVisible():
+                continue
+            lines = button.text().split("\n")
+            need_px = max(button.fontMetrics().horizontalAdvance(one) for one in lines)
+            assert need_px <= button.width() - 4, (size, button.text())
+            assert button.height() >= round(60 * window.look.scale), button.text()
+            assert sheet.rect().contains(sheet.mapFromGlobal(button.mapToGlobal(
+                button.rect().bottomRight())))  # fmt: skip
+        if sheet is not window.map:
+            sheet.hide()
+    close(window)

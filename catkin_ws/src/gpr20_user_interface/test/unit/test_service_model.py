@@ -1,0 +1,240 @@
+"""SERVICE: when the robot may be serviced, and when it ends by itself."""
+
+import random
+
+import pytest
+
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_user_interface.mid.events import (
+    AxisLimits,
+    ControlState,
+    CurrentPosition,
+    HealthLevel,
+    NodeHealth,
+    Request,
+)
+from gpr20_user_interface.mid.message_source import Received
+from gpr20_user_interface.mid.robot_health import HealthReport
+from gpr20_user_interface.mid.service_events import (
+    AnalyzerTested,
+    AxisAction,
+    AxisMoved,
+    ClockOffset,
+    EndstopState,
+    HeightTested,
+    ServiceActivity,
+)
+from gpr20_user_interface.mid.service_model import IDLE_LIMIT_S, LAMP_S, ServiceModel
+from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
+
+
+class Requests:
+    def __init__(self):
+        self.asked = []
+
+    def set_watched(self, watched):
+        self.asked.append(("watch", watched))
+
+    def move(self, axis, action, distance):
+        self.asked.append((axis.value, action.name, distance))
+
+    def measure_height(self):
+        self.asked.append("height")
+
+    def test_analyzer(self):
+        self.asked.append("analyzer")
+
+
+def snapshot(code=SurveyState.FINISHED, **other):
+    values = {
+        "control_alive": True,
+        "control_silent_s": 0.1,
+        "state": ControlState(code, verbatim(""), "id", True),
+        "progress": None,
+        "current": CurrentPosition(1.0, 2.0, 3.0),
+        "target": None,
+        "height_m": None,
+        "pending": frozenset(),
+        "travel": None,
+        **other,
+    }
+    return Snapshot(**values)
+
+
+@pytest.fixture
+def requests():
+    return Requests()
+
+
+@pytest.fixture
+def model(clock, requests):
+    model = ServiceModel(requests, clock)
+    model.refresh(snapshot())
+    model.enter()
+    return model
+
+
+def jog(model, distance=10.0):
+    model.move(AxisId.X, AxisAction.JOG, distance)
+
+
+def test_nothing_is_asked_before_the_confirmation(clock, requests):
+    model = ServiceModel(requests, clock)
+    model.refresh(snapshot())
+    jog(model)
+    model.measure_height()
+    model.test_analyzer()
+    assert requests.asked == []
+    assert not model.state.entered
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        *(snapshot(code) for code in sorted(RUNNING)),
+        snapshot(pending=frozenset([Request.START])),
+        snapshot(pending=frozenset([Request.RESUME])),
+        snapshot(control_alive=False),
+        snapshot(master_alive=False),
+    ],
+)
+def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, requests, shown):
+    model.refresh(shown)
+    assert not model.state.entered
+    assert model.state.obstacle is not None
+    model.enter()
+    jog(model)
+    assert requests.asked == []
+    model.refresh(snapshot())
+    assert not model.state.entered
+
+
+def test_service_ends_two_minutes_after_the_last_touch(model, clock):
+    clock.advance(IDLE_LIMIT_S - 1.0)
+    model.touch()
+    clock.advance(IDLE_LIMIT_S - 1.0)
+    model.refresh(snapshot())
+    assert model.state.entered
+    clock.advance(2.0)
+    model.refresh(snapshot())
+    assert not model.state.entered
+
+
+def test_service_does_not_end_during_a_long_motion(model, clock):
+    model.move(AxisId.X, AxisAction.HOME)
+    for _minute in range(10):
+        clock.advance(60.0)
+        model.refresh(snapshot(service=Message("homing the {axis} axis", axis="x")))
+        assert model.state.entered
+    model.on_event(AxisMoved(True, Message("homed")))
+    clock.advance(IDLE_LIMIT_S - 1.0)
+    model.refresh(snapshot())
+    assert model.state.entered
+
+
+def test_service_ends_with_its_tab(model, requests):
+    model.set_watched(True)
+    model.set_watched(False)
+    assert requests.asked == [("watch", True), ("watch", False)]
+    assert not model.state.entered
+
+
+def test_one_request_at_a_time(model, requests):
+    jog(model)
+    jog(model)
+    model.test_analyzer()
+    assert requests.asked == [("x", "JOG", 10.0)]
+    assert model.state.busy
+    model.on_event(AxisMoved(False, Message("the axis is not homed")))
+    assert (model.state.busy, model.state.failed) == (False, True)
+    assert str(model.state.outcome) == "Not done: the axis is not homed"
+    # What another window asked for.
+    model.refresh(snapshot(service=Message("testing the VNA")))
+    jog(model)
+    assert len(requests.asked) == 1
+    assert "testing the VNA" in str(model.state.outcome)
+
+
+def test_what_came_back_is_shown_until_it_is_asked_for_again(model):
+    model.measure_height()
+    measured = HeightTested(0.2, 0.001, 1.3)
+    model.on_event(measured)
+    model.test_analyzer()
+    tested = AnalyzerTested("10.0.0.1", "VNA", "HIGH", 11, 0.1, -40.0)
+    model.on_event(tested)
+    assert (model.state.height, model.state.analyzer) == (measured, tested)
+    model.measure_height()
+    assert (model.state.height, model.state.analyzer) == (None, tested)
+
+
+def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
+    def lamp():
+        return model.state.axes[0].pressed
+
+    assert lamp() is None
+    model.on_event(Received("/x_axis/axis_driver", EndstopState(AxisId.X, True)))
+    model.on_event(Received("/x_axis/axis_driver", EndstopState(AxisId.X, False)))
+    assert lamp() is True
+    clock.advance(LAMP_S)
+    assert lamp() is False
+    clock.advance(1.0)
+    assert lamp() is None
+
+
+def test_position_and_zero_of_each_axis(model):
+    report = NodeHealth("y_axis/axis_driver", HealthLevel.WARN, verbatim(""), {"homed": "False"})
+    model.refresh(snapshot(health=HealthReport((report,))))
+    x, y, z = model.state.axes
+    assert [one.coordinate for one in (x, y, z)] == [1.0, 2.0, 3.0]
+    assert (x.homed, y.homed, z.homed) == (None, False, None)
+
+
+def test_the_smallest_offset_of_a_clock_counts(model):
+    for offset_s in (8.0, 0.2, 3.0):
+        model.on_event(Received("/x", ClockOffset("height_sensor", offset_s)))
+    assert not any("differs" in str(one.text) for one in model.findings())
+    model.on_event(Received("/x", ClockOffset("vna_acquisition", 8.0)))
+    assert any("differs" in str(one.text) for one in model.findings())
+
+
+def test_why_the_configuration_is_not_known_is_found(model):
+    model.on_event(AxisLimits(None, Message("the parts are mixed")))
+    assert "the parts are mixed" in str(model.findings()[0].text)
+
+
+def test_stop_is_possible_and_start_is_not_while_something_is_in_service(clock):
+    survey = SurveyModel(clock)
+    survey.handle(ControlState(SurveyState.CONFIGURED, verbatim(""), "", True))
+    assert (survey.snapshot().can_stop, survey.snapshot().can_start) == (False, True)
+    survey.handle(ServiceActivity(Message("homing the {axis} axis", axis="x")))
+    assert (survey.snapshot().can_stop, survey.snapshot().can_start) == (True, False)
+    survey.handle(ServiceActivity(None))
+    assert (survey.snapshot().can_stop, survey.snapshot().can_start) == (False, True)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_sequence_asks_for_a_motion_beside_a_survey(seed, clock):
+    """Whatever is touched and heard in any order."""
+    draw = random.Random(seed)
+    requests = Requests()
+    model = ServiceModel(requests, clock)
+    shown = snapshot()
+    acts = [
+        model.enter,
+        model.leave,
+        lambda: jog(model),
+        model.test_analyzer,
+        lambda: model.on_event(AxisMoved(True, Message("done"))),
+        lambda: clock.advance(draw.uniform(0.0, 2.0 * IDLE_LIMIT_S)),
+    ]
+    for _ in range(2000):
+        before = len(requests.asked)
+        if draw.random() < 0.2:
+            shown = snapshot(draw.choice(list(SurveyState)), control_alive=draw.random() < 0.9)
+        model.refresh(shown)
+        entered = model.state.entered
+        draw.choice(acts)()
+        if len(requests.asked) > before:
+            assert entered and shown.control_alive and not shown.running

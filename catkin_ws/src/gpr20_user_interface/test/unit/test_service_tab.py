@@ -1,0 +1,178 @@
+"""The SERVICE tab: what a finger does there, and what it shows."""
+
+from dataclasses import replace
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QTabBar
+from test_nothing_cut_off import assert_fits
+from window_helpers import application, click, hold, show, snapshot, window
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import CurrentPosition, HealthLevel, NodeHealth
+from gpr20_user_interface.mid.robot_health import HealthReport
+from gpr20_user_interface.mid.service_events import (
+    AnalyzerTested,
+    AxisMoved,
+    EndstopState,
+    HeightTested,
+)
+from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application", "window"]
+
+AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0, 800.0, -90.0))
+FAR = Message("the axis is at the end of its range; move it the other way")
+
+
+@pytest.fixture
+def service(window):
+    show(window, AT_REST)
+    window.show_tab(TabName.SERVICE)
+    window.refresh()
+    window.tools.asked.clear()
+    return window
+
+
+def begin(window):
+    window.service.entered.emit()
+
+
+def test_a_tap_does_not_begin_the_service_but_a_hold_does(service):
+    click(service.service.enter_button)
+    assert not service.service.in_service
+    hold(service.service.enter_button)
+    assert service.service.in_service
+
+
+def test_a_tap_jogs_and_only_a_hold_homes(service):
+    begin(service)
+    row = service.service.axes.row(AxisId.Y)
+    click(row.home)
+    click(row.jogs[1])
+    assert service.tools.asked == [("y", "JOG", -10.0)]
+    # At once: a second touch sends nothing.
+    assert not any(button.isEnabled() for button in row.buttons)
+    service.on_event(AxisMoved(True, verbatim("The y axis is at 20 mm.")))
+    service.refresh()
+    assert service.service.outcome.text() == "The y axis is at 20 mm."
+    hold(row.home)
+    assert service.tools.asked[1:] == [("y", "HOME", 0.0)]
+
+
+def test_the_zero_of_z_alone_is_set(service):
+    begin(service)
+    zeros = [row.set_zero for row in service.service.axes.rows]
+    assert zeros[:2] == [None, None]
+    click(zeros[2])
+    assert service.tools.asked == []
+    hold(zeros[2])
+    assert service.tools.asked == [("z", "SET_ZERO", 0.0)]
+
+
+@pytest.mark.parametrize(
+    "shown", [snapshot(SurveyState.SURVEYING), snapshot(SurveyState.PAUSED), snapshot(alive=False)]
+)
+def test_a_survey_or_a_lost_contact_ends_the_service(service, shown):
+    begin(service)
+    show(service, shown)
+    assert not service.service.in_service
+    assert not service.service.enter_button.isEnabled()
+    assert service.service.hint.text()
+    hold(service.service.enter_button)
+    assert not service.service.in_service
+
+
+def test_another_tab_ends_the_service_and_its_subscriptions(service):
+    begin(service)
+    service.show_tab(TabName.MAP)
+    service.refresh()
+    assert service.tools.asked == [("watch", False)]
+    service.show_tab(TabName.SERVICE)
+    service.refresh()
+    assert not service.service.in_service
+
+
+def test_endstops_and_positions_are_shown(service):
+    begin(service)
+    service.on_event(EndstopState(AxisId.X, True))
+    service.on_event(EndstopState(AxisId.Y, False))
+    report = NodeHealth("y_axis/axis_driver", HealthLevel.WARN, verbatim(""), {"homed": "False"})
+    show(service, replace(AT_REST, health=HealthReport((report,))))
+    x, y, z = service.service.axes.rows
+    assert [row.place.text() for row in (x, y, z)] == ["X 650.00", "Y not homed", "Z -90.0"]
+    assert "closed" in x.lamp.text() and "open" in y.lamp.text()
+
+
+def test_instruments_are_tested_and_faults_have_their_reason(service):
+    begin(service)
+    click(service.service.switch_button)
+    tools = service.service.tools
+    click(tools.measure)
+    stuck = Message("the height sensor is stuck; check its plug and supply")
+    service.on_event(HeightTested(float("nan"), float("nan"), 3.297, stuck))
+    service.refresh()
+    assert tools.height_found.text() == f"Sensor 3.297 V\n{stuck}"
+    click(tools.test)
+    assert service.tools.asked == ["height", "analyzer"]
+    service.on_event(AnalyzerTested("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
+    service.refresh()
+    lines = tools.analyzer_found.text().splitlines()
+    assert lines[1] == "Anritsu,MS2026C"
+    assert lines[2:] == [
+        "Calibration: calibrated, accuracy high",
+        "Sweep of 51 points: 0.020 s, -40 dB",
+    ]
+
+
+def test_the_findings_are_listed_without_service_and_during_a_survey(service):
+    report = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
+    show(service, snapshot(SurveyState.SURVEYING, health=HealthReport((report,))))
+    service.draw()
+    assert service.service.doctor.texts[0] == "FAULT: Height sensor: stuck"
+    show(service, snapshot(SurveyState.SURVEYING))
+    service.draw()
+    assert not any("Height" in text for text in service.service.doctor.texts)
+
+
+@pytest.mark.parametrize("language", list(Language))
+def test_nothing_is_cut_off_and_every_button_is_as_large_as_a_finger(
+    application, service, language
+):
+    languages = Languages(application, language)
+    QTest.qWait(20)
+    begin(service)
+    service.on_event(EndstopState(AxisId.X, True))
+    service.on_event(EndstopState(AxisId.Y, False))
+    service.on_event(AxisMoved(False, FAR))
+    service.refresh()
+    assert_fits(service)
+    view = service.service
+    for button in (*view.axes.rows[2].buttons, view.switch_button, view.leave_button):
+        assert min(button.width(), button.height()) >= TOUCH_PX
+        assert button.fontInfo().pixelSize() >= TEXT_PX
+    click(view.switch_button)
+    service.on_event(HeightTested(0.123, 0.001, 1.234))
+    service.on_event(
+        AnalyzerTested(
+            "192.168.100.100",
+            "Anritsu,MS2026C/2,6200412345,1.23",
+            "MODERATE_TEMPERATURE",
+            4000,
+            12.345,
+            -123.4,
+        )
+    )
+    service.refresh()
+    assert_fits(service)
+    bar = service.tabs.findChild(QTabBar)
+    assert bar.width() <= service.width()
+    languages.close()

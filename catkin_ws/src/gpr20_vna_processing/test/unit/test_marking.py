@@ -1,0 +1,297 @@
+"""Markers of a survey: stored before they are acknowledged, and removed ones remembered."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from marking_child import marker
+from planned_survey import METADATA, POINTS, planned_trace
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import SURVEY, read_json
+
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.folder.annotating import change_description
+from gpr20_survey.plan.markers import (
+    MAX_MARKERS,
+    Marker,
+    markers_of,
+    present_markers,
+    values_of,
+    with_marker,
+    without_marker,
+)
+from gpr20_survey.recording.recordings import open_recordings
+
+HERE = Path(__file__).resolve().parent
+ONE = Marker(marker(1).marker_id, 12.5, 20.0, 80.0, "metal, junto a la raíz", "Ana")
+OTHER = Marker(marker(2).marker_id, 15.0, 10.0)
+SEEDS = int(os.environ.get("GPR20_MARKER_DRAWS", "15"))
+NOW = "2026-11-21T05:10:00.000000Z"
+
+
+@pytest.fixture
+def folder(kit):
+    """A survey that is open, with every trace."""
+    folder = kit.open(metadata_json=METADATA)
+    for index in range(len(POINTS)):
+        kit.processing.store(planned_trace(index))
+    return folder
+
+
+@pytest.fixture
+def closed(kit, folder):
+    """A survey that is finished."""
+    kit.processing.close_survey(SURVEY, "finished", "")
+    return folder
+
+
+def stored(folder):
+    return markers_of(read_json(folder / "survey.json"))
+
+
+def assert_intact(folder):
+    found = verify_survey(folder)
+    assert found.status == 0, (found.verdict, found.faults)
+
+
+@pytest.mark.parametrize("name", ["", SURVEY, "folder"])
+def test_the_open_survey_is_marked_and_stays_so(kit, folder, name):
+    marked = kit.processing.add_marker(folder.name if name == "folder" else name, ONE)
+    assert (marked.survey_id, marked.folder) == (SURVEY, folder)
+    (found,) = stored(folder)
+    assert found == marked.markers[0]
+    assert found.time and found.same_request(ONE)
+    kit.processing.report(SURVEY, "{}")
+    kit.processing.close_survey(SURVEY, "finished", "")
+    assert stored(folder) == marked.markers
+    assert_intact(folder)
+
+
+def test_a_closed_survey_is_marked_and_stays_intact(kit, closed):
+    before = read_json(closed / "survey.json")
+    kit.processing.add_marker(SURVEY, ONE)
+    assert_intact(closed)
+    marked = kit.processing.add_marker(closed.name, OTHER)
+    assert_intact(closed)
+    after = read_json(closed / "survey.json")
+    assert after == {**before, "markers": values_of(marked.markers)}
+    assert [one.marker_id for one in stored(closed)] == [ONE.marker_id, OTHER.marker_id]
+
+
+def test_a_past_survey_is_marked_while_another_one_is_open(kit, closed):
+    kit.open(OTHER_SURVEY)
+    kit.processing.add_marker(SURVEY, ONE)
+    assert len(stored(closed)) == 1
+    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_a_removed_marker_remains_in_the_history(kit, folder, is_open):
+    kit.processing.add_marker(SURVEY, ONE)
+    kit.processing.add_marker(SURVEY, OTHER)
+    if not is_open:
+        kit.processing.close_survey(SURVEY, "finished", "")
+    for _ in range(2):  # the answer to the first call may have been lost
+        kit.processing.remove_marker(SURVEY, ONE.marker_id, "Luis")
+    removed, other = stored(folder)
+    assert (removed.text, removed.author, removed.removed_by) == (ONE.text, "Ana", "Luis")
+    assert removed.removed and not removed.is_present and other.is_present
+    assert present_markers(read_json(folder / "survey.json")) == (other,)
+
+
+def test_a_repeated_request_adds_nothing_and_another_one_of_its_id_is_refused(kit, folder):
+    kit.processing.add_marker(SURVEY, ONE)
+    kit.processing.add_marker(SURVEY, ONE)
+    assert len(stored(folder)) == 1
+    with pytest.raises(SurveyRefusedError, match="another marker has the id"):
+        kit.processing.add_marker(SURVEY, Marker(ONE.marker_id, 0.0, 0.0))
+    with pytest.raises(SurveyRefusedError, match="has no marker"):
+        kit.processing.remove_marker(SURVEY, OTHER.marker_id, "")
+    assert len(stored(folder)) == 1
+
+
+def test_a_survey_has_a_limited_number_of_markers():
+    full = {"markers": values_of(tuple(marker(number) for number in range(MAX_MARKERS)))}
+    with pytest.raises(SurveyRefusedError, match="can have no more"):
+        with_marker(full, marker(MAX_MARKERS), NOW)
+    assert without_marker(full, marker(5).marker_id, "", NOW) is not None
+
+
+def test_markers_survive_interruption_resumption_and_another_process(tmp_path):
+    first = Kit(tmp_path / "data", open_recordings)
+    folder = first.open(metadata_json=METADATA)
+    first.processing.store(planned_trace(0))
+    first.processing.add_marker("", ONE)
+    first.processing.shut_down()
+    second = Kit(tmp_path / "data", open_recordings)
+    second.processing.add_marker(SURVEY, OTHER)
+    reopened = second.processing.reopen_survey(SURVEY)
+    assert "markers" not in json.loads(reopened.metadata_json)
+    for index in range(1, len(POINTS)):
+        second.processing.store(planned_trace(index))
+    second.processing.close_survey(SURVEY, "finished", "")
+    second.processing.shut_down()
+    assert [one.text for one in stored(folder)] == [ONE.text, OTHER.text]
+    assert_intact(folder)
+
+
+def test_a_survey_with_damaged_markers_can_be_resumed(tmp_path):
+    first = Kit(tmp_path / "data", open_recordings)
+    folder = first.open(metadata_json=METADATA)
+    first.processing.store(planned_trace(0))
+    first.processing.shut_down()
+    path = folder / "survey.json"
+    path.write_text(json.dumps({**read_json(path), "markers": [5]}))
+    (folder / "manifest.json").unlink()
+    second = Kit(tmp_path / "data", open_recordings)
+    with pytest.raises(SurveyRefusedError, match="damaged"):
+        second.processing.add_marker(SURVEY, ONE)
+    second.processing.reopen_survey(SURVEY)
+    second.processing.add_marker(SURVEY, ONE)
+    second.processing.shut_down()
+    assert len(stored(folder)) == 1
+
+
+@pytest.mark.parametrize("name", ["", OTHER_SURVEY, "../x", "/etc", "20260921T141320_ffffffff"])
+def test_what_is_no_survey_cannot_be_marked(kit, closed, name):
+    with pytest.raises(SurveyRefusedError):
+        kit.processing.add_marker(name, ONE)
+
+
+def test_metadata_cannot_bring_markers(kit):
+    with pytest.raises(SurveyRefusedError, match="which the storage writes itself"):
+        kit.open(metadata_json=json.dumps({"markers": []}))
+
+
+def test_a_disk_that_refuses_leaves_the_former_markers(kit, closed, monkeypatch):
+    def refuse(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", refuse)
+        with pytest.raises(StorageFailedError, match="make space"):
+            kit.processing.add_marker(SURVEY, ONE)
+    assert stored(closed) == ()
+    assert_intact(closed)
+
+
+class PowerCutError(Exception):
+    """Nothing reaches the disk any more."""
+
+
+@pytest.mark.parametrize("calls", range(12))
+def test_a_cut_at_any_step_leaves_the_former_markers_or_the_new_ones(closed, monkeypatch, calls):
+    """Each call of the disk is the last one in turn."""
+    left = calls
+
+    def cut(real):
+        def call(*arguments, **named):
+            nonlocal left
+            if left == 0:
+                raise PowerCutError
+            left -= 1
+            return real(*arguments, **named)
+
+        return call
+
+    change_description(closed, lambda values: with_marker(values, ONE, NOW))
+    with monkeypatch.context() as patch, contextlib.suppress(PowerCutError):
+        for name in ("fsync", "replace"):
+            patch.setattr(os, name, cut(getattr(os, name)))
+        change_description(closed, lambda values: with_marker(values, OTHER, NOW))
+    assert len(stored(closed)) in (1, 2)
+    found = verify_survey(closed)
+    assert found.status == 0, (calls, found.faults)
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize(("state", "after"), [("open", 0), ("open", 9), ("closed", 4)])
+def test_a_killed_storage_loses_no_acknowledged_marker(tmp_path, state, after):
+    kit = Kit(tmp_path, open_recordings)
+    folder = kit.open(metadata_json=METADATA)
+    for index in range(1 if state == "open" else len(POINTS)):
+        kit.processing.store(planned_trace(index))
+    kit.processing.close_survey(SURVEY, "stopped" if state == "open" else "finished", "")
+    kit.processing.shut_down()
+    child = subprocess.Popen(
+        [sys.executable, str(HERE / "marking_child.py"), str(tmp_path), state],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])},
+    )
+    assert child.stdout.readline() == "ready\n"
+    answers = []
+    for line in child.stdout:
+        answers.append(line.strip())
+        if len(answers) > after:
+            break
+    child.kill()
+    answers += child.communicate()[0].split()
+    if state == "open":
+        # A survey that was cut off is resumed; nothing of it may be lost.
+        again = Kit(tmp_path, open_recordings)
+        again.processing.reopen_survey(SURVEY)
+        again.processing.close_survey(SURVEY, "stopped", "")
+        again.processing.shut_down()
+    assert verify_survey(folder).status in ((0, 1) if state == "open" else (0,))
+    found = {one.marker_id: one for one in stored(folder)}
+    added = [int(one) for one in answers if not one.startswith("-")]
+    assert added, "the test kills it in the middle"
+    for number in added:
+        assert found[marker(number).marker_id].same_request(marker(number)), number
+    for text in answers:
+        if text.startswith("-"):
+            assert not found[marker(int(text[1:])).marker_id].is_present, text
+
+
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_a_flipped_bit_is_never_covered_by_a_new_checksum(closed, seed):
+    random_source = random.Random(seed)
+    path = closed / random_source.choice(["survey.json", "manifest.json"])
+    content = bytearray(path.read_bytes())
+    content[random_source.randrange(len(content))] ^= 1 << random_source.randrange(8)
+    path.write_bytes(content)
+    with pytest.raises(SurveyRefusedError):
+        change_description(closed, lambda values: with_marker(values, ONE, NOW))
+    assert path.read_bytes() == content, seed
+
+
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        ({"marker_id": "1"}, "must be a UUID"),
+        ({"marker_id": 5}, "must be a UUID"),
+        ({"x_mm": float("nan")}, "X is nan mm"),
+        ({"y_mm": 10_001.0}, "Y is 10001 mm"),
+        ({"y_mm": True}, "Y is of type bool"),
+        ({"depth_mm": -1.0}, "depth is -1 mm"),
+        ({"text": "a\nb"}, "cannot be shown"),
+        ({"text": "a" * 501}, "has 501 characters"),
+        ({"author": "\x1b"}, "cannot be shown"),
+        ({"author": None}, "must be a text"),
+    ],
+)
+def test_a_marker_that_is_not_allowed_is_refused(wrong, reason):
+    with pytest.raises(ValueError, match=reason):
+        Marker(**{"marker_id": ONE.marker_id, "x_mm": 1.0, "y_mm": 2.0, **wrong})
+
+
+@pytest.mark.parametrize(
+    "markers",
+    [5, {}, [5], [{"x_mm": 1}], [{**values_of((ONE,))[0], "more": 1}], values_of((ONE, ONE))],
+)
+def test_damaged_markers_are_recognized(markers):
+    with pytest.raises(ValueError, match="not a list of markers"):
+        markers_of({"markers": markers})
+
+
+def test_an_older_survey_has_no_markers():
+    assert markers_of(json.loads(METADATA)) == ()
