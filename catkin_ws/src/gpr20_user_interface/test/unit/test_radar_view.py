@@ -14,7 +14,9 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QWidget
 from test_radar_presenter import image_of
 from view_kit import depth_echo, make_grid, trace_at
+from window_helpers import Storage
 
+from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_records import Axis, Colours, Source
 from gpr20_user_interface.mid.soils import Soils
@@ -52,7 +54,7 @@ def sheet(view):
     window = QWidget()
     window.resize(800, 480)
     window.show()
-    yield RadarBinding(window, view).sheet
+    yield RadarBinding(window, view, AdditionsPresenter(Storage(), str), lambda *_place: None).sheet
     delete(window)
 
 

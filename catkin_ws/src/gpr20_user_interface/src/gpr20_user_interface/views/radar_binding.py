@@ -8,7 +8,6 @@ from typing import Callable, Optional
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
-from gpr20_user_interface.mid.focused_image import ImageFocused
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.radar_sheet import RadarSheet
@@ -62,15 +61,11 @@ class RadarBinding(Binding):
         radar.settings.clicked.connect(lambda: self.sheet.open())
         radar.marker_wanted.connect(ask_marker)
 
-    def on_event(self, event: object) -> None:
-        """Take a focused image."""
-        if isinstance(event, ImageFocused):
-            self._radar.set_image(event.image)
-
     def refresh(self, snapshot: Snapshot) -> None:
-        """Show the markers of the survey."""
+        """Show the markers of the survey, and its image with those of finer surveys over it."""
         if self._additions.revision != self._revision:
             self._revision = self._additions.revision
+            self._radar.set_image(self._additions.laid_image)
             self._radar.set_markers(
                 [
                     NumberedMarker(number, one.x_mm, one.y_mm, one.depth_mm)
