@@ -90,7 +90,7 @@ def test_a_plan_made_while_a_survey_runs_is_kept_and_found_again(filled):
     click(filled.map.finer)
     assert "running" in filled.map_binding.finer.note.text()
     click(filled.map_binding.finer.use)
-    assert filled.tabs.currentWidget() is filled.map
+    assert filled.tabs.currentWidget() is filled.map_page
     assert filled.control.parameters == before
     assert filled.survey.finer is None
     plan = filled.additions.plan
