@@ -1,5 +1,4 @@
 import os
-from collections import namedtuple
 
 import pytest
 
@@ -15,14 +14,16 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from test_radar_presenter import image_of
 from view_kit import depth_echo, make_grid, trace_at
 
+from gpr20_common.message import Message
+from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_records import Axis, Colours, Source
 from gpr20_user_interface.mid.soils import Soils
-from gpr20_user_interface.views.radar_binding import RadarBinding
+from gpr20_user_interface.views.radar_sheet import RadarSheet
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.shade_colours import LAST_SHADE, NOT_MEASURED
 
-Marker = namedtuple("Marker", "number x_mm y_mm depth_mm")
+ID = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOISE = 1e-4
 
 
@@ -52,7 +53,9 @@ def sheet(view):
     window = QWidget()
     window.resize(800, 480)
     window.show()
-    yield RadarBinding(window, view).sheet
+    sheet = RadarSheet(window, view.presenter)
+    sheet.changed.connect(view.refresh)
+    yield sheet
     delete(window)
 
 
@@ -271,16 +274,20 @@ def test_a_hyperbola_can_be_dropped(view, model):
 
 
 def test_a_marker_is_asked_for_at_the_crosshair_and_drawn(view, model):
+    view.set_markers([], can_mark=False)
     add(view, model, *range(40))
+    assert not view.marker.isEnabled()
+    view.set_markers([], can_mark=True)
+    view.refresh()
     wanted = []
     view.marker_wanted.connect(lambda *place: wanted.append(place))
     touch(view.slice_plot, 150.0, 90.0)
     click(view.marker)
     assert wanted == [(150.0, 90.0, 50.0)]
-    view.set_markers([Marker(7, 150.0, 90.0, 50.0), Marker(8, 100.0, 50.0, None)])
+    view.set_markers([Marker(ID, 150.0, 90.0, 50.0), Marker(ID, 100.0, 50.0)], True)
     view.refresh()
-    assert [(one.text, one.is_near) for one in view.slice_plot.spots] == [("7", True), ("8", True)]
-    assert [one.text for one in view.line_plot.spots] == ["7"]
+    assert [one.is_near for one in view.slice_plot.spots] == [True, True]
+    assert [(one.across, one.second) for one in view.line_plot.spots] == [(150.0, 50.0)]
     view.depth_slider.setValue(40)
     view.refresh()
     assert [one.is_near for one in view.slice_plot.spots] == [False, True]
@@ -290,7 +297,10 @@ def test_the_focused_image_and_its_candidates_are_drawn(view, model):
     add(view, model, *range(40))
     click(view.source)
     assert "not focused yet" in view.slice_plot.notice
-    view.set_image(image_of(model.grid))
+    view.set_image(None, Message("The imaging node does not answer"))
+    view.refresh()
+    assert view.slice_plot.notice.startswith("The imaging node does not answer. ")
+    view.set_image(image_of(model.grid), None)
     touch(view.slice_plot, 150.0, 90.0)
     view.depth_slider.setValue(12)
     view.refresh()

@@ -145,7 +145,7 @@ class MainWindow(TranslatedWidget):
             self.survey_binding.show_refusal,
         )
         self.radar_binding = RadarBinding(
-            self, self.radar, self.additions, self.map_binding.ask_marker
+            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
         )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
@@ -176,8 +176,8 @@ class MainWindow(TranslatedWidget):
             self.map_binding,
             self.control_binding,
             self.surveys_binding,
-            self.settings,
             self.radar_binding,
+            self.settings,
             ServiceBinding(
                 survey,
                 presenters.service,

@@ -7,7 +7,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
-from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen
+from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from gpr20_user_interface.mid.radar_records import Colours, Picture
 from gpr20_user_interface.views.look import Look
@@ -20,8 +20,7 @@ from gpr20_user_interface.views.shade_colours import (
     shade_numbers,
 )
 
-RING_PX = 11
-DIAMOND_PX = 9
+RING_PX, FAR_PX = 11, 4
 GRIP_PX = 9
 PADDING_PX = 6
 
@@ -34,8 +33,9 @@ class Spot:
         across: Where it is along the first axis.
         second: Where it is along the second axis.
         text: What is written beside it.
-        mark: Its colour.
-        is_near: Whether it is in this slice or line; what is not has a dotted outline.
+        mark: Its colour; that of a marker is a flag, others are rings.
+        is_near: Whether it is in this slice or line; what is not is small and has no text.
+        doubtful: Whether its ring is dashed.
     """
 
     across: float
@@ -43,6 +43,7 @@ class Spot:
     text: str
     mark: Mark
     is_near: bool = True
+    doubtful: bool = False
 
 
 class PicturePlot(FixedPlot):
@@ -142,19 +143,21 @@ class PicturePlot(FixedPlot):
 
     def _paint_spot(self, painter: QPainter, look: Look, spot: Spot) -> None:
         place = self.to_screen(spot.across, spot.second)
-        style = Qt.PenStyle.SolidLine if spot.is_near else Qt.PenStyle.DotLine
+        size = look.px(RING_PX if spot.is_near else FAR_PX)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for colour, width in ((Mark.PAPER, HALO_PX), (spot.mark, LINE_PX)):
+            dashed = spot.doubtful and colour is spot.mark
+            style = Qt.PenStyle.DashLine if dashed else Qt.PenStyle.SolidLine
             painter.setPen(QPen(QColor(look.colour(colour)), look.px(width), style))
             if spot.mark is Mark.MARKER:
-                size = look.px(DIAMOND_PX)
-                corners = [QPointF(0, -size), QPointF(size, 0), QPointF(0, size), QPointF(-size, 0)]
-                painter.drawPolygon(*[place + one for one in corners])
+                flag = [QPointF(0, 0), QPointF(0, -2 * size), QPointF(1.5 * size, -1.5 * size)]
+                flag += [QPointF(0, -size)]
+                painter.drawPolyline(QPolygonF([place + one for one in flag]))
             else:
-                painter.drawEllipse(place, look.px(RING_PX), look.px(RING_PX))
-        if spot.text:
+                painter.drawEllipse(place, size, size)
+        if spot.text and spot.is_near:
             metrics = painter.fontMetrics()
-            beside = QPointF(place.x() + look.px(RING_PX) + 3, place.y() + metrics.ascent() / 2.0)
+            beside = QPointF(place.x() + size + 3, place.y() + metrics.ascent() / 2.0)
             box = metrics.boundingRect(spot.text)
             box.translate(beside.toPoint())
             painter.fillRect(box, QColor(look.colour(Mark.PAPER)))

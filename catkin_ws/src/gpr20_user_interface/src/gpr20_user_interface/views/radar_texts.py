@@ -6,9 +6,11 @@ from typing import Optional
 
 from PyQt5.QtWidgets import QWidget
 
+from gpr20_common.message import Message
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES
 from gpr20_user_interface.mid.radar_presenter import RadarPictures, RadarPresenter
 from gpr20_user_interface.mid.radar_records import Axis, Source
+from gpr20_user_interface.views.translation import shown_text
 
 
 class RadarTexts:
@@ -58,10 +60,19 @@ class RadarTexts:
             return ""
         return self.tr("Nothing above the noise in this line. No echo does not mean no mine.")
 
-    def slice_notice(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
-        """Return what to write over the slice."""
+    def slice_notice(
+        self, presenter: RadarPresenter, shown: RadarPictures, problem: Optional[Message]
+    ) -> str:
+        """Return what to write over the slice.
+
+        Args:
+            presenter: What is chosen.
+            shown: What is shown.
+            problem: Why there is no newer focused image.
+        """
         if presenter.settings.source is Source.FOCUSED and not presenter.shows_focused:
-            return self.tr("The image is not focused yet. These are the echoes.")
+            echoes = self.tr("The image is not focused yet. These are the echoes.")
+            return echoes if problem is None else f"{shown_text(problem)}. {echoes}"
         if presenter.model.grid is None:
             return self.tr("No survey yet: the pictures appear when one starts.")
         if shown.slice is None and presenter.model.count:

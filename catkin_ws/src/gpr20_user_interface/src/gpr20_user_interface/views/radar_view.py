@@ -8,6 +8,8 @@ from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
+from gpr20_common.message import Message
+from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.mid.focused_image import FocusedImage
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import DEPTH_STEP_M
@@ -18,7 +20,7 @@ from gpr20_user_interface.views.depth_slider import DepthSlider
 from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.views.picture_plot import PicturePlot
 from gpr20_user_interface.views.plots import CurvePlot, FixedPlot
-from gpr20_user_interface.views.radar_spots import Marked, line_spots, slice_spots
+from gpr20_user_interface.views.radar_spots import line_spots, slice_spots
 from gpr20_user_interface.views.radar_texts import RadarTexts
 from gpr20_user_interface.views.translation import TranslatedWidget
 from gpr20_user_interface.views.widgets import new_button
@@ -47,7 +49,9 @@ class RadarView(TranslatedWidget):
         self.presenter = RadarPresenter(model)
         self.enlarged: Optional[FixedPlot] = None
         self._drawn: Tuple[object, ...] = ()
-        self._markers: Tuple[Marked, ...] = ()
+        self._markers: Tuple[Marker, ...] = ()
+        self._can_mark = False
+        self._problem: Optional[Message] = None
         self._texts = RadarTexts(self)
         self.trace_plot = CurvePlot()
         self.line_plot = PicturePlot(true_to_scale=False)
@@ -80,20 +84,31 @@ class RadarView(TranslatedWidget):
         self.presenter.show_model(model)
         self.refresh()
 
-    def set_image(self, image: Optional[FocusedImage]) -> None:
-        """Take the newest focused image."""
-        self.presenter.set_image(image)
+    def set_image(self, image: Optional[FocusedImage], problem: Optional[Message]) -> None:
+        """Take the focused image of the survey.
 
-    def set_markers(self, markers: Sequence[Marked]) -> None:
-        """Draw the operator's markers."""
-        self._markers = tuple(markers)
+        Args:
+            image: The newest one; None: there is none.
+            problem: Why there is no newer one.
+        """
+        self.presenter.set_image(image)
+        self._problem = problem
+
+    def set_markers(self, markers: Sequence[Marker], can_mark: bool) -> None:
+        """Draw the operator's markers.
+
+        Args:
+            markers: Those of the survey that is shown.
+            can_mark: Whether this survey can have more.
+        """
+        self._markers, self._can_mark = tuple(markers), can_mark
 
     def refresh(self) -> None:
         """Draw again if something has changed and the tab is visible."""
         if not self.isVisible():
             return
         self.presenter.notice_survey()
-        state = (*self.presenter.state, self._markers)
+        state = (*self.presenter.state, self._markers, self._can_mark, self._problem)
         if state != self._drawn:
             self._drawn = state
             self._draw()
@@ -140,9 +155,10 @@ class RadarView(TranslatedWidget):
         presenter = self.presenter
         shown, colours = presenter.pictures(), presenter.settings.colours
         texts = self._texts
+        notice = texts.slice_notice(presenter, shown, self._problem)
         self.trace_plot.show_curve(shown.curve)
         self.line_plot.show_picture(shown.line, colours, texts.line_notice(presenter, shown))
-        self.slice_plot.show_picture(shown.slice, colours, texts.slice_notice(presenter, shown))
+        self.slice_plot.show_picture(shown.slice, colours, notice)
         self._mark(shown)
         for bar in (self.bar, self.top_bar):
             picture = shown.slice or shown.line
@@ -212,7 +228,7 @@ class RadarView(TranslatedWidget):
         self.use.setText(self.tr("Use {value:.1f}").format(value=value))
         grid = presenter.model.grid
         self.source.setEnabled(grid is not None)
-        self.marker.setEnabled(shown.place is not None)
+        self.marker.setEnabled(self._can_mark and shown.place is not None)
         self.fit.setEnabled(shown.place is not None and shown.slice is not None)
 
     def _step_depth(self, steps: int) -> None:
