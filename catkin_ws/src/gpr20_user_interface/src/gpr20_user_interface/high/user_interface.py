@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any, Callable, NoReturn, Optional
@@ -60,6 +61,8 @@ PLAN_FILE = "plan.yaml"
 REMEMBERED = "auto"
 # A disk may be slow; the window does not wait for it longer.
 SETTINGS_LIMIT_S = 5.0
+# To leave the graph without a display.
+LEAVE_LIMIT_S = 3.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
@@ -210,7 +213,13 @@ def _quit_soon(_name: str = "") -> None:
 def _leave_without_display(asked_to_end: bool) -> NoReturn:
     if not asked_to_end:
         _say("the display was closed, and the window with it; a survey that runs continues")
-    leave_now(0 if asked_to_end else EXIT_DISPLAY_LOST)
+    status = 0 if asked_to_end else EXIT_DISPLAY_LOST
+    # The master may not answer.
+    limit = threading.Timer(LEAVE_LIMIT_S, leave_now, (status,))
+    limit.daemon = True
+    limit.start()
+    rospy.signal_shutdown("the display was closed")
+    leave_now(status)
 
 
 def _show(application: QApplication) -> int:

@@ -85,7 +85,8 @@ def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuest
         folder: The survey's folder.
         survey: What the list says about it; None if it is not in the list.
     """
-    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(folder)),)
+    name = "" if survey is None else _short(survey.name)
+    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name or folder)),)
     if survey is not None:
         rows += (
             (Message("Started"), verbatim(survey.local_time())),

@@ -99,7 +99,9 @@ class MainWindow(TranslatedWidget):
         self.control = ControlView()
         self.status = StatusView()
         self.additions = AdditionsPresenter(
-            traces.source, lambda: self.control_binding.next_annotation.value.operator
+            traces.source,
+            lambda: self.control_binding.next_annotation.value.operator,
+            presenters.imaging.focus,
         )
         self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
