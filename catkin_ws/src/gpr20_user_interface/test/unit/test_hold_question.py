@@ -71,7 +71,7 @@ def test_a_past_survey_is_named_before_it_is_resumed():
     )
     assert rows(resume_past_question(FOLDER, survey)) == {
         "Survey": FOLDER,
-        "Started": "2026-11-21 05:10 UTC",
+        "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
     }
     assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}

@@ -20,6 +20,7 @@ from gpr20_user_interface.mid.events import (
     Request,
     TargetPosition,
 )
+from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import fault_notice
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
@@ -27,7 +28,6 @@ from gpr20_user_interface.mid.robot_health import EXPECTED_NODES, Alarm, AlarmKi
 from gpr20_user_interface.mid.survey_name import survey_name
 from gpr20_user_interface.mid.trace_events import SurveyDescribed
 from gpr20_user_interface.views.elided_label import ElidedLabel
-from gpr20_user_interface.views.hold_button import HOLD_MS
 from gpr20_user_interface.views.lines_label import LinesLabel
 from gpr20_user_interface.views.look import BORDER_PX, Look
 from gpr20_user_interface.views.main_window import TabName
@@ -174,7 +174,7 @@ def test_the_warning_is_closed_by_a_hold_and_not_by_a_tap(window):
     click(button)
     assert window.stop_warning.isVisible()
     QTest.mousePress(button, 1)
-    QTest.qWait(HOLD_MS + 300)
+    QTest.qWait(int(1000 * HOLD_S) + 300)
     QTest.mouseRelease(button, 1)
     assert not window.stop_warning.isVisible()
 

@@ -110,7 +110,8 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     assert traces.band is None
     open_past(traces)
     assert traces.band.can_return
-    assert str(traces.band.text) == "PAST SURVEY: 2026-11-21 05:10 UTC, 7c9e6679"
+    started = traces.past.find(FOLDER).local_time()
+    assert str(traces.band.text) == f"PAST SURVEY: {started}, 7c9e6679"
     traces.show_live()
     assert traces.band is None
 

@@ -16,6 +16,7 @@ from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import VERDICT
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -107,7 +108,7 @@ def test_the_language_changes_at_once(application):
     views = shown.window
     assert "Sin eco no significa sin mina." in views.radar.note.text()
     assert views.map.next_problem.text() == "Siguiente\nincompleto"
-    assert views.past.table.item(0, 1).text() == "INCOMPLETA (simulada)"
+    assert views.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
     sheet = views.radar_binding.sheet
     sheet.background.click()
     assert sheet.background.text() == "Fondo\nincluido"

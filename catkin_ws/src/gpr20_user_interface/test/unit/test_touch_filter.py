@@ -157,6 +157,36 @@ def test_a_second_finger_that_comes_from_another_button_counts_for_nothing(windo
     assert wishes(window) == [] and sheet.isVisible()
 
 
+def second_finger(window, place):
+    """Do what the touch event of a second finger does; tests cannot make one."""
+    window.touch_binding.touches.take_fingers([place])
+    QApplication.processEvents()
+
+
+def test_a_second_finger_ends_a_hold_wherever_it_comes(window, finger):
+    sheet = start_sheet(window, finger)
+    place = place_of(window, sheet.hold).center()
+    finger.press(place)
+    finger.wait(0.5)
+    second_finger(window, QPoint(20, 400))
+    finger.wait(2.0)
+    finger.release(place)
+    assert wishes(window) == [] and sheet.isVisible()
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_stop_notices_a_finger_beside_a_hand_that_rests_on_the_screen(window, finger, locked):
+    show(window, snapshot(SurveyState.SURVEYING))
+    window.touch_binding.set_locked(locked)
+    hand = QPoint(400, 300)
+    finger.press(hand)
+    second_finger(window, QPoint(20, 400))
+    assert wishes(window) == []
+    second_finger(window, place_of(window, window.top_bar.stop).center())
+    assert wishes(window) == ["stop"]
+    finger.release(hand)
+
+
 @pytest.mark.parametrize("locked", [False, True])
 @pytest.mark.parametrize("changed", [False, True])
 def test_stop_acts_on_the_press_whatever_has_just_happened(window, finger, locked, changed):

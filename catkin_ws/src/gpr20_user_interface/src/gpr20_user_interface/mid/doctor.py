@@ -12,6 +12,7 @@ from typing import Callable, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
+from gpr20_user_interface.mid.remedies import find_remedy
 from gpr20_user_interface.mid.robot_health import ANALYZER
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.titles import node_title
@@ -205,7 +206,7 @@ def _part(node: NodeHealth, listening_s: float) -> Finding:
     if node.level is HealthLevel.STALE:
         level = HealthLevel.ERROR if listening_s > STARTING_S else HealthLevel.WARN
         return Finding(level, Message("{name} does not report.", name=name), RESTART)
-    remedy: Optional[Message] = None
+    remedy = find_remedy(node.message) if node.level is HealthLevel.ERROR else None
     if node.message == NOT_HOMED:
         remedy = Message("A survey homes it; or home it here.")
     elif node.name == ANALYZER and node.message == NOT_CONNECTED:

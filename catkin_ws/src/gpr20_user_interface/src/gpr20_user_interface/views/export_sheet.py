@@ -228,19 +228,19 @@ class ExportSheet(Overlay):
         sticks.addWidget(self.place, 1)
         for button in self.sticks:
             sticks.addWidget(button)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(GAP_PX, 4, GAP_PX, 4)
-        column.setSpacing(GAP_PX)
-        column.addLayout(top)
-        column.addLayout(chosen)
-        column.addLayout(sticks)
-        column.addWidget(self.details, 1)
-        column.addWidget(self.progress)
+        page = QVBoxLayout(self)
+        page.setContentsMargins(GAP_PX, 4, GAP_PX, 4)
+        page.setSpacing(GAP_PX)
+        page.addLayout(top)
+        page.addLayout(chosen)
+        page.addLayout(sticks)
+        page.addWidget(self.details, 1)
+        page.addWidget(self.progress)
         buttons = QHBoxLayout()
         buttons.setSpacing(GAP_PX)
         for button in (self.export_button, self.cancel, self.close_button):
             buttons.addWidget(button, 1)
-        column.addLayout(buttons)
+        page.addLayout(buttons)
 
 
 def _marked(text: str, chosen: bool) -> str:

@@ -9,6 +9,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 
 from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_user_interface.mid.remedies import find_remedy
 from gpr20_user_interface.mid.service_events import AnalyzerTested, HeightTested
 from gpr20_user_interface.mid.service_model import ServiceState
 from gpr20_user_interface.views.look import GAP_PX, look_of
@@ -100,6 +101,9 @@ class ServiceTools(TranslatedWidget):
             )
         if test.failure is not None:
             lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
+            remedy = find_remedy(test.failure)
+            if remedy is not None:
+                lines.append(shown_text(remedy))
         return "\n".join(lines)
 
 
