@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
@@ -71,20 +71,18 @@ class FixedPlot(QWidget):
 
     def to_screen(self, across: float, second: float) -> QPointF:
         """Return the pixel of a place."""
-        xs, ys = self._pixels([across], [second])
+        xs, ys = self._pixels(np.array([across]), np.array([second]))
         return QPointF(float(xs[0]), float(ys[0]))
 
-    def polygon(self, across: Sequence[float], second: Sequence[float]) -> QPolygonF:
+    def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
         """Return the pixels of places."""
         xs, ys = self._pixels(across, second)
         return QPolygonF([QPointF(x, y) for x, y in zip(xs.tolist(), ys.tolist())])
 
-    def _pixels(
-        self, across: Sequence[float], second: Sequence[float]
-    ) -> Tuple[np.ndarray, np.ndarray]:
+    def _pixels(self, across: np.ndarray, second: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         area = self.area()
-        parts = (np.asarray(across) - self._across[0]) / (self._across[1] - self._across[0])
-        downs = (np.asarray(second) - self._second[0]) / (self._second[1] - self._second[0])
+        parts = (across - self._across[0]) / (self._across[1] - self._across[0])
+        downs = (second - self._second[0]) / (self._second[1] - self._second[0])
         downs = downs if self.axis.downwards else 1.0 - downs
         return area.left() + parts * area.width(), area.top() + downs * area.height()
 

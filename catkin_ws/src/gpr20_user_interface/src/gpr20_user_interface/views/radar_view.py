@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
@@ -20,7 +20,7 @@ from gpr20_user_interface.views.depth_slider import DepthSlider
 from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.views.picture_plot import PicturePlot
 from gpr20_user_interface.views.plots import CurvePlot, FixedPlot
-from gpr20_user_interface.views.radar_spots import line_spots, slice_spots
+from gpr20_user_interface.views.radar_spots import Marked, line_spots, slice_spots
 from gpr20_user_interface.views.radar_texts import RadarTexts
 from gpr20_user_interface.views.translation import TranslatedWidget
 from gpr20_user_interface.views.widgets import new_button
@@ -178,7 +178,7 @@ class RadarView(TranslatedWidget):
 
     def _mark(self, shown: RadarPictures) -> None:
         presenter, place, line = self.presenter, shown.place, shown.line
-        marked = (*presenter.candidates, *self._markers)
+        marked: List[Marked] = [*presenter.candidates, *self._markers]
         if shown.curve is not None:
             second = presenter.second_of(shown.depth_m, shown.curve.axis)
             self.trace_plot.set_crosshair(None, second)
@@ -214,8 +214,8 @@ class RadarView(TranslatedWidget):
 
     def _write(self, shown: RadarPictures) -> None:
         presenter, texts = self.presenter, self._texts
-        self.trace_plot.set_labels("dB", texts.second(shown.curve and shown.curve.axis))
-        second = texts.second(shown.line and shown.line.axis)
+        self.trace_plot.set_labels("dB", texts.second(shown.curve))
+        second = texts.second(shown.line)
         self.line_plot.set_labels(texts.across(presenter.settings.along), second)
         self.slice_plot.set_labels(self.tr("X mm"), self.tr("Y mm"))
         self.readout = texts.readout(shown)
