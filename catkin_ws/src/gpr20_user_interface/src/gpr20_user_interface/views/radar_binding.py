@@ -49,7 +49,7 @@ class RadarBinding(Binding):
         radar.marker_wanted.connect(ask_marker)
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Take markers and image of the survey that is shown."""
+        """Take markers of the survey that is shown, and its image with finer ones over it."""
         additions = self._additions
-        self._radar.set_image(additions.image, self._images.problem)
+        self._radar.set_image(additions.laid_image, self._images.problem)
         self._radar.set_markers(additions.markers, additions.can_mark)
