@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Optional
 
 from PyQt5.QtCore import Qt
+from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout
 
 from gpr20_user_interface.views.colour_bar import ColourBar
@@ -16,6 +17,8 @@ from gpr20_user_interface.views.translation import TranslatedWidget
 
 KEY_WIDTH_PX = 112
 DEPTH_WIDTH_PX = 84
+# The colour bar has a caption in a tab that is at least so high.
+CAPTION_FROM_PX = 310
 
 
 class RadarPanel(TranslatedWidget):
@@ -44,6 +47,11 @@ class RadarPanel(TranslatedWidget):
         self.top_bar = ColourBar()
         self._lay_out()
         self.arrange(None, fits=False)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802 (Qt's name)
+        """Qt: the tab has another size; below a band the pictures need the room."""
+        super().resizeEvent(event)
+        self.bar.show_caption(event.size().height() >= look_of(self).px(CAPTION_FROM_PX))
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
