@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import statistics
 import time
 import unittest
@@ -230,6 +231,18 @@ class Traces(unittest.TestCase):
         wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
         wait_until(lambda: done.text() == "Done: 12", "the map is that of the new survey")
         self.warned.assert_not_called()
+
+    def test_4b_its_focused_image_comes_from_the_node_beside_the_data(self) -> None:
+        window = self.window(TabName.RADAR)
+        imaging = window.window.surveys_binding.export.model
+        radar = window.window.radar.presenter
+        wait_until(lambda: window.traces.shown.radar.count == 24, "the last survey is shown")
+        wait_until(lambda: radar.image is not None, "its image is there")
+        assert radar.image is not None
+        self.assertEqual(radar.image.levels_db.shape[1:], (3, 4))
+        self.assertEqual((radar.image.traces, radar.image.simulated), (24, True))
+        imaging.look_for_sticks()
+        wait_until(lambda: imaging.computer == socket.gethostname(), "the node lists the sticks")
 
     def test_5_what_names_no_survey_is_refused(self) -> None:
         for name in ("", "../..", "/etc/passwd", "20260921T141320_0f8fad5b"):

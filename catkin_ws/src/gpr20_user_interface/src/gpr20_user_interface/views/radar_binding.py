@@ -44,6 +44,7 @@ class RadarBinding(Binding):
         self._images = images
         self.sheet = RadarSheet(window, radar.presenter)
         self.sheet.changed.connect(radar.refresh)
+        self.sheet.fit_wanted.connect(radar.begin_fit)
         radar.settings.clicked.connect(lambda: self.sheet.open())
         radar.marker_wanted.connect(ask_marker)
 
