@@ -99,7 +99,9 @@ def test_a_plan_made_while_a_survey_runs_is_kept_and_found_again(filled):
     assert filled.map.finer.text() == "Finer\nplan"
     click(filled.map.finer)
     assert filled.map_binding.finer.plan == plan
+    assert not filled.control.isVisible()
     click(filled.map_binding.finer.use)
+    assert filled.control.isVisible()
     assert filled.survey.finer == plan
 
 

@@ -94,10 +94,14 @@ class MarkersSheet(Overlay):
 
     def _lay_out(self) -> None:
         keys = QHBoxLayout()
-        for button in (self.show_button, self.remove, self.close_button):
+        for button in (self.show_button, self.close_button):
             keys.addWidget(button, 1)
+        # Far from where other sheets have OK and CLOSE: a bounced touch must not hold it.
+        top = QHBoxLayout()
+        top.addWidget(self.title, 1)
+        top.addWidget(self.remove)
         column = QVBoxLayout(self)
-        column.addWidget(self.title)
+        column.addLayout(top)
         column.addWidget(self.list, 1)
         column.addWidget(self.details)
         column.addLayout(keys)
