@@ -25,7 +25,7 @@ from typing import Any, Callable, Dict, List, Tuple
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from imaging import DEPTH_M, HEIGHT_M, PERMITTIVITY, traces
+from imaging_speed import DEPTH_M, HEIGHT_M, PERMITTIVITY, traces
 
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image

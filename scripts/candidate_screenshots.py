@@ -6,13 +6,17 @@ import json
 import sys
 import time
 from pathlib import Path
+from typing import Callable
 
 from PyQt5.QtWidgets import QApplication, QVBoxLayout, QWidget
 from window_kit import run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
-from gpr20_user_interface.low.analysis_program import AnalysisProgram
+from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.mid.imaging import Imaging
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
+from gpr20_user_interface.mid.imaging_events import CandidatesFound
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.views.look import DESIGN_HEIGHT_PX, DESIGN_WIDTH_PX, Look
@@ -22,6 +26,30 @@ from gpr20_user_interface.views.translation import Languages
 
 LIMIT_S = 300.0
 PERMITTIVITY = "5"
+
+
+class LocalImaging:
+    """The imaging of this computer, without its node.
+
+    Args:
+        imaging: It.
+        listener: Called with each answer, in the thread that asks.
+    """
+
+    def __init__(self, imaging: Imaging, listener: Callable[[object], None]) -> None:
+        self._imaging = imaging
+        self._listener = listener
+
+    def find_candidates(
+        self, request_id: str, survey: str, permittivity: float, language: str
+    ) -> None:
+        """Find the candidates of a survey; wait until they are found."""
+        found = self._imaging.find_candidates(request_id, survey, permittivity, language)
+        self._listener(CandidatesFound(request_id, found.candidates_json, found.remarks))
+
+    def cancel(self, request_id: str) -> None:
+        """End a request."""
+        self._imaging.cancel(request_id)
 
 
 def take_pictures(folder: Path, survey: Path, application: QApplication) -> None:
@@ -40,16 +68,18 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     column.addWidget(TopBar())
     column.addStretch(1)
     ended: list = []
-    search = CandidateSearch(AnalysisProgram(ended.append), time.monotonic)
+    imaging = Imaging(survey.parent, AnalysisCommand(), UsbVolumes(), lambda *_: None)
+    search = CandidateSearch(LocalImaging(imaging, ended.append), time.monotonic)
     sheet = CandidatesSheet(window, search, lambda: languages.language.value)
     sheet.permittivity.setText(PERMITTIVITY)
     window.show()
-    sheet.show_survey(chosen, str(survey.parent))
+    sheet.show_survey(chosen)
     for language in Language:
         languages.use(language)
         sheet.find_button.click()
         run_until(lambda: bool(ended), "the search ends", LIMIT_S)
-        sheet.on_event(ended.pop())
+        search.on_event(ended.pop())
+        sheet.refresh()
         if search.state is not SearchState.DONE:
             raise SystemExit(sheet.details.text())
         run_until(lambda: sheet.table.rowCount() > 0, "the list is shown", LIMIT_S)
@@ -58,6 +88,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
             raise SystemExit(f"{path} cannot be written")
         print(path)
     languages.close()
+    imaging.close()
 
 
 def main() -> None:

@@ -39,7 +39,6 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     window = interface.window
     window.map.select_stop(TARGET_STOP)
     window.radar.depth_slider.setValue(SLICE_STEPS)
-    window.radar.controls.background.click()
     for language in Language:
         languages.use(language)
         for tab in TabName:

@@ -3,7 +3,9 @@
 # Safe to run again; quick when nothing is missing.
 #   scripts/setup.sh           what a survey needs
 #   scripts/setup.sh --dev     what the tests need as well
-#   scripts/setup.sh --robot   on the Raspberry Pi: what its pins and its SPI bus need as well
+#   scripts/setup.sh --robot   on the Raspberry Pi: what its pins and its SPI bus need as well;
+#                              without the analysis
+#   scripts/setup.sh --analysis   the analysis with --robot too, for a robot that keeps its data
 #   scripts/setup.sh --scikit-rf   what another VNA needs as well (docs/another_analyzer.md)
 #   scripts/setup.sh --check   install nothing; end with status 1 if something is missing
 set -euo pipefail
@@ -21,16 +23,17 @@ DEBIAN_DEV_PACKAGES=(
     gettext iproute2 nftables openbox procps python3-psutil xdotool xvfb
 )
 
-dev=no robot=no scikit_rf=no check=no
+dev=no robot=no analysis=no scikit_rf=no check=no
 for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
+        --analysis) analysis=yes ;;
         --scikit-rf) scikit_rf=yes ;;
         --check) check=yes ;;
         *)
             echo "setup.sh: unknown argument '$argument';" \
-                "allowed: --dev, --robot, --scikit-rf and --check" >&2
+                "allowed: --dev, --robot, --analysis, --scikit-rf and --check" >&2
             exit 2
             ;;
     esac
@@ -94,9 +97,9 @@ install_python_packages() {
         list="$GPR20_ROOT/requirements/$list"
         is_installed "$list" || { arguments+=(-r "$list"); inputs+=("$list"); }
     done
-    # Surveys are analysed elsewhere than on the robot. The command gpr20 runs from its sources.
+    # Most surveys are analysed elsewhere than on the robot. The command gpr20 runs from its sources.
     list="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml"
-    if [ "$robot" = no ] && ! is_installed "$list"; then
+    if { [ "$robot" = no ] || [ "$analysis" = yes ]; } && ! is_installed "$list"; then
         arguments+=(--editable "$(dirname "$list")[all]")
         inputs+=("$list")
     fi

@@ -111,7 +111,7 @@ class RunSurvey(unittest.TestCase):
         output = self.end_of(process)
         self.assertEqual(process.returncode, 0, output)
         self.assertEqual(self.fake.visited, 18)
-        for part in ("18 traces", "100.0 %", "0d:0h:0m:0s remaining", "SIMULATED", "/data/survey"):
+        for part in ("18 traces", "100.0 %", "less than 1 min left", "SIMULATED", "/data/survey"):
             self.assertIn(part, output)
         self.assertIn(f"Survey id: {self.fake.survey_id}", output)
 
@@ -119,7 +119,7 @@ class RunSurvey(unittest.TestCase):
         process = self.client(*SMALL, "--bar", "always")
         output = self.end_of(process)
         self.assertEqual(process.returncode, 0, output)
-        for part in ("18/18", "100%", "remaining (measured)", "SIMULATED"):
+        for part in ("18/18", "100%", "left (measured)", "SIMULATED"):
             self.assertIn(part, output)
 
     def test_refusal_of_the_control_is_told(self) -> None:

@@ -17,6 +17,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_msgs.srv import Command, CommandResponse
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.survey_model import SurveyModel
 
 
@@ -33,7 +34,7 @@ class Window(WindowCase):
         self.enter("y_points", "3")
         self.fake.point_limit = 7
         self.click("start")
-        wait_until(lambda: "7 of 18 traces" in self.window.status.progress.texts, "progress moves")
+        wait_until(lambda: "7 of 18 traces" in self.window.status.progress.text, "progress moves")
         # What other topics say may come later.
         positions = self.window.status.positions
         wait_until(lambda: positions.cell("current", 1) == "7.00", "the position is shown")
@@ -44,9 +45,9 @@ class Window(WindowCase):
     def test_start_progress_stop(self) -> None:
         self.start()
         self.assertEqual(self.window.status.progress.thousandths, 388)
-        self.assertIn("0d:0h:0m:1s remaining", self.window.status.progress.texts)
+        self.assertIn("less than 1 min left", self.window.status.progress.text)
         self.assertTrue(self.window.top_bar.simulated.isVisible())
-        self.assertFalse(self.window.control.form.isEnabled())
+        self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
         wait_until(lambda: self.enabled() == "stop pause", "PAUSE is unlocked")
         self.keep_picture("surveying")
         self.fake.may_stop.clear()
@@ -61,7 +62,7 @@ class Window(WindowCase):
 
     def test_notes_written_with_a_finger_go_with_the_start(self) -> None:
         sheet = self.window.annotation
-        self.touch(self.window.control.notes)
+        self.touch_notes()
         self.touch(sheet.fields["operator"])
         sheet.text_pad.press("Lucía Peña")
         self.touch(sheet.text_pad.accept_button)
@@ -107,7 +108,7 @@ class Window(WindowCase):
         self.fake.describe_robot()
         self.enter("x_stop_mm", "700")
         wait_until(lambda: self.enabled() == "", "START is locked")
-        self.assertIn("from 0 to 650", self.window.control.problems.toPlainText())
+        self.assertIn("from 0 to 650", self.window.control.start.problem.whole)
         self.enter("x_stop_mm", "650")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
 
@@ -115,10 +116,10 @@ class Window(WindowCase):
         self.fake.refusal = Message("permission denied", details="errno 13")
         self.click("start")
         wait_until(self.window.notice.isVisible, "a dialog opens")
-        self.assertEqual(self.window.notice.reason.toPlainText(), "permission denied")
+        self.assertEqual(self.window.notice.reason.toPlainText(), "Permission denied")
         self.assertEqual(self.window.notice.details.toPlainText(), "errno 13")
         self.languages.use(Language.SPANISH)
-        spanish = "permiso denegado"
+        spanish = "Permiso denegado"
         wait_until(
             lambda: self.window.notice.reason.toPlainText() == spanish,
             "it is translated",
@@ -145,7 +146,7 @@ class Window(WindowCase):
         self.start()
         self.fake.close()
         wait_until(
-            lambda: "contact with the main control for" in self.window.top_bar.alarm.text(),
+            lambda: "contact with the main control for" in self.window.top_bar.message.whole,
             "the loss is reported",
         )
         # What the robot does is not known: neither stopped nor free to start.
@@ -155,12 +156,12 @@ class Window(WindowCase):
         self.fake = FakeMainControl("")
         # The next main_control knows nothing of the survey: the window does not forget it.
         wait_until(
-            lambda: "INTERRUPTED" in self.window.top_bar.alarm.text(), "the return is reported"
+            lambda: "INTERRUPTED" in self.window.top_bar.title.text(), "the return is reported"
         )
         self.assertEqual(self.title(), "IDLE")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
         self.click("start")
-        wait_until(lambda: not self.window.top_bar.alarm.isVisible(), "a survey runs again")
+        wait_until(lambda: "SURVEYING" in self.window.top_bar.title.text(), "a survey runs again")
 
     def test_survey_of_somebody_else_is_shown(self) -> None:
         self.start()
@@ -169,7 +170,7 @@ class Window(WindowCase):
         self.addCleanup(lambda: sip.delete(second.window))
         self.addCleanup(second.end)
         wait_until(
-            lambda: "7 of 18" in second.window.status.progress.texts, "the second window follows"
+            lambda: "7 of 18" in second.window.status.progress.text, "the second window follows"
         )
         mine, other = self.window.control, second.window.control
         wait_until(lambda: not other.form.isEnabled(), "its parameters are locked")
@@ -202,8 +203,8 @@ class Window(WindowCase):
             self.click(name)
             wait_until(self.window.notice.isVisible, "a dialog opens")
             self.assertEqual(self.window.notice.title.text(), title)
-            self.assertIn("no survey", self.window.notice.reason.toPlainText())
-            self.assertTrue(self.window.notice.next_step.text())
+            self.assertIn("No survey", self.window.notice.reason.toPlainText())
+            self.assertTrue(self.window.notice.first.text())
             self.touch(self.window.notice.close_button)
             self.fake.go_on_silently()
 
@@ -213,11 +214,13 @@ class Window(WindowCase):
         self.click("stop")
         wait_until(self.window.notice.isVisible, "a dialog opens")
         reason = self.window.notice.reason.toPlainText()
-        self.assertIn("the main control does not answer", reason)
+        self.assertIn("The main control does not answer", reason)
         self.assertIn("stop_survey", self.window.notice.details.toPlainText())
         for axis in "xyz":
             self.assertIn(f"{axis} axis does NOT answer", reason)
-        self.assertIn("switch it off", self.window.notice.next_step.text())
+        self.assertIn("Switch off the motors' power", self.window.notice.first.text())
+        # Over everything, until it is closed by a hold.
+        self.assertTrue(self.window.stop_warning.isVisible())
 
     def test_stop_without_main_control_stops_the_axes(self) -> None:
         stopped = []
@@ -236,6 +239,7 @@ class Window(WindowCase):
         self.assertEqual(sorted(stopped), ["x", "y", "z"])
         reason = self.window.notice.reason.toPlainText()
         self.assertIn("x axis: stopping; y axis: stopping; z axis: stopping", reason)
+        self.assertFalse(self.window.stop_warning.isVisible())
         # Nobody has said that the robot is at rest.
         self.assertEqual(self.title(), "SURVEYING")
 
@@ -244,10 +248,10 @@ class Window(WindowCase):
         sheet = self.window.settings.sheet
         self.touch(self.window.settings.button)
         self.touch(sheet.languages[Language.SPANISH])
-        wait_until(lambda: self.window.control.pause.text() == "PAUSAR", "it speaks Spanish")
+        wait_until(lambda: self.window.top_bar.pause.text() == "PAUSAR", "it speaks Spanish")
         self.assertEqual(sheet.title.text(), "Ajustes")
         self.touch(sheet.languages[Language.ENGLISH])
-        wait_until(lambda: self.window.control.pause.text() == "PAUSE", "it speaks English")
+        wait_until(lambda: self.window.top_bar.pause.text() == "PAUSE", "it speaks English")
 
 
 if __name__ == "__main__":

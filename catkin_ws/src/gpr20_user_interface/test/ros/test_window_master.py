@@ -7,13 +7,20 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from typing import Dict
 
 import rosgraph
 import rospy
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
+from gpr20_user_interface.mid.job import JobLevel
+
+# The answer of a main control that works is waited for for 0.2 s of it.
+WARNING_LIMIT_S = 0.3
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -31,6 +38,9 @@ class OwnMaster:
         self._processes: Dict[str, subprocess.Popen] = {}
 
     def start(self) -> None:
+        """Start the master, unless it runs."""
+        if "master" in self._processes:
+            return
         command = ["rosmaster", "--core", "-p", str(self._port)]
         self._processes["master"] = subprocess.Popen(command)
         wait_until(rosgraph.is_master_online, "the master answers")
@@ -47,8 +57,35 @@ class OwnMaster:
 
 
 class WindowAndMaster(WindowCase):
-    def test_death_of_the_master_is_said_and_the_next_one_is_joined(self) -> None:
+    def setUp(self) -> None:
+        master.start()
         self.addCleanup(master.kill)
+
+    def test_stop_without_master_and_robot_says_at_once_to_switch_off_the_motors(self) -> None:
+        master.start_control()
+        rospy.wait_for_service("stop_survey", LIMIT_S)
+        self.open_window()
+        wait_until(lambda: self.title() == "IDLE", "the window has contact with main_control")
+        self.click("start")
+        wait_until(lambda: self.title() == "SURVEYING", "a survey starts")
+        # The window knows of neither when STOP is pressed.
+        master.kill()
+        pressed_s = time.monotonic()
+        QTest.mousePress(self.window.top_bar.stop, Qt.LeftButton)
+        warning = self.window.stop_warning
+        wait_until(warning.isVisible, "the warning is shown")
+        self.assertLess(time.monotonic() - pressed_s, WARNING_LIMIT_S)
+        QTest.mouseRelease(self.window.top_bar.stop, Qt.LeftButton)
+        self.assertIn("MOTORS' POWER", warning.title.text())
+        self.keep_picture("stop_without_master")
+        # It stays when every time limit has run out, over the dialog of the failure.
+        wait_until(self.window.notice.isVisible, "the failure is reported")
+        wait_until(lambda: "does NOT answer" in warning.text.whole, "the axes are named")
+        self.assertTrue(warning.isVisible())
+        self.touch(warning.close_button)
+        self.assertTrue(warning.isVisible())
+
+    def test_death_of_the_master_is_said_and_the_next_one_is_joined(self) -> None:
         master.start_control()
         # The window learns at its start where to stop the robot.
         rospy.wait_for_service("stop_survey", LIMIT_S)
@@ -58,9 +95,11 @@ class WindowAndMaster(WindowCase):
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "a survey starts")
         master.kill("master")
-        alarm = self.window.top_bar.alarm
-        wait_until(lambda: "ROS master does not answer" in alarm.text(), "the loss is reported")
-        self.assertTrue(alarm.isVisible())
+        bar = self.window.top_bar
+        wait_until(
+            lambda: "ROS master does not answer" in bar.message.whole, "the loss is reported"
+        )
+        self.assertEqual(bar.sign.level, JobLevel.FAULT)
         self.assertTrue(self.window.top_bar.stop.isEnabled())
         self.keep_picture("master_gone")
         self.click("stop")
@@ -69,7 +108,7 @@ class WindowAndMaster(WindowCase):
         master.kill("control")
         master.start()
         master.start_control()
-        wait_until(lambda: not alarm.isVisible(), "the return is reported")
+        wait_until(lambda: "NO CONTACT" not in bar.title.text(), "the return is reported")
         wait_until(lambda: self.window.control.start.isEnabled(), "START is unlocked")
         self.assertEqual(self.window.control.parameters.x_points, 7)
         self.click("start")

@@ -9,12 +9,11 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import rospy
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QWidget
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
@@ -22,7 +21,10 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.views.hold_button import HOLD_MS
+from gpr20_user_interface.mid.plan_tiles import Tile
+from gpr20_user_interface.mid.robot_health import AlarmKind
+from gpr20_user_interface.views.hold_button import HoldButton
+from gpr20_user_interface.views.key_block import DOWN, STEP
 from gpr20_user_interface.views.main_window import TabName
 
 
@@ -34,51 +36,52 @@ class WindowOnRobot(WindowCase):
 
     def knows_the_robot(self) -> bool:
         snapshot = self.window.survey.snapshot
-        disk = self.window.status.health.disk
-        return snapshot.figures is not None and disk != "—" and "start" in self.enabled()
+        known = snapshot.figures is not None and snapshot.health.free_disk_mb is not None
+        return known and "start" in self.enabled()
 
     def visited(self) -> int:
         progress = self.window.survey.snapshot.progress
         return 0 if progress is None else progress.visited_points
 
     def arrow(self, name: str, direction: str, times: int) -> None:
+        self.open_field(name)
         for _ in range(times):
-            self.touch(getattr(self.window.control.form.field(name), direction))
+            self.window.values.keys.press(direction)
+        self.close_sheet()
 
     def enter_with_arrows(self) -> None:
         """3 x 3 stops on 50..130 mm, 51 frequencies."""
         control = self.window.control
-        self.touch(control.step_button(1))
-        self.arrow("x_points", "down", 2)
-        self.arrow("y_points", "down", 2)
-        self.touch(control.step_button(10))
-        self.arrow("x_stop_mm", "down", 2)
-        self.arrow("y_stop_mm", "down", 2)
-        self.touch(control.step_button(100))
-        self.arrow("frequency_points", "down", 4)
-        self.touch(control.step_button(10))
-        self.arrow("frequency_points", "down", 5)
+        self.arrow("x_points", DOWN, 2)
+        self.arrow("y_points", DOWN, 2)
+        self.arrow("x_stop_mm", STEP, 1)
+        self.arrow("x_stop_mm", DOWN, 2)
+        self.arrow("y_stop_mm", DOWN, 2)
+        self.arrow("frequency_points", STEP, 1)
+        self.arrow("frequency_points", DOWN, 4)
+        self.arrow("frequency_points", STEP, 2)
+        self.arrow("frequency_points", DOWN, 5)
         parameters = control.parameters
         self.assertEqual((parameters.x_points, parameters.y_points), (3, 3))
         self.assertEqual((parameters.x_stop_mm, parameters.frequency_points), (130.0, 51))
 
     def test_survey_is_entered_started_paused_resumed_and_finished_with_a_finger(self) -> None:
         self.enter_with_arrows()
-        figures = self.window.control.preview.figures
-        wait_until(lambda: "—" not in self.window.control.preview.figures, "time is estimated")
-        self.assertEqual(figures[:2], ("18", "40, 40 mm"))
+        sheet = self.window.control_binding.figures
+        wait_until(lambda: "—" not in sheet.figures, "time is estimated")
+        self.assertEqual((sheet.figures[0], sheet.figures[4]), ("18", "40, 40 mm"))
         self.keep_picture("robot_control")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         self.assertTrue(self.window.top_bar.simulated.isVisible())
-        self.assertFalse(self.window.control.form.isEnabled())
+        self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.click("pause")
         wait_until(lambda: self.title() == "PAUSED", "the survey pauses")
         held = self.visited()
         self.assertLess(held, 18)
         self.window.show_tab(TabName.STATUS)
-        wait_until(lambda: self.window.status.health.calibration != "—", "calibration is known")
+        wait_until(lambda: self.window.status.facts.calibration != "—", "calibration is known")
         self.keep_picture("robot_status")
         self.click("resume")
         wait_until(lambda: self.visited() > held, "completion moves again")
@@ -105,13 +108,13 @@ class WindowOnRobot(WindowCase):
 
     def test_notes_are_written_before_during_and_after_a_survey(self) -> None:
         self.enter_with_arrows()
-        self.touch(self.window.control.notes)
+        self.touch_notes()
         self.write_note("operator", "Ana Peña")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.assertEqual(self.annotation()["operator"], "Ana Peña")
-        self.touch(self.window.control.notes)
+        self.touch(self.window.job.notes)
         self.write_note("notes", "wet")
         self.assertEqual(self.annotation()["notes"], "wet")
         wait_until(lambda: self.title() == "FINISHED", "the survey ends")
@@ -172,18 +175,27 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
-        alarm = self.window.top_bar.alarm
-        wait_until(lambda: "VNA fault" in alarm.text(), "the loss is reported")
+        wait_until(self.has_vna_alarm, "the loss is reported")
         wait_until(lambda: self.title() == "PAUSED", "the survey holds")
-        self.assertTrue(alarm.isVisible())
+        notice = self.window.notice
+        wait_until(notice.isVisible, "the card of the fault opens")
+        self.assertIn("Check that the VNA is switched on", notice.first.text())
+        self.assertTrue(notice.resume.isVisible())
         self.assertIn("VNA", self.window.top_bar.message.whole)
         self.keep_picture("robot_vna_gone")
         set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0)
+        # The alarm ends with its cause, though the survey is still paused.
+        wait_until(lambda: not self.has_vna_alarm(), "the return is reported")
+        self.assertEqual(self.title(), "PAUSED")
         wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
-        self.click("resume")
+        self.touch(notice.resume)
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
-        wait_until(lambda: not alarm.isVisible(), "the return is reported")
+        self.assertFalse(notice.isVisible())
         self.assertEqual(self.visited(), 18)
+
+    def has_vna_alarm(self) -> bool:
+        alarm = self.window.survey.snapshot.alarm
+        return alarm is not None and alarm.kind is AlarmKind.ANALYZER_FAULT
 
     def test_axes_and_instruments_are_serviced_with_a_finger(self) -> None:
         self.window.show_tab(TabName.SERVICE)
@@ -191,11 +203,11 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: bool(view.doctor.texts), "the findings are listed")
         self.assertTrue(any("simulated" in text for text in view.doctor.texts))
         self.keep_picture("robot_service")
-        self.hold(view.enter_button)
+        self.hold_down(view.enter_button)
         wait_until(lambda: view.in_service, "the service begins")
         row = view.axes.row(AxisId.X)
         wait_until(lambda: "open" in row.lamp.text(), "the endstop is read")
-        self.hold(row.home)
+        self.hold_down(row.home)
         wait_until(lambda: "closed" in row.lamp.text(), "the endstop is touched")
         wait_until(lambda: view.outcome.text() == "The x axis is homed.", "it is homed")
         wait_until(lambda: row.place.text() == "X 0.00", "it is at its zero")
@@ -212,16 +224,19 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
         self.touch(view.switch_button)
         self.touch(view.tools.measure)
-        wait_until(lambda: " V" in view.tools.height.text(), "the height is measured")
+        wait_until(lambda: " V" in view.tools.height_found.text(), "the height is measured")
         self.touch(view.tools.test)
-        wait_until(lambda: "Sweep of" in view.tools.analyzer.text(), "the VNA is tested")
-        self.assertIn("SIMULATED", view.tools.analyzer.text())
+        wait_until(lambda: "Sweep of" in view.tools.analyzer_found.text(), "the VNA is tested")
+        self.assertIn("SIMULATED", view.tools.analyzer_found.text())
         self.window.show_tab(TabName.STATUS)
         wait_until(lambda: not view.in_service, "another tab ends the service")
 
-    def hold(self, button: QWidget) -> None:
+    def hold_down(self, button: HoldButton) -> None:
+        """Rest a finger on a button until it acts."""
+        acted: List[bool] = []
+        button.held.connect(lambda: acted.append(True))
         QTest.mousePress(button, Qt.LeftButton)
-        QTest.qWait(HOLD_MS + 200)
+        wait_until(lambda: bool(acted), "the button is held")
         QTest.mouseRelease(button, Qt.LeftButton)
 
     def end_interface_early(self) -> None:

@@ -1,5 +1,7 @@
 """Each fault that can be judged from outside has a finding with a remedy, the worst first."""
 
+from dataclasses import replace
+
 import pytest
 
 from gpr20_common.message import Message, verbatim
@@ -47,6 +49,12 @@ def test_a_robot_without_a_fault_is_good():
     assert {one.level for one in found} == {OK}
     assert len(found) > len(EXPECTED_NODES)
     assert all(one.remedy is None for one in found)
+
+
+def test_a_window_that_has_just_opened_has_not_heard_every_node():
+    silent = facts(nodes={"height_sensor": (STALE, verbatim(""), {})})
+    assert findings(replace(silent, listening_s=1.0))[0].level is WARN
+    assert findings(replace(silent, listening_s=6.0))[0].level is ERROR
 
 
 CASES = [

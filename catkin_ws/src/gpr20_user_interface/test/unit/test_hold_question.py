@@ -48,10 +48,10 @@ def test_start_says_nothing_of_people_who_are_not_known():
 @pytest.mark.parametrize(
     ("seconds", "words"),
     [
-        (0.0, "about 0 min"),
-        (1.0, "about 1 min"),
+        (0.0, "less than 1 min"),
+        (60.1, "about 2 min"),
         (3600.0, "about 1 h 0 min"),
-        (90000.0, "about 25 h 0 min"),
+        (90000.0, "about 1 d 1 h"),
         (float("nan"), "not known yet"),
     ],
 )
@@ -71,9 +71,11 @@ def test_a_past_survey_is_named_before_it_is_resumed():
     )
     assert rows(resume_past_question(FOLDER, survey)) == {
         "Survey": FOLDER,
-        "Started": "2026-11-21 05:10 UTC",
+        "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
     }
+    named = rows(resume_past_question(FOLDER, replace(survey, name="field 3")))
+    assert named["Survey"] == "field 3"
     assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}
 
 

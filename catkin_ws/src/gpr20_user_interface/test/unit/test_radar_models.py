@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -6,11 +8,13 @@ from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, echo, make_grid, tr
 
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan, b_scan, c_scan
+from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan
 from gpr20_user_interface.mid.radar_processing import FrequencyToDelay, delay_of_depth
+from gpr20_user_interface.mid.radar_records import Axis, RadarSettings
 
-LINEAR = RadarSettings(in_db=False)
+LINEAR = RadarSettings(in_db=False, remove_background=False)
 
 
 def filled(indices=None, s21_of=None, **changes):
@@ -53,14 +57,14 @@ def test_an_a_scan_peaks_at_the_depth_of_its_target(depth_m):
     model = filled([0], s21_of=lambda _cell: depth_echo(depth_m))
     curve = a_scan(model, cell(0, 0), LINEAR)
     assert curve.axis is Axis.DEPTH_MM
-    assert curve.places[np.argmax(curve.levels)] == pytest.approx(depth_m * 1000, abs=7)
+    assert curve.places[np.argmax(curve.shades)] == pytest.approx(depth_m * 1000, abs=7)
 
 
 def test_another_permittivity_moves_the_picture_and_not_the_data():
     model = filled([0], s21_of=lambda _cell: depth_echo(0.1))
     before = model.echoes(0).copy()
-    dense = a_scan(model, cell(0, 0), RadarSettings(in_db=False, permittivity=16.0))
-    assert dense.places[np.argmax(dense.levels)] == pytest.approx(50.0, abs=5)
+    dense = a_scan(model, cell(0, 0), dataclasses.replace(LINEAR, permittivity=16.0))
+    assert dense.places[np.argmax(dense.shades)] == pytest.approx(50.0, abs=5)
     assert (model.echoes(0) == before).all()
 
 
@@ -71,8 +75,8 @@ def test_each_trace_counts_from_its_own_height():
     for index in range(10):
         height_m = 0.15 + 0.01 * index
         model.add(trace_at(grid, index, depth_echo(0.1, height_m), height_m))
-    line = b_scan(model, 0, LINEAR)
-    peaks = np.linspace(*line.range, len(line.levels) + 1)[np.argmax(line.levels, axis=0)]
+    line = b_scan(model, Stop(0, 0), LINEAR)
+    peaks = np.linspace(*line.range, len(line.shades) + 1)[np.argmax(line.shades, axis=0)]
     assert peaks == pytest.approx(100.0, abs=8)
 
 
@@ -81,13 +85,13 @@ def test_the_slice_shows_the_target_where_it_is():
         near = place.stop.row == 2 and place.stop.column == 3
         return depth_echo(0.1, level=1.0 if near else 0.01)
 
-    picture = c_scan(filled(s21_of=ground), RadarSettings(in_db=False, depth_m=0.1))
+    picture = c_scan(filled(s21_of=ground), dataclasses.replace(LINEAR, depth_m=0.1))
     assert picture.axis is Axis.Y_MM
-    assert np.unravel_index(np.argmax(picture.levels), picture.levels.shape) == (2, 3)
-    assert picture.x_range_mm == pytest.approx((87.5, 212.5))
+    assert np.unravel_index(np.argmax(picture.shades), picture.shades.shape) == (2, 3)
+    assert picture.across_mm == pytest.approx((87.5, 212.5))
     assert picture.range == pytest.approx((40.0, 120.0))
-    elsewhere = c_scan(filled(s21_of=ground), RadarSettings(in_db=False, depth_m=0.02))
-    assert elsewhere.levels.max() < 0.05
+    elsewhere = c_scan(filled(s21_of=ground), dataclasses.replace(LINEAR, depth_m=0.02))
+    assert elsewhere.shades.max() < 0.05
 
 
 def test_a_reverse_survey_lies_where_it_was_measured():
@@ -96,20 +100,20 @@ def test_a_reverse_survey_lies_where_it_was_measured():
     model.begin(grid)
     model.add(trace_at(grid, 0))  # at X 200
     picture = c_scan(model, LINEAR)
-    assert picture.x_range_mm == pytest.approx((87.5, 212.5))
-    assert np.isfinite(picture.levels[0, 4])
-    assert np.isnan(picture.levels[0, 0])
+    assert picture.across_mm == pytest.approx((87.5, 212.5))
+    assert np.isfinite(picture.shades[0, 4])
+    assert np.isnan(picture.shades[0, 0])
 
 
 def test_what_was_not_measured_is_never_a_level():
     model = filled(range(0, 40, 2))
     for in_db in (False, True):
-        view = RadarSettings(in_db=in_db)
+        view = RadarSettings(in_db=in_db, remove_background=False)
         picture = c_scan(model, view)
-        assert (np.isfinite(picture.levels) == model.present(0)).all()
-        line = b_scan(model, 1, view)
-        assert (np.isfinite(line.levels).any(axis=0) == model.present(0)[1]).all()
-    assert b_scan(RadarModel(), 0, LINEAR) is None
+        assert (np.isfinite(picture.shades) == model.present(0)).all()
+        line = b_scan(model, Stop(1, 0), view)
+        assert (np.isfinite(line.shades).any(axis=0) == model.present(0)[1]).all()
+    assert b_scan(RadarModel(), Stop(0, 0), LINEAR) is None
     assert c_scan(RadarModel(), LINEAR) is None
     assert a_scan(model, cell(0, 0, 1), LINEAR) is None
 
@@ -121,10 +125,11 @@ def test_background_removal_takes_the_surface_and_leaves_the_target():
 
     model = filled(s21_of=ground)
     removed = RadarSettings(in_db=False, remove_background=True)
-    raw, clean = b_scan(model, 1, LINEAR), b_scan(model, 1, removed)
-    assert np.unravel_index(np.nanargmax(clean.levels), clean.levels.shape)[1] == 2
-    assert np.nanmax(raw.levels) > 0.9
-    assert np.nanmax(clean.levels) < 0.15
+    raw, clean = b_scan(model, Stop(1, 0), LINEAR), b_scan(model, Stop(1, 0), removed)
+    assert np.unravel_index(np.nanargmax(clean.shades), clean.shades.shape)[1] == 2
+    assert np.nanmax(raw.shades) > 0.5
+    surface = int(np.argmax(raw.shades[:, 0]))
+    assert clean.shades[surface].max() < 0.1
 
 
 def test_few_traces_have_no_background():
@@ -133,21 +138,25 @@ def test_few_traces_have_no_background():
     model = filled(indices)
     assert model.background(0) is None
     removed = RadarSettings(in_db=False, remove_background=True)
-    assert a_scan(model, model.latest, removed).levels.max() > 0.9
+    assert a_scan(model, model.latest, removed).shades.max() > 0.5
 
 
 def test_gain_shows_later_echoes_stronger():
-    model = filled([0])
-    plain = a_scan(model, cell(0, 0), RadarSettings(in_depth=False))
-    strong = a_scan(model, cell(0, 0), RadarSettings(in_depth=False, gain_db_per_ns=3.0))
-    assert strong.axis is Axis.DELAY_NS
-    assert strong.levels - plain.levels == pytest.approx(3.0 * plain.places, abs=1e-2)
+    model = filled(range(20), s21_of=lambda _cell: depth_echo(0.0) + depth_echo(0.4, level=1e-3))
+    plain = RadarSettings(in_depth=False, remove_background=False)
+    without = a_scan(model, cell(0, 0), plain)
+    stronger = a_scan(model, cell(0, 0), dataclasses.replace(plain, gain_db_per_ns=3.0))
+    assert stronger.axis is Axis.DELAY_NS
+    late = np.argmin(np.abs(without.places - 6.67))
+    assert stronger.shades[late] > without.shades[late] + 0.05
+    assert (stronger.shades >= without.shades).all()
+    assert stronger.scale == without.scale
 
 
 def test_without_any_height_there_is_delay_but_no_depth():
     model = filled([0, 1], height_m=float("nan"))
     assert a_scan(model, cell(0, 0), LINEAR).axis is Axis.DELAY_NS
-    assert b_scan(model, 0, LINEAR).axis is Axis.DELAY_NS
+    assert b_scan(model, Stop(0, 0), LINEAR).axis is Axis.DELAY_NS
     assert c_scan(model, LINEAR) is None
 
 

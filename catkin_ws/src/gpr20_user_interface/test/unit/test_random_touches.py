@@ -40,6 +40,8 @@ FOLDER = "20261121T051000_7c9e6679"
 KEPT = {f"field {number}.yaml" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
 HARMLESS = {"stop", "pause", "pause replay"}
+# Of SERVICE: whether its tab is looked at.
+LOOKED = {("watch", True), ("watch", False)}
 STATES = (
     *(SurveyState.IDLE, SurveyState.CONFIGURED, SurveyState.SURVEYING, SurveyState.PAUSED),
     *(SurveyState.STOPPED, SurveyState.FAILED, SurveyState.FINISHED),
@@ -144,6 +146,7 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
         field.note_opened()
         assert not raised, f"touch {number} of seed {seed}"
         assert set(wishes(window)) <= HARMLESS, f"touch {number} of seed {seed}"
+        assert set(window.tools.asked) <= LOOKED, f"touch {number} of seed {seed}"
     assert {one.name for one in tmp_path.iterdir()} >= KEPT
     # The touches were at the buttons that matter.
     assert {window.start_sheet, window.profiles.confirm, window.question} <= field.opened

@@ -6,18 +6,16 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
-from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QTabBar
 from test_nothing_cut_off import assert_fits
-from window_helpers import application, click, show, snapshot, window
+from window_helpers import application, click, hold, show, snapshot, window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import CurrentPosition, HealthLevel, NodeHealth
-from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
     AnalyzerTested,
@@ -42,12 +40,6 @@ def service(window):
     window.refresh()
     window.tools.asked.clear()
     return window
-
-
-def hold(button):
-    QTest.mousePress(button, Qt.LeftButton)
-    QTest.qWait(int(1000 * HOLD_S) + 150)
-    QTest.mouseRelease(button, Qt.LeftButton)
 
 
 def begin(window):
@@ -128,12 +120,12 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
     stuck = Message("the height sensor is stuck; check its plug and supply")
     service.on_event(HeightTested(float("nan"), float("nan"), 3.297, stuck))
     service.refresh()
-    assert tools.height.text() == f"Sensor 3.297 V\n{stuck}"
+    assert tools.height_found.text() == f"Sensor 3.297 V\n{stuck}"
     click(tools.test)
     assert service.tools.asked == ["height", "analyzer"]
     service.on_event(AnalyzerTested("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
     service.refresh()
-    lines = tools.analyzer.text().splitlines()
+    lines = tools.analyzer_found.text().splitlines()
     assert lines[1] == "Anritsu,MS2026C"
     assert lines[2:] == [
         "Calibration: calibrated, accuracy high",
@@ -156,6 +148,7 @@ def test_nothing_is_cut_off_and_every_button_is_as_large_as_a_finger(
     application, service, language
 ):
     languages = Languages(application, language)
+    QTest.qWait(20)
     begin(service)
     service.on_event(EndstopState(AxisId.X, True))
     service.on_event(EndstopState(AxisId.Y, False))

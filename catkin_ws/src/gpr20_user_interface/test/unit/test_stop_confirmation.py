@@ -19,7 +19,9 @@ def stop(clock):
 
 
 def axes(level):
-    return HealthReport(tuple(NodeHealth(name, level, verbatim(""), {}) for name in AXIS_NODES))
+    control = NodeHealth("main_control", HealthLevel.OK, verbatim(""), {})
+    nodes = tuple(NodeHealth(name, level, verbatim(""), {}) for name in AXIS_NODES)
+    return HealthReport((control, *nodes))
 
 
 def test_nothing_is_said_before_stop_is_pressed(stop):
@@ -61,6 +63,20 @@ def test_axes_that_report_are_not_silent(stop):
     alive = snapshot(SurveyState.SURVEYING, health=axes(HealthLevel.OK))
     stop.press(alive)
     assert stop.warning(alive) is None
+
+
+def test_axes_are_not_silent_where_no_node_reports(stop):
+    nodes = (NodeHealth(name, HealthLevel.STALE, verbatim(""), {}) for name in AXIS_NODES)
+    unknown = snapshot(SurveyState.SURVEYING, health=HealthReport(tuple(nodes)))
+    stop.press(unknown)
+    assert stop.warning(unknown) is None
+
+
+def test_silent_axes_that_answer_themselves_confirm_the_stop(stop):
+    silent = snapshot(SurveyState.SURVEYING, health=axes(HealthLevel.STALE))
+    stop.press(silent)
+    stop.on_event(Answer(Request.STOP, False, verbatim("x axis: stopping"), contact=True))
+    assert stop.warning(silent) is None
 
 
 def test_silent_axes_are_believed_to_rest_only_at_the_end(stop):

@@ -6,7 +6,7 @@ pytest.importorskip("PyQt5")
 
 from PyQt5.QtWidgets import QApplication, QLabel, QPushButton
 from view_kit import SURVEY, make_grid, trace_at
-from window_helpers import application, click, close, new_window
+from window_helpers import application, close, new_window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -16,6 +16,7 @@ from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import VERDICT
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -45,7 +46,6 @@ class Shown:
         self.window.past.table.selectRow(0)
         self.window.map.select_stop(Stop(1, 4))
         self.window.radar.show_model(live.radar)
-        self.window.radar.controls.background.click()
 
     def close(self):
         close(self.window)
@@ -106,11 +106,12 @@ def test_the_language_changes_at_once(application):
     shown.languages.use(Language.SPANISH)
     show(shown, TabName.RADAR)
     views = shown.window
-    assert "Gris: no medido" in views.radar.note.text()
+    assert "Rayado: no medido" in views.radar.note.text()
     assert views.map.next_problem.text() == "Siguiente\nincompleto"
-    assert views.past.table.item(0, 1).text() == "INCOMPLETA (simulada)"
-    click(views.radar.controls.background)
-    assert views.radar.controls.background.text() == "Fondo\nincluido"
+    assert views.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
+    sheet = views.radar_binding.sheet
+    sheet.background.click()
+    assert sheet.background.text() == "Fondo\nincluido"
     shown.close()
 
 

@@ -246,7 +246,7 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     for tab in (TabName.MAP, TabName.RADAR):
         window.show_tab(tab)
         band = window.tabs.currentWidget().band
-        assert band.isVisible() and "2026-11-21 05:10 UTC, 7c9e6679" in band.text.whole
+        assert band.isVisible() and f"{past().local_time()}, 7c9e6679" in band.text.whole
     click(window.radar_page.band.back)
     assert window.traces.shown is window.traces.live
     assert not window.radar_page.band.isVisible()

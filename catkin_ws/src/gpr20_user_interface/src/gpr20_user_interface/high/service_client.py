@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from typing import Any, Callable, List
 
 import rospy
@@ -44,6 +45,8 @@ class ServiceToolsClient(RosEvents):
         self._height = ServiceClient("get_height", GetHeight)
         self._analyzer = ServiceClient("test_analyzer", TestAnalyzer)
         self._watched: List[rospy.Subscriber] = []
+        self._wanted = False
+        self._following = threading.Lock()
 
     def listen(self) -> None:
         """Subscribe to what is done for maintenance."""
@@ -56,21 +59,29 @@ class ServiceToolsClient(RosEvents):
 
     def set_watched(self, watched: bool) -> None:
         """Follow endstops and clocks, or no longer: each message costs time."""
-        for subscriber in self._watched:
-            subscriber.unregister()
-        self._watched.clear()
-        if watched:
-            self._watched = [
-                rospy.Subscriber(
-                    f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis, queue_size=10
-                )
-                for axis in ENDSTOP_AXES
-            ]
-            self._watched.append(
-                rospy.Subscriber(
-                    "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20
-                )
+        self._wanted = watched
+        # A subscription waits for the master, which may be away.
+        in_background(self._follow)
+
+    def _follow(self) -> None:
+        with self._following:
+            if self._wanted == bool(self._watched):
+                return
+            for subscriber in self._watched:
+                subscriber.unregister()
+            self._watched = self._subscriptions() if self._wanted else []
+
+    def _subscriptions(self) -> List[rospy.Subscriber]:
+        endstops = [
+            rospy.Subscriber(
+                f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis, queue_size=10
             )
+            for axis in ENDSTOP_AXES
+        ]
+        diagnostics = rospy.Subscriber(
+            "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20
+        )
+        return [*endstops, diagnostics]
 
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero; the answer is an event."""

@@ -38,6 +38,7 @@ from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.message_source import MessageSources
+from gpr20_user_interface.mid.plan_memory import PlanMemory, Settings
 from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
@@ -54,6 +55,8 @@ from gpr20_user_interface.views.translation import Languages
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
+# Beside them.
+PLAN_FILE = "plan.yaml"
 # Of the parameter ~language: the language that was used last.
 REMEMBERED = "auto"
 # A disk may be slow; the window does not wait for it longer.
@@ -93,12 +96,14 @@ class UserInterface:
         model: SurveyModel,
         languages: Languages,
         profiles: Profiles,
+        plan_settings: Settings,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
     ) -> None:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
+        self.plans = PlanMemory(plan_settings, self.signal.emit_event)
         self.service = ServiceToolsClient(self.signal.emit_event)
         self.imaging = ImagingClient(self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
@@ -109,6 +114,7 @@ class UserInterface:
                 ImagingPresenter(self.imaging, time.monotonic),
                 ServiceModel(self.service, Clock()),
                 profiles,
+                self.plans,
             ),
             languages,
             memory,
@@ -132,6 +138,7 @@ class UserInterface:
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
+        self.plans.wait(SETTINGS_LIMIT_S)
         self.imaging.close()
         self.storage.close()
         self.service.close()
@@ -214,12 +221,14 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
 
 
 def _show(application: QApplication, signals: StopSignals) -> int:
-    memory = WindowMemory(SettingsFile(_path("~settings", DEFAULT_SETTINGS)), _log)
+    settings = _path("~settings", DEFAULT_SETTINGS)
+    memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
         SurveyModel(Clock()),
         languages,
         Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
+        SettingsFile(settings.with_name(PLAN_FILE)),
         memory,
         bool(rospy.get_param("~full_screen", False)),
     )

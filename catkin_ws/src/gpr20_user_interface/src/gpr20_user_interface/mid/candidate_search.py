@@ -9,7 +9,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.candidate_list import ShownCandidates, candidates_from
 from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
-from gpr20_user_interface.mid.imaging_requests import ImagingRequests, new_request_id
+from gpr20_user_interface.mid.imaging_requests import SearchRequests, new_request_id
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import entered_permittivity
 
@@ -41,7 +41,7 @@ class CandidateSearch:
         remarks: What the analysis said about the survey, in the language of the window.
     """
 
-    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+    def __init__(self, requests: SearchRequests, now_s: Callable[[], float]) -> None:
         self._requests = requests
         self._now_s = now_s
         self._request_id = ""

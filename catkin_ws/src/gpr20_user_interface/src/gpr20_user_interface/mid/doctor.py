@@ -6,15 +6,19 @@ CHECKS.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Callable, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
+from gpr20_user_interface.mid.remedies import find_remedy
 from gpr20_user_interface.mid.robot_health import ANALYZER
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.titles import node_title
 
+# A node reports once a second; a window that has just opened has not heard all of them [s].
+STARTING_S = 5.0
 LOW_DISK_GB = 5.0
 FULL_DISK_GB = 0.5
 MEGABYTES_PER_GIGABYTE = 1000.0
@@ -38,11 +42,13 @@ class Facts:
         snapshot: What the window shows.
         configuration_problem: Why the robot's configuration is not known; None if it is.
         clock_offsets_s: How far the clock of each node's computer is behind this one [s].
+        listening_s: For how long the window has listened to the robot [s].
     """
 
     snapshot: Snapshot
     configuration_problem: Optional[Message] = None
     clock_offsets_s: Mapping[str, float] = field(default_factory=dict)
+    listening_s: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -120,7 +126,7 @@ def check_configuration(facts: Facts) -> Iterator[Finding]:
 def check_parts(facts: Facts) -> Iterator[Finding]:
     """Judge each node by its own report."""
     for node in facts.snapshot.health.nodes:
-        yield _part(node)
+        yield _part(node, facts.listening_s)
 
 
 def check_disk(facts: Facts) -> Iterator[Finding]:
@@ -193,19 +199,14 @@ def check_clocks(facts: Facts) -> Iterator[Finding]:
     )
 
 
-def _part(node: NodeHealth) -> Finding:
+def _part(node: NodeHealth, listening_s: float) -> Finding:
     name = node_title(node.name)
     if node.level is HealthLevel.OK:
         return Finding(HealthLevel.OK, name)
     if node.level is HealthLevel.STALE:
-        return Finding(
-            HealthLevel.ERROR,
-            Message("{name} does not report.", name=name),
-            Message(
-                "Wait 10 s: it restarts by itself. If it does not come back, restart the robot."
-            ),
-        )
-    remedy: Optional[Message] = None
+        level = HealthLevel.ERROR if listening_s > STARTING_S else HealthLevel.WARN
+        return Finding(level, Message("{name} does not report.", name=name), RESTART)
+    remedy = find_remedy(node.message) if node.level is HealthLevel.ERROR else None
     if node.message == NOT_HOMED:
         remedy = Message("A survey homes it; or home it here.")
     elif node.name == ANALYZER and node.message == NOT_CONNECTED:

@@ -6,7 +6,7 @@ from typing import Callable, NamedTuple, Optional
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.focused_image import FocusedImage, ImageFailed, ImageFocused
-from gpr20_user_interface.mid.imaging_requests import ImagingRequests
+from gpr20_user_interface.mid.imaging_requests import FocusRequests
 
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
@@ -37,7 +37,7 @@ class FocusedImages:
         problem: Why there is no newer image; None if there is one, or it is on its way.
     """
 
-    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+    def __init__(self, requests: FocusRequests, now_s: Callable[[], float]) -> None:
         self._requests = requests
         self._now_s = now_s
         self._image: Optional[FocusedImage] = None

@@ -85,10 +85,11 @@ def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuest
         folder: The survey's folder.
         survey: What the list says about it; None if it is not in the list.
     """
-    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(folder)),)
+    name = "" if survey is None else _short(survey.name)
+    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name or folder)),)
     if survey is not None:
         rows += (
-            (Message("Started"), Message("{time} UTC", time=survey.day_and_time)),
+            (Message("Started"), verbatim(survey.local_time())),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
@@ -129,6 +130,8 @@ def _area(p: SurveyParameters) -> Message:
 def _time(duration_s: Optional[float]) -> Message:
     if duration_s is None or not math.isfinite(duration_s):
         return Message("not known yet")
+    if duration_s < 60.0:
+        return duration(duration_s)
     return Message("about {time}", time=duration(duration_s))
 
 
@@ -137,7 +140,11 @@ def _counted(stored: int, planned: int) -> Message:
 
 
 def _people(annotation: Annotation) -> Tuple[Row, ...]:
-    known = ((Message("Operator"), annotation.operator), (Message("Site"), annotation.site))
+    known = (
+        (Message("Name"), annotation.name),
+        (Message("Operator"), annotation.operator),
+        (Message("Site"), annotation.site),
+    )
     return tuple((title, verbatim(_short(name))) for title, name in known if name)
 
 

@@ -6,16 +6,24 @@ import uuid
 from typing import Protocol, Sequence
 
 
-class ImagingRequests(Protocol):
-    """Requests to the imaging node, without waiting; the answers come as events."""
+class CancelRequests(Protocol):
+    """Ends requests."""
 
-    def focus(self, survey_id: str, permittivity: float) -> None:
-        """Ask for the focused image of a survey; permittivity 0: estimate it."""
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request."""
+
+
+class SearchRequests(CancelRequests, Protocol):
+    """Searches for candidates, without waiting; the answers come as events."""
 
     def find_candidates(
         self, request_id: str, survey: str, permittivity: float, language: str
     ) -> None:
         """Ask for the candidates of a survey, by its id or folder; permittivity 0: estimate it."""
+
+
+class ExportRequests(CancelRequests, Protocol):
+    """Exports to sticks, without waiting; the answers come as events."""
 
     def export(
         self,
@@ -31,8 +39,16 @@ class ImagingRequests(Protocol):
     def list_volumes(self) -> None:
         """Ask for the sticks."""
 
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request."""
+
+class FocusRequests(Protocol):
+    """Focuses images, without waiting; the answers come as events."""
+
+    def focus(self, survey_id: str, permittivity: float) -> None:
+        """Ask for the focused image of a survey; permittivity 0: estimate it."""
+
+
+class ImagingRequests(SearchRequests, ExportRequests, FocusRequests, Protocol):
+    """Every request to the imaging node."""
 
 
 def new_request_id() -> str:

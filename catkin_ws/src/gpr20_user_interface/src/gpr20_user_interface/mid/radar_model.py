@@ -9,15 +9,22 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
+from gpr20_user_interface.mid.level_scale import LevelScale, SteadyScale
 from gpr20_user_interface.mid.map_coverage import is_stored
 from gpr20_user_interface.mid.map_grid import Cell, SurveyGrid
-from gpr20_user_interface.mid.radar_processing import FrequencyToDelay
+from gpr20_user_interface.mid.noise_floor import noise_of_survey, noise_of_trace
+from gpr20_user_interface.mid.radar_processing import FrequencyToDelay, delay_of_depth
 
 MAX_VOLUME_BYTES = 256 << 20
 BYTES_PER_SAMPLE = 8  # complex64
 MAX_SAMPLES = 1024
 # The mean of fewer traces contains too much of a target to be subtracted.
 MIN_BACKGROUND_TRACES = 8
+# So much above the surface is shown too: its echo shows whether the height is right.
+ABOVE_SURFACE_M = 0.05
+# The scale ends at the strong echoes of some of the traces: a few disturbed ones do not darken it.
+TRACES_FOR_SCALE = 400
+STRONG_PART = 0.98
 
 
 class RadarModel:
@@ -31,6 +38,7 @@ class RadarModel:
     Attributes:
         grid: The plan of the survey that is shown.
         latest: Where the trace that came last belongs.
+        latest_of: The same for each polarization that has a trace.
         given_up: Traces that cannot be shown, and why, by their place in the plan.
         transform: How sweeps became echoes; None before the first trace.
     """
@@ -49,7 +57,11 @@ class RadarModel:
         self._heights_m = np.full(shape, np.nan, np.float32)
         self._echoes = np.zeros((*shape, 0), np.complex64)
         self._sums = np.zeros((shape[0], 0), np.complex128)
+        self._noises = np.full(shape, np.nan, np.float32)
+        self._scales: Dict[bool, SteadyScale] = {}
+        self._scaled_revisions: Dict[bool, int] = {}
         self.latest: Optional[Cell] = None
+        self.latest_of: Dict[int, Cell] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
 
@@ -78,16 +90,19 @@ class RadarModel:
             self.give_up(trace.index, error.message)
             raise
         transform = self.transform or self._begin_volume(trace)
-        echoes = transform.transform(trace.s21_real + 1j * trace.s21_imag)
+        s21 = trace.s21_real + 1j * trace.s21_imag
+        echoes = transform.transform(s21)
         place = (cell.polarization, cell.stop.row, cell.stop.column)
         if self._present[place]:
             self._sums[cell.polarization] -= self._echoes[place]
         self._echoes[place] = echoes
         self._sums[cell.polarization] += echoes
         self._heights_m[place] = trace.antennae_height_m
+        self._noises[place] = noise_of_trace(transform.late(s21))
         self._present[place] = True
         self.given_up.pop(trace.index, None)
         self.latest = cell
+        self.latest_of[cell.polarization] = cell
         self.revision += 1
 
     def give_up(self, index: int, reason: Message) -> None:
@@ -143,6 +158,49 @@ class RadarModel:
         if count < MIN_BACKGROUND_TRACES:
             return None
         return (self._sums[polarization] / count).astype(np.complex64)
+
+    def scale(self, remove_background: bool, in_db: bool) -> Optional[LevelScale]:
+        """Return the one scale of levels for all pictures; None before the first trace.
+
+        Args:
+            remove_background: Whether the pictures are without background, if there are enough
+                traces to know it.
+            in_db: Whether shades follow the level in dB.
+        """
+        if self.transform is None or not self._present.any():
+            return None
+        removed = remove_background and self._has_background()
+        steady = self._scales.setdefault(
+            removed, SteadyScale(self._present.size * self.transform.samples)
+        )
+        if self._scaled_revisions.get(removed) != self.revision:
+            self._scaled_revisions[removed] = self.revision
+            steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
+        return steady.scale(in_db)
+
+    def _has_background(self) -> bool:
+        """Return whether every polarization that has traces has a background."""
+        counts = np.count_nonzero(self._present, axis=(1, 2))
+        return bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
+
+    def _strongest(self, transform: FrequencyToDelay, removed: bool) -> float:
+        """Return the amplitude of the strong echoes from just above the surface on."""
+        height_m = self.typical_height_m()
+        first_s = 0.0
+        if np.isfinite(height_m):
+            first_s = float(delay_of_depth(-min(ABOVE_SURFACE_M, height_m), height_m, 1.0))
+        first = min(int(first_s / transform.step_s), transform.samples - 1)
+        strongest = 0.0
+        for polarization, present in enumerate(self._present):
+            rows, columns = np.nonzero(present)
+            every = max(1, len(rows) // TRACES_FOR_SCALE)
+            some = self._echoes[polarization][rows[::every], columns[::every], first:]
+            background = self.background(polarization) if removed else None
+            if some.size:
+                echoes = some if background is None else some - background[first:]
+                peaks = np.abs(echoes).max(axis=1)
+                strongest = max(strongest, float(np.quantile(peaks, STRONG_PART)))
+        return strongest
 
     def _checked_cell(self, grid: SurveyGrid, trace: Trace) -> Cell:
         cell = grid.cell(trace.index)

@@ -2,98 +2,40 @@
 
 from __future__ import annotations
 
-import enum
+import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Iterable, Optional, Tuple, Union
 
 import numpy as np
 
-from gpr20_user_interface.mid.map_grid import Cell
-from gpr20_user_interface.mid.radar_model import RadarModel
+from gpr20_user_interface.mid.level_scale import LevelScale
+from gpr20_user_interface.mid.map_grid import Cell, Stop
+from gpr20_user_interface.mid.radar_model import ABOVE_SURFACE_M, RadarModel
 from gpr20_user_interface.mid.radar_processing import (
+    SPEED_OF_LIGHT_M_S,
     FrequencyToDelay,
-    decibels,
     deepest_m,
     delay_of_depth,
     echoes_at,
-    gain_factor,
+)
+from gpr20_user_interface.mid.radar_records import (
+    Axis,
+    Curve,
+    Picture,
+    RadarSettings,
+    ascending,
+    edges,
 )
 
 DEPTH_STEP_M = 0.005
-# So much above the surface is shown too: its echo shows whether the height is right.
-ABOVE_SURFACE_M = 0.05
 MAX_DEPTH_M = 0.5
+# A wave that is drawn with its sign needs so many points per period.
+POINTS_PER_PERIOD = 8
 
 
-class Axis(enum.Enum):
-    """What the second axis of a picture is."""
-
-    DELAY_NS = "delay"
-    DEPTH_MM = "depth"
-    Y_MM = "y"
-
-
-@dataclass(frozen=True)
-class RadarSettings:
-    """What the operator chose.
-
-    Args:
-        polarization: Number of the antenna rotation, from 0.
-        in_depth: Depth by permittivity instead of delay.
-        in_db: Decibels instead of a linear scale.
-        remove_background: Take out what all traces of this polarization have in common.
-        permittivity: Relative permittivity of the ground.
-        gain_db_per_ns: By how much later echoes are shown stronger [dB/ns].
-        depth_m: Depth of the slice [m].
-    """
-
-    polarization: int = 0
-    in_depth: bool = True
-    in_db: bool = True
-    remove_background: bool = False
-    permittivity: float = 4.0
-    gain_db_per_ns: float = 0.0
-    depth_m: float = 0.05
-
-
-@dataclass(frozen=True)
-class Curve:
-    """An A-scan.
-
-    Args:
-        places: Delay [ns] or depth [mm].
-        levels: Amplitude, linear or in dB.
-        axis: What the places are.
-    """
-
-    places: np.ndarray
-    levels: np.ndarray
-    axis: Axis
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A B- or C-scan.
-
-    Args:
-        levels: Amplitude, linear or in dB, shape (second axis, x); NaN where nothing was measured.
-        x_range_mm: Outer edges along X.
-        range: Outer edges along the second axis.
-        axis: What the second axis is.
-    """
-
-    levels: np.ndarray
-    x_range_mm: tuple
-    range: tuple
-    axis: Axis
-
-    @property
-    def measured(self) -> bool:
-        """Whether there is anything to see."""
-        return bool(np.isfinite(self.levels).any())
-
-
-def depths_m(model: RadarModel, permittivity: float) -> Optional[np.ndarray]:
+def depths_m(
+    model: RadarModel, permittivity: float, step_m: float = DEPTH_STEP_M
+) -> Optional[np.ndarray]:
     """Return the depths that can be shown [m]; None while no height is known."""
     height_m = model.typical_height_m()
     transform = model.transform
@@ -101,7 +43,8 @@ def depths_m(model: RadarModel, permittivity: float) -> Optional[np.ndarray]:
         return None
     last_s = (transform.samples - 1) * transform.step_s
     deepest = min(MAX_DEPTH_M, deepest_m(last_s, height_m, permittivity))
-    return np.arange(-ABOVE_SURFACE_M, deepest + DEPTH_STEP_M / 2, DEPTH_STEP_M)
+    count = int((deepest + ABOVE_SURFACE_M) / step_m + 1e-6) + 1
+    return np.arange(count) * step_m - ABOVE_SURFACE_M
 
 
 def a_scan(model: RadarModel, cell: Cell, settings: RadarSettings) -> Optional[Curve]:
@@ -109,97 +52,158 @@ def a_scan(model: RadarModel, cell: Cell, settings: RadarSettings) -> Optional[C
 
     Its own polarization counts, not that of the settings.
     """
-    transform = model.transform
-    if transform is None or not model.has(cell):
+    look = _Look.of(model, settings, cell.polarization)
+    if look is None or not model.has(cell):
         return None
-    row, column = cell.stop.row, cell.stop.column
-    echoes = model.echoes(cell.polarization)[np.newaxis, row, column]
-    height_m = model.heights_m(cell.polarization)[np.newaxis, row, column]
-    shown, places, axis = _over_second_axis(
-        model, transform, cell.polarization, echoes, height_m, settings
-    )
-    return Curve(places, _levels(shown[0], settings), axis)
+    stops = look.stops([cell.stop.row], [cell.stop.column])
+    delays_s, places, axis = look.second_axis(stops)
+    shades, _above = look.shades(stops, delays_s)
+    return Curve(places, shades[0], axis, look.scale, settings.colours.signed)
 
 
-def b_scan(model: RadarModel, row: int, settings: RadarSettings) -> Optional[Picture]:
-    """Return the line of a row; None if nothing was measured yet."""
-    transform, grid = model.transform, model.grid
-    if transform is None or grid is None:
+def b_scan(model: RadarModel, stop: Stop, settings: RadarSettings) -> Optional[Picture]:
+    """Return the line through a stop along X or Y; None if nothing was measured yet."""
+    look, grid = _Look.of(model, settings, settings.polarization), model.grid
+    if look is None or grid is None:
         return None
-    polarization = settings.polarization
-    shown, places, axis = _over_second_axis(
-        model,
-        transform,
-        polarization,
-        model.echoes(polarization)[row],
-        model.heights_m(polarization)[row],
-        settings,
+    rows, columns = grid.shape
+    if settings.along is Axis.X_MM:
+        stops, across_mm = look.stops([stop.row] * columns, range(columns)), grid.xs_mm
+    else:
+        stops, across_mm = look.stops(range(rows), [stop.column] * rows), grid.ys_mm
+    delays_s, places, axis = look.second_axis(stops)
+    shades, above = look.shades(stops, delays_s)
+    order, across = ascending(across_mm)
+    return Picture(
+        shades[order].T,
+        across,
+        edges(places),
+        settings.along,
+        axis,
+        look.scale,
+        above,
+        settings.colours.signed,
     )
-    levels = _levels(shown, settings)
-    levels[~model.present(polarization)[row]] = np.nan
-    columns, x_range_mm = _ascending(grid.xs_mm)
-    return Picture(levels[columns].T, x_range_mm, _edges(places), axis)
 
 
 def c_scan(model: RadarModel, settings: RadarSettings) -> Optional[Picture]:
     """Return the slice at the depth of the settings; None while no height is known."""
-    transform, grid = model.transform, model.grid
-    if transform is None or grid is None or not np.isfinite(model.typical_height_m()):
+    look, grid = _Look.of(model, settings, settings.polarization), model.grid
+    if look is None or grid is None or not np.isfinite(model.typical_height_m()):
         return None
-    polarization = settings.polarization
-    present = model.present(polarization)
-    levels = np.full(present.shape, np.nan, np.float32)
-    echoes = _without_background(model, polarization, model.echoes(polarization)[present], settings)
-    heights_m = model.heights_m(polarization)[present][:, np.newaxis]
-    delays_s = np.asarray(delay_of_depth(settings.depth_m, heights_m, settings.permittivity))
-    found = echoes_at(echoes, transform.step_s, delays_s)
-    gained = found * gain_factor(settings.gain_db_per_ns, delays_s)
-    levels[present] = _levels(gained[:, 0], settings)
-    columns, x_range_mm = _ascending(grid.xs_mm)
-    rows, y_range_mm = _ascending(grid.ys_mm)
-    return Picture(levels[rows][:, columns], x_range_mm, y_range_mm, Axis.Y_MM)
-
-
-def _over_second_axis(
-    model: RadarModel,
-    transform: FrequencyToDelay,
-    polarization: int,
-    echoes: np.ndarray,
-    heights_m: np.ndarray,
-    settings: RadarSettings,
-) -> Tuple[np.ndarray, np.ndarray, Axis]:
-    """Return echoes (n x places) over depth [mm], or over delay [ns] while no height is known."""
-    shown = _without_background(model, polarization, echoes, settings)
-    depths = depths_m(model, settings.permittivity) if settings.in_depth else None
-    if depths is None:
-        delays_s = transform.delays_s
-        gained = shown * gain_factor(settings.gain_db_per_ns, delays_s)
-        return gained, delays_s * 1e9, Axis.DELAY_NS
-    delays_s = np.asarray(
-        delay_of_depth(depths[np.newaxis], heights_m[:, np.newaxis], settings.permittivity)
+    present = np.flatnonzero(model.present(settings.polarization))
+    shown, above = look.shades(present, look.depth_delays_s(present, settings.depth_m))
+    shades = np.full(grid.shape, np.nan, np.float32)
+    shades.flat[present] = shown[:, 0]
+    columns, across_mm = ascending(grid.xs_mm)
+    rows, range_mm = ascending(grid.ys_mm)
+    return Picture(
+        shades[rows][:, columns],
+        across_mm,
+        range_mm,
+        Axis.X_MM,
+        Axis.Y_MM,
+        look.scale,
+        above,
+        settings.colours.signed,
     )
-    found = echoes_at(shown, transform.step_s, delays_s)
-    gained = found * gain_factor(settings.gain_db_per_ns, delays_s)
-    return gained, depths * 1000.0, Axis.DEPTH_MM
 
 
-def _without_background(
-    model: RadarModel, polarization: int, echoes: np.ndarray, settings: RadarSettings
-) -> np.ndarray:
-    background = model.background(polarization) if settings.remove_background else None
-    return echoes if background is None else echoes - background
+def level_db(model: RadarModel, stop: Stop, settings: RadarSettings) -> Optional[float]:
+    """Return the level at a stop and the depth of the settings, without gain [dB above noise].
+
+    None if nothing is known there.
+    """
+    look = _Look.of(model, settings, settings.polarization)
+    if look is None or not model.has(Cell(stop, settings.polarization)):
+        return None
+    if not np.isfinite(model.typical_height_m()):
+        return None
+    stops = look.stops([stop.row], [stop.column])
+    echoes = look.echoes(stops, look.depth_delays_s(stops, settings.depth_m))
+    level = float(look.scale.levels_db(np.abs(echoes))[0, 0])
+    return level if np.isfinite(level) else None
 
 
-def _levels(echoes: np.ndarray, settings: RadarSettings) -> np.ndarray:
-    level = np.abs(echoes).astype(np.float32)
-    return decibels(level) if settings.in_db else level
+@dataclass(frozen=True)
+class _Look:
+    """The echoes of one polarization of a model, as the settings show them.
 
+    Stops are numbered row by row.
+    """
 
-def _ascending(places_mm: np.ndarray) -> Tuple[slice, Tuple[float, float]]:
-    order = slice(None) if places_mm[0] <= places_mm[-1] else slice(None, None, -1)
-    return order, _edges(places_mm[order])
+    model: RadarModel
+    settings: RadarSettings
+    polarization: int
+    transform: FrequencyToDelay
+    scale: LevelScale
 
+    @classmethod
+    def of(cls, model: RadarModel, settings: RadarSettings, polarization: int) -> Optional[_Look]:
+        """Return how a model looks; None before its first trace."""
+        scale = model.scale(settings.remove_background, settings.in_db)
+        if model.transform is None or scale is None:
+            return None
+        return cls(model, settings, polarization, model.transform, scale)
 
-def _edges(places: np.ndarray) -> Tuple[float, float]:
-    half = abs(places[1] - places[0]) / 2.0
-    return float(places[0] - half), float(places[-1] + half)
+    def stops(self, rows: Iterable[int], columns: Iterable[int]) -> np.ndarray:
+        """Return the numbers of stops."""
+        width = self.model.present(self.polarization).shape[1]
+        return np.array([row * width + column for row, column in zip(rows, columns)], np.intp)
+
+    def second_axis(self, stops: np.ndarray) -> Tuple[np.ndarray, np.ndarray, Axis]:
+        """Return delays [s] (stops x places), and the places.
+
+        The places are depths [mm], or delays [ns] while no height is known.
+        """
+        settings = self.settings
+        depths = None
+        if settings.in_depth:
+            depths = depths_m(self.model, settings.permittivity, self._depth_step_m())
+        if depths is None:
+            delays_s = self._delays_s()
+            every = np.broadcast_to(delays_s, (len(stops), len(delays_s)))
+            return every, delays_s * 1e9, Axis.DELAY_NS
+        return self.depth_delays_s(stops, depths), depths * 1000.0, Axis.DEPTH_MM
+
+    def depth_delays_s(self, stops: np.ndarray, depths: Union[float, np.ndarray]) -> np.ndarray:
+        """Return the delays of depths [m] below stops [s] (stops x depths)."""
+        heights_m = self.model.heights_m(self.polarization).ravel()[stops, np.newaxis]
+        return np.asarray(delay_of_depth(np.asarray(depths), heights_m, self.settings.permittivity))
+
+    def echoes(self, stops: np.ndarray, delays_s: np.ndarray) -> np.ndarray:
+        """Return the echoes below stops (stops x delays); NaN where nothing was measured."""
+        volume = self.model.echoes(self.polarization)
+        step_s = self.transform.step_s
+        found = echoes_at(volume.reshape(-1, volume.shape[-1]), stops, step_s, delays_s)
+        if self.settings.remove_background:
+            background = self.model.background(self.polarization)
+            if background is not None:
+                first = np.zeros(len(stops), np.intp)
+                found -= echoes_at(background[np.newaxis], first, step_s, delays_s)
+        found[~self.model.present(self.polarization).ravel()[stops]] = np.nan
+        return found
+
+    def shades(self, stops: np.ndarray, delays_s: np.ndarray) -> Tuple[np.ndarray, bool]:
+        """Return the shades of the echoes, and whether any of them is above all noise."""
+        echoes, scale = self.echoes(stops, delays_s), self.scale
+        levels_db = scale.levels_db(np.abs(echoes))
+        above = bool((levels_db > scale.threshold_db).any())
+        gain_db = self.settings.gain_db_per_ns * 1e9 * delays_s
+        if not self.settings.colours.signed:
+            return scale.shades(levels_db, gain_db), above
+        wave = (echoes * self.transform.carrier(delays_s)).real
+        return np.sign(wave) * scale.shades(scale.levels_db(np.abs(wave)), gain_db), above
+
+    def _delays_s(self) -> np.ndarray:
+        transform = self.transform
+        if not self.settings.colours.signed:
+            return transform.delays_s
+        finer = max(1, math.ceil(transform.step_s * transform.centre_hz * POINTS_PER_PERIOD))
+        return np.arange((transform.samples - 1) * finer + 1) * (transform.step_s / finer)
+
+    def _depth_step_m(self) -> float:
+        if not self.settings.colours.signed:
+            return DEPTH_STEP_M
+        velocity_m_s = SPEED_OF_LIGHT_M_S / math.sqrt(self.settings.permittivity)
+        return min(DEPTH_STEP_M, velocity_m_s / self.transform.centre_hz / 2.0 / POINTS_PER_PERIOD)

@@ -17,6 +17,12 @@ SAMPLES_PER_RESOLUTION = 2
 # 0.5 m of ground of permittivity 9 below antennas 0.5 m high.
 MAX_DELAY_S = 15e-9
 SMALLEST_LEVEL = 1e-9  # [linear], -180 dB: below any instrument's floor
+# Delays at which only noise is expected, for the noise floor. They begin at this part of the
+# unambiguous delay and end before its end, where sidelobes of delay 0 are wrapped to. Their
+# distance is that of independent samples below a Hann window, in reciprocals of the bandwidth.
+LATE_PART = 0.5
+LATE_MARGIN, LATE_STEP = 10.0, 2.0
+MAX_LATE_SAMPLES, MIN_LATE_SAMPLES = 48, 4
 
 Number = Union[float, np.ndarray]
 
@@ -44,9 +50,10 @@ class FrequencyToDelay:
         centre_hz = (frequency_hz[0] + frequency_hz[-1]) / 2.0
         # Without its zero ends, so that even two frequencies have a weight.
         window = np.hanning(len(frequency_hz) + 2)[1:-1]
-        turns = np.outer(frequency_hz - centre_hz, self.delays_s)
-        kernel = np.exp(2j * np.pi * turns) * (window / window.sum())[:, np.newaxis]
-        self._kernel = kernel.astype(np.complex64)
+        self._weighted = (window / window.sum())[:, np.newaxis]
+        self._centre_hz = float(centre_hz)
+        self._kernel = self._kernel_at(self.delays_s)
+        self._late_kernel = self._kernel_at(_late_delays_s(bandwidth_hz, unambiguous_s))
 
     @property
     def delays_s(self) -> np.ndarray:
@@ -62,6 +69,24 @@ class FrequencyToDelay:
     def transform(self, s21: np.ndarray) -> np.ndarray:
         """Return the echoes of a sweep (complex64, shape `samples`)."""
         return s21.astype(np.complex64) @ self._kernel
+
+    def late(self, s21: np.ndarray) -> np.ndarray:
+        """Return the samples of a sweep at delays too late for echoes of the ground."""
+        return s21.astype(np.complex64) @ self._late_kernel
+
+    def carrier(self, delays_s: np.ndarray) -> np.ndarray:
+        """Return the carrier at delays; echoes times the carrier have the phase of the wave."""
+        turns = np.asarray(self._centre_hz * delays_s)
+        return np.exp(2j * np.pi * (turns - np.floor(turns))).astype(np.complex64)
+
+    @property
+    def centre_hz(self) -> float:
+        """Centre frequency [Hz]."""
+        return self._centre_hz
+
+    def _kernel_at(self, delays_s: np.ndarray) -> np.ndarray:
+        turns = np.outer(self._frequency_hz - self._centre_hz, delays_s)
+        return (np.exp(2j * np.pi * turns) * self._weighted).astype(np.complex64)
 
 
 def delay_of_depth(depth_m: Number, height_m: Number, permittivity: float) -> Number:
@@ -82,29 +107,37 @@ def deepest_m(max_delay_s: float, height_m: float, permittivity: float) -> float
     return max(0.0, (max_delay_s - in_air_s) * SPEED_OF_LIGHT_M_S / 2.0 / math.sqrt(permittivity))
 
 
-def echoes_at(echoes: np.ndarray, step_s: float, delays_s: np.ndarray) -> np.ndarray:
+def echoes_at(
+    echoes: np.ndarray, rows: np.ndarray, step_s: float, delays_s: np.ndarray
+) -> np.ndarray:
     """Return echoes between the samples by linear interpolation; NaN outside of them.
 
     Args:
         echoes: Complex samples, shape (n, samples).
+        rows: Which of them, shape (m,).
         step_s: Delay between two samples [s].
-        delays_s: Delays of the result, shape (n, m) [s].
+        delays_s: Delays of the result, shape (m, k) [s].
     """
     place = delays_s / step_s
     last = echoes.shape[1] - 1
     below = np.clip(np.floor(place), 0, last - 1).astype(np.intp)
     part = (place - below).astype(np.float32)
-    rows = np.arange(len(echoes))[:, np.newaxis]
-    values = echoes[rows, below] * (1.0 - part) + echoes[rows, below + 1] * part
+    of_row = rows[:, np.newaxis]
+    values = echoes[of_row, below] * (1.0 - part) + echoes[of_row, below + 1] * part
     values[~((place >= 0.0) & (place <= last))] = np.nan
     return values
+
+
+def _late_delays_s(bandwidth_hz: float, unambiguous_s: float) -> np.ndarray:
+    first_s = LATE_PART * unambiguous_s
+    last_s = unambiguous_s - LATE_MARGIN / bandwidth_hz
+    count = int((last_s - first_s) * bandwidth_hz / LATE_STEP)
+    if count < MIN_LATE_SAMPLES:
+        # Few frequencies: echoes may arrive here, so that the noise is rather overestimated.
+        return np.linspace(first_s, unambiguous_s, MIN_LATE_SAMPLES, endpoint=False)
+    return np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
 
 
 def decibels(level: np.ndarray) -> np.ndarray:
     """Return a linear amplitude in dB; NaN stays NaN."""
     return 20.0 * np.log10(np.maximum(level, SMALLEST_LEVEL))
-
-
-def gain_factor(gain_db_per_ns: float, delays_s: np.ndarray) -> np.ndarray:
-    """Return the linear factor by which an echo of a delay is shown stronger."""
-    return 10.0 ** (gain_db_per_ns * delays_s * 1e9 / 20.0)

@@ -42,6 +42,8 @@ WAIT_FOR_PART = Message(
 RESTART_ROBOT = Message("Switch the robot off and on. If it happens again, keep the log.")
 SET_CLOCK = Message("Set the clock of the robot's computer.")
 OTHER_SURVEY = Message("End the other survey first: wait for its end, or press STOP.")
+END_SERVICE = Message("Wait until the service on this robot has ended, or press STOP.")
+CHECK_MARKERS = Message("Look at the markers on MAP, then try again.")
 NOTHING_TO_DO = Message("Nothing to do: no survey is in progress.")
 NEW_SURVEY = Message("Plan a new survey: this one cannot be continued.")
 CORRECT_PLAN = Message("Correct the value in the plan.")
@@ -57,6 +59,7 @@ def _rule(words: str, remedy: Message) -> Tuple[Pattern[str], Message]:
 _RULES = (
     _rule(r"AN AXIS IS STILL MOVING|does NOT answer", MOTORS_OFF),
     _rule(r"internal error", RESTART_ROBOT),
+    _rule(r"robot is in service", END_SERVICE),
     _rule(r"disk is full|quota|MB are free|make space|must stay free", MAKE_SPACE),
     _rule(
         r"being written by another process|is still open|\{open_survey\}|another survey|"
@@ -64,6 +67,7 @@ _RULES = (
         OTHER_SURVEY,
     ),
     _rule(r"clock|would start on", SET_CLOCK),
+    _rule(r"markers?\b", CHECK_MARKERS),
     _rule(r"no survey is (running|measuring|paused)", NOTHING_TO_DO),
     _rule(r"points (is|give)|polarizations? (is|are)", CORRECT_PLAN),
     _rule(

@@ -100,6 +100,7 @@ class ServiceModel:
         self._snapshot: Optional[Snapshot] = None
         self._entered = False
         self._touched_s = 0.0
+        self._begun_s = clock.now_s()
         self._pending = False
         self._answer: Optional[AxisMoved] = None
         self._height: Optional[HeightTested] = None
@@ -149,13 +150,14 @@ class ServiceModel:
         """What to show now."""
         activity = None if self._snapshot is None else self._snapshot.service
         answer = self._answer
+        failed = activity is None and answer is not None and not answer.success
+        outcome: Optional[Message] = None
         if activity is not None:
-            outcome, failed = Message("In progress: {activity}", activity=activity), False
-        else:
-            failed = answer is not None and not answer.success
-            outcome = None if answer is None else answer.message
+            outcome = Message("In progress: {activity}", activity=activity)
+        elif answer is not None:
+            outcome = answer.message
             if failed:
-                outcome = Message("Not done: {reason}", reason=outcome)
+                outcome = Message("Not done: {reason}", reason=answer.message)
         return ServiceState(
             entered=self._entered,
             obstacle=self.obstacle,
@@ -172,7 +174,9 @@ class ServiceModel:
         if self._snapshot is None:
             return ()
         offsets_s = {node: min(few, key=abs) for node, few in self._offsets_s.items()}
-        return findings(Facts(self._snapshot, self._configuration_problem, offsets_s))
+        listening_s = self._clock.now_s() - self._begun_s
+        facts = Facts(self._snapshot, self._configuration_problem, offsets_s, listening_s)
+        return findings(facts)
 
     def set_watched(self, watched: bool) -> None:
         """Note whether SERVICE is in front; service ends when it is not."""

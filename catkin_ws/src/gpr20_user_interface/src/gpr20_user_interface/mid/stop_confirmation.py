@@ -55,7 +55,8 @@ class StopConfirmation:
         if not isinstance(event, Answer) or event.request is not Request.STOP:
             return
         self._answer = event.message
-        if event.contact and not self._axes_silent:
+        # An accepted STOP does not reach axes that are silent; their own answers do.
+        if event.contact and not (event.success and self._axes_silent):
             self.close()
 
     def close(self) -> None:
@@ -85,8 +86,9 @@ class StopConfirmation:
 
 
 def _axes_are_silent(snapshot: Snapshot) -> bool:
-    nodes = [snapshot.health.node(name) for name in AXIS_NODES]
-    return any(nodes) and all(one is None or one.level is HealthLevel.STALE for one in nodes)
+    reporting = [one.name for one in snapshot.health.nodes if one.level is not HealthLevel.STALE]
+    # If no node reports, the reports are missing and not the axes.
+    return bool(reporting) and not any(name in reporting for name in AXIS_NODES)
 
 
 def _doubt(snapshot: Snapshot, axes_silent: bool) -> Optional[Message]:

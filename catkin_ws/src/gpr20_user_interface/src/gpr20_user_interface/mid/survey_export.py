@@ -14,7 +14,7 @@ from gpr20_user_interface.mid.imaging_events import (
     VolumesFailed,
     VolumesListed,
 )
-from gpr20_user_interface.mid.imaging_requests import ImagingRequests, new_request_id
+from gpr20_user_interface.mid.imaging_requests import ExportRequests, new_request_id
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import entered_permittivity
 
@@ -63,7 +63,7 @@ class SurveyExport:
         revision: Changes with everything that a view shows of this.
     """
 
-    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+    def __init__(self, requests: ExportRequests, now_s: Callable[[], float]) -> None:
         self._requests = requests
         self._now_s = now_s
         self._request_id = ""

@@ -19,10 +19,10 @@ from gpr20_user_interface.mid.imaging_events import StickVolume
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
 from gpr20_user_interface.mid.survey_export import ExportPart, ExportState, SurveyExport
-from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.key_pad import KeyPad
 from gpr20_user_interface.views.look import GAP_PX
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.parameter_form_view import TouchEdit
+from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
 
@@ -56,7 +56,7 @@ class ExportSheet(Overlay):
         }
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
-        self.number_pad = KeyPad(window, DIGITS)
+        self.number_pad = KeyPad(window)
         self.place = QLabel()
         self.place.setWordWrap(True)
         self.place.setTextFormat(Qt.TextFormat.PlainText)
@@ -228,19 +228,19 @@ class ExportSheet(Overlay):
         sticks.addWidget(self.place, 1)
         for button in self.sticks:
             sticks.addWidget(button)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(GAP_PX, 4, GAP_PX, 4)
-        column.setSpacing(GAP_PX)
-        column.addLayout(top)
-        column.addLayout(chosen)
-        column.addLayout(sticks)
-        column.addWidget(self.details, 1)
-        column.addWidget(self.progress)
+        page = QVBoxLayout(self)
+        page.setContentsMargins(GAP_PX, 4, GAP_PX, 4)
+        page.setSpacing(GAP_PX)
+        page.addLayout(top)
+        page.addLayout(chosen)
+        page.addLayout(sticks)
+        page.addWidget(self.details, 1)
+        page.addWidget(self.progress)
         buttons = QHBoxLayout()
         buttons.setSpacing(GAP_PX)
         for button in (self.export_button, self.cancel, self.close_button):
             buttons.addWidget(button, 1)
-        column.addLayout(buttons)
+        page.addLayout(buttons)
 
 
 def _marked(text: str, chosen: bool) -> str:

@@ -110,8 +110,9 @@ class HealthTile(QFrame):
             return
         self._shown = shown
         self.name.show_text(shown_text(node_title(node.name)))
-        self.level.setText(shown_text(level_title(node.level)))
+        # A label measures its text when it is set.
         set_look(self.level, "level", LOOKS[node.level])
+        self.level.setText(shown_text(level_title(node.level)))
         self.message.show_text(sentence_text(node_text(node)))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802

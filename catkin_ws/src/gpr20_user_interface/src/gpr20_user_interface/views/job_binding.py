@@ -8,6 +8,7 @@ from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QStackedWidget, QWidget
 
 from gpr20_common.low.clock import Clock
+from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.fault_messages import FaultWatch, is_fault
 from gpr20_user_interface.mid.job import JobScreen
 from gpr20_user_interface.mid.message_source import Received
@@ -75,6 +76,8 @@ class JobBinding(Binding):
     def on_event(self, event: object) -> None:
         """Follow what is known of a STOP, and the name of the survey."""
         self._stop.on_event(event)
+        if isinstance(event, Answer):
+            self._show_stop()
         content = event.event if isinstance(event, Received) else event
         if isinstance(content, SurveyDescribed) and self._survey.is_shown(event):
             self.view.set_name(survey_name(content.text))

@@ -9,6 +9,8 @@ from PyQt5.QtWidgets import QPushButton
 from gpr20_user_interface.views.look import look_of
 
 SIGN_PX = 30
+# In the sixteenths of a degree that Qt counts.
+HALF_CIRCLE = 180 * 16
 
 
 class LockButton(QPushButton):
@@ -23,15 +25,12 @@ class LockButton(QPushButton):
         super().paintEvent(event)
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        side = look_of(self).px(SIGN_PX)
-        middle = QRectF(self.rect()).center()
+        side = float(look_of(self).px(SIGN_PX))
         ink = self.palette().buttonText().color()
-        body = QRectF(middle - QPointF(side * 0.4, side * 0.05), middle + QPointF(side, side) * 0.4)
-        body.setBottom(middle.y() + side * 0.5)
-        painter.fillRect(body, ink)
-        pen = QPen(ink, side * 0.12)
-        painter.setPen(pen)
-        bow = QRectF(-side * 0.24, -side * 0.5, side * 0.48, side * 0.6).translated(middle)
-        painter.drawArc(bow, 0, 180 * 16)
-        for x in (bow.left(), bow.right()):
-            painter.drawLine(QPointF(x, bow.center().y()), QPointF(x, body.top()))
+        painter.translate(QRectF(self.rect()).center())
+        painter.fillRect(QRectF(-0.4 * side, -0.05 * side, 0.8 * side, 0.55 * side), ink)
+        painter.setPen(QPen(ink, 0.12 * side))
+        left, top, width = -0.24 * side, -0.5 * side, 0.48 * side
+        painter.drawArc(QRectF(left, top, width, 0.6 * side), 0, HALF_CIRCLE)
+        for x in (left, left + width):
+            painter.drawLine(QPointF(x, -0.2 * side), QPointF(x, 0.0))

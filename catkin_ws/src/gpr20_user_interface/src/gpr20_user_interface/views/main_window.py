@@ -33,6 +33,7 @@ from gpr20_user_interface.views.look import (
 from gpr20_user_interface.views.map_binding import MapBinding
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
+from gpr20_user_interface.views.radar_binding import RadarBinding
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.service_binding import ServiceBinding
 from gpr20_user_interface.views.service_view import ServiceView
@@ -98,7 +99,9 @@ class MainWindow(TranslatedWidget):
         self.control = ControlView()
         self.status = StatusView()
         self.additions = AdditionsPresenter(
-            traces.source, lambda: self.control_binding.next_annotation.value.operator
+            traces.source,
+            lambda: self.control_binding.next_annotation.value.operator,
+            presenters.imaging.focus,
         )
         self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
@@ -127,7 +130,7 @@ class MainWindow(TranslatedWidget):
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(
-            *(self, survey, self.control, presenters.profiles, traces.source),
+            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
             *(self.survey_binding.show_refusal, self.start_sheet),
         )
         self.surveys_binding = SurveysBinding(
@@ -143,10 +146,14 @@ class MainWindow(TranslatedWidget):
             self._use_parameters,
             self.survey_binding.show_refusal,
         )
+        self.radar_binding = RadarBinding(
+            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
+        )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.values = self.control_binding.values
+        self.plans = presenters.plans
         self.stop_warning = self.job_binding.stop_warning
-        self.number_pad = self.control_binding.number_pad
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
@@ -162,7 +169,7 @@ class MainWindow(TranslatedWidget):
                 traces,
                 presenters.imaging,
                 lambda: self.map.isVisible() or self.radar.isVisible(),
-                lambda: self.radar.controls.settings.permittivity,
+                lambda: self.radar.presenter.settings.permittivity,
             ),
             TracesBinding(
                 survey, traces, self.map_page, self.radar_page, lambda: self.show_tab(TabName.RADAR)
@@ -172,6 +179,7 @@ class MainWindow(TranslatedWidget):
             self.map_binding,
             self.control_binding,
             self.surveys_binding,
+            self.radar_binding,
             self.settings,
             ServiceBinding(
                 survey,
@@ -196,8 +204,8 @@ class MainWindow(TranslatedWidget):
     def begin(self) -> None:
         """Refresh the window from now on."""
         self.survey.check_master()
+        self.control_binding.begin()
         self.refresh()
-        self.control_binding.on_parameters(self.control.parameters)
         for timer in self._timers:
             timer.start()
 
@@ -293,7 +301,6 @@ class MainWindow(TranslatedWidget):
             self.top_bar.stop.pressed,
             self.top_bar.pause_pressed,
             self.top_bar.replay.pause.clicked,
-            self.control.pause_pressed,
             self.start_sheet.hold.held,
         ):
             request.connect(lambda *_: self.refresh())

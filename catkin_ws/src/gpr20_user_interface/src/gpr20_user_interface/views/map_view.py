@@ -45,7 +45,6 @@ class MapView(TranslatedWidget):
 
     Attributes:
         selected: The place that was touched; None: none.
-        band_place: At the top, for a band over the whole width.
     """
 
     # A Cell whose trace is to be shown.
@@ -74,7 +73,6 @@ class MapView(TranslatedWidget):
         self.set_marker = new_button(self._on_marker)
         self.markers = new_button(self.markers_wanted.emit)
         self.finer = new_button(self._on_finer)
-        self.band_place = QVBoxLayout()
         self._panel = QWidget()
         self._keys, self._row = QGridLayout(), QHBoxLayout()
         self._lay_out()
@@ -250,7 +248,6 @@ class MapView(TranslatedWidget):
         self._row.addWidget(self._panel)
         whole = QVBoxLayout(self)
         whole.setContentsMargins(4, 4, 4, 4)
-        whole.addLayout(self.band_place)
         whole.addLayout(self._row, 1)
 
     def _new_legend(self) -> QGridLayout:

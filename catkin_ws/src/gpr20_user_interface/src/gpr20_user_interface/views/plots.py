@@ -1,181 +1,230 @@
-"""Plots that a finger cannot drag away, black on white for sunlight."""
+"""Plots that a finger cannot drag away: a frame with two axes, and the A-scan."""
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
-import pyqtgraph
-from PyQt5.QtCore import QRectF
-from PyQt5.QtGui import QFont
+from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PyQt5.QtWidgets import QSizePolicy, QWidget
 
-from gpr20_user_interface.mid.radar_pictures import Axis, Curve, Picture
-from gpr20_user_interface.views.palette import PALETTES, Mark, Theme
+from gpr20_user_interface.mid.radar_records import Axis, Curve
+from gpr20_user_interface.mid.ticks import round_ticks
+from gpr20_user_interface.views.look import Look, look_of
+from gpr20_user_interface.views.palette import Mark
 
-# How far below the strongest level a curve, and the darkest colour of a picture, ends.
-CURVE_RANGE_DB = 60.0
-PICTURE_RANGE_DB = 40.0
-# The plots are black on white in both themes.
-MARKS = PALETTES[Theme.SUN].marks
-INK = MARKS[Mark.INK]
-LEVELS = 255
-# No colour of the level scale, which runs from violet over green to yellow.
-NOT_MEASURED = (140, 140, 140)
-AXIS_WIDTH_PX = 48
-TICK_FONT_PX = 11
+TICK_PX = 4
+LINE_PX = 2
+# A line over a picture has a border in the colour of the paper, so that it is seen on any shade.
+HALO_PX = 4
+# Half of the gap in the middle of the crosshair.
+FREE_PX = 12
+MIN_PLOT_PX = 40
+
+# The place of a number on an axis, and the number.
+Ticks = List[Tuple[float, str]]
 
 
-class FixedPlot(pyqtgraph.PlotWidget):
-    """A plot with a title and two axes; the second one may point down.
+class FixedPlot(QWidget):
+    """A frame with two axes; the second one may point down.
+
+    A touch emits `touched` with the values of both axes, and while the finger moves, `dragged`.
 
     Attributes:
-        has_numbers: Whether the axes have numbers.
+        has_numbers: Whether the axes have numbers; those of an empty plot would be made up.
+        axis: What the second axis is.
+        crosshair: Where the crosshair is on each axis; None: nowhere.
     """
 
+    touched = pyqtSignal(float, float)
+    dragged = pyqtSignal(float, float)
+
     def __init__(self) -> None:
-        super().__init__(background="w")
-        self._title = ""
+        super().__init__()
         self._labels = ("", "")
-        self.has_numbers = True
-        self.setMouseEnabled(False, False)
-        self.setMenuEnabled(False)
-        self.hideButtons()
-        tick_font = QFont()
-        tick_font.setPixelSize(TICK_FONT_PX)
-        for name in ("left", "bottom"):
-            axis = self.getAxis(name)
-            axis.setPen(INK)
-            axis.setTextPen(INK)
-            axis.enableAutoSIPrefix(False)
-            axis.setTickFont(tick_font)
-        self.getAxis("left").setWidth(AXIS_WIDTH_PX)
-        self.setMinimumSize(120, 120)
-        self._surface = pyqtgraph.InfiniteLine(
-            0.0, angle=0, pen=PALETTES[Theme.SUN].marks[Mark.SURFACE]
-        )
-        self.addItem(self._surface, ignoreBounds=True)
-        self.show_numbers(False)
-
-    @property
-    def title_text(self) -> str:
-        """What is written above the plot."""
-        return self._title
-
-    def set_title(self, text: str) -> None:
-        """Write above the plot."""
-        # Laying out a plot costs more than drawing it.
-        if text != self._title:
-            self._title = text
-            self.setTitle(text, color=INK, size="10pt")
+        self._across, self._second = (0.0, 1.0), (0.0, 1.0)
+        self.axis = Axis.DEPTH_MM
+        self.has_numbers = False
+        self.crosshair: Tuple[Optional[float], Optional[float]] = (None, None)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setMinimumSize(MIN_PLOT_PX, MIN_PLOT_PX)
 
     def set_labels(self, bottom: str, left: str) -> None:
         """Write beside the axes."""
-        if (bottom, left) == self._labels:
-            return
-        self._labels = (bottom, left)
-        for name, text in (("bottom", bottom), ("left", left)):
-            self.setLabel(name, text, **{"font-size": f"{TICK_FONT_PX}px", "color": INK})
+        if (bottom, left) != self._labels:
+            self._labels = (bottom, left)
+            self.update()
 
-    def show_numbers(self, shown: bool) -> None:
-        """Write numbers on the axes; those of a plot without data would be made up."""
-        if shown != self.has_numbers:
-            self.has_numbers = shown
-            for name in ("left", "bottom"):
-                self.getAxis(name).setStyle(showValues=shown)
+    def set_crosshair(self, across: Optional[float], second: Optional[float]) -> None:
+        """Mark a place on each axis."""
+        self.crosshair = (across, second)
+        self.update()
 
-    def show_axis(self, axis: Axis) -> None:
-        """Let the second axis be delay, depth or Y; depth has a line at the surface."""
-        downwards = axis is not Axis.Y_MM
-        self._surface.setVisible(axis is Axis.DEPTH_MM)
-        if self.getViewBox().yInverted() != downwards:
-            self.getViewBox().invertY(downwards)
+    def area(self) -> QRectF:
+        """Return the part of the widget where the data are."""
+        line = self.fontMetrics().height()
+        left = self.fontMetrics().horizontalAdvance("000") + TICK_PX + 3
+        right = self.fontMetrics().horizontalAdvance("0")
+        width, height = max(1, self.width() - left - right), max(1, self.height() - 2 * line - 4)
+        return QRectF(left, line + 1, width, height)
+
+    def to_screen(self, across: float, second: float) -> QPointF:
+        """Return the pixel of a place."""
+        area = self.area()
+        part = (across - self._across[0]) / (self._across[1] - self._across[0])
+        down = (second - self._second[0]) / (self._second[1] - self._second[0])
+        down = down if self.axis.downwards else 1.0 - down
+        return QPointF(area.left() + part * area.width(), area.top() + down * area.height())
+
+    def to_data(self, pixel: QPointF) -> Tuple[float, float]:
+        """Return the place of a pixel; pixels outside of the data count as their edge."""
+        area = self.area()
+        part = min(max((pixel.x() - area.left()) / area.width(), 0.0), 1.0)
+        down = min(max((pixel.y() - area.top()) / area.height(), 0.0), 1.0)
+        down = down if self.axis.downwards else 1.0 - down
+        across, second = self._across, self._second
+        return (
+            across[0] + part * (across[1] - across[0]),
+            second[0] + down * (second[1] - second[0]),
+        )
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
+        """Qt: a finger touches the plot."""
+        if self.has_numbers:
+            self.touched.emit(*self.to_data(event.localPos()))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
+        """Qt: the finger moves."""
+        if self.has_numbers:
+            self.dragged.emit(*self.to_data(event.localPos()))
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
+        """Qt: draw everything."""
+        painter, look = QPainter(self), look_of(self)
+        painter.fillRect(self.rect(), QColor(look.colour(Mark.PAPER)))
+        area = self.area()
+        painter.save()
+        painter.setClipRect(area)
+        self._paint_data(painter, look)
+        self._paint_lines(painter, look)
+        painter.restore()
+        painter.setPen(QPen(QColor(look.colour(Mark.BORDER)), 1))
+        painter.drawRect(area)
+        if self.has_numbers:
+            painter.setPen(QColor(look.colour(Mark.INK)))
+            self._paint_axes(painter)
+
+    def _paint_data(self, painter: QPainter, look: Look) -> None:
+        """Draw what the plot shows."""
+
+    def _across_ticks(self, most: int) -> Ticks:
+        return [(float(one), f"{one:g}") for one in round_ticks(*self._across, most)]
+
+    def _set_axes(
+        self, across: Tuple[float, float], second: Tuple[float, float], axis: Axis
+    ) -> None:
+        self._across, self._second = across, second
+        self.axis = axis
+
+    def _paint_lines(self, painter: QPainter, look: Look) -> None:
+        area = self.area()
+        if self.has_numbers and self.axis is Axis.DEPTH_MM:
+            y = self.to_screen(self._across[0], 0.0).y()
+            stroke(painter, look, Mark.SURFACE, [QPointF(area.left(), y), QPointF(area.right(), y)])
+        if self.has_numbers:
+            self._paint_crosshair(painter, look)
+
+    def _paint_crosshair(self, painter: QPainter, look: Look) -> None:
+        across, second = self.crosshair
+        area = self.area()
+        here = self.to_screen(
+            self._across[0] if across is None else across,
+            self._second[0] if second is None else second,
+        )
+        # What lies under the crosshair stays free.
+        free = look.px(FREE_PX) if across is not None and second is not None else 0
+        if across is not None:
+            x = here.x()
+            for ends in ((area.top(), here.y() - free), (here.y() + free, area.bottom())):
+                stroke(painter, look, Mark.SELECTED, [QPointF(x, one) for one in ends])
+        if second is not None:
+            y = here.y()
+            for ends in ((area.left(), here.x() - free), (here.x() + free, area.right())):
+                stroke(painter, look, Mark.SELECTED, [QPointF(one, y) for one in ends])
+
+    def _paint_axes(self, painter: QPainter) -> None:
+        metrics, area = painter.fontMetrics(), self.area()
+        bottom, left = self._labels
+        base = area.bottom() + metrics.ascent() + 2
+        painter.drawText(QPointF(1, metrics.ascent()), left)
+        free_px = self.width()
+        if bottom:
+            wide = metrics.horizontalAdvance(bottom)
+            free_px = min(free_px - wide, int(area.right()) + metrics.horizontalAdvance("00"))
+            painter.drawText(QPointF(free_px, base), bottom)
+        most = int(area.width() / (1.4 * metrics.horizontalAdvance("000")))
+        for place, text in self._across_ticks(max(2, most)):
+            x, half = self.to_screen(place, 0.0).x(), metrics.horizontalAdvance(text) / 2.0
+            if x - half >= 0 and x + half < free_px - 4:
+                painter.drawText(QPointF(x - half, base), text)
+        most = int(area.height() / (1.6 * metrics.height()))
+        for second in round_ticks(*self._second, max(2, most)):
+            text, y = f"{second:g}", self.to_screen(0.0, second).y()
+            x = area.left() - TICK_PX - 1
+            painter.drawLine(QPointF(x + 1, y), QPointF(area.left(), y))
+            middle = min(y + metrics.ascent() / 2.0 - 1, area.bottom())
+            painter.drawText(QPointF(x - metrics.horizontalAdvance(text), middle), text)
 
 
 class CurvePlot(FixedPlot):
-    """An A-scan, from the top downwards."""
+    """An A-scan, from the top downwards, on the scale of the survey."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._curve = self.plot(pen=pyqtgraph.mkPen(MARKS[Mark.CURVE], width=2))
+        self._curve: Optional[Curve] = None
 
     @property
     def points(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Levels and places that are drawn."""
-        levels, places = self._curve.getData()
-        nothing = np.zeros(0)
-        return (nothing, nothing) if levels is None else (levels, places)
+        """Shades and places that are drawn."""
+        curve = self._curve
+        if curve is None:
+            return np.zeros(0), np.zeros(0)
+        known = np.isfinite(curve.shades)
+        return curve.shades[known], curve.places[known]
 
-    def show_curve(self, curve: Optional[Curve], in_db: bool) -> None:
+    def show_curve(self, curve: Optional[Curve]) -> None:
         """Draw a trace; None: nothing."""
-        if curve is None or not np.isfinite(curve.levels).any():
-            self._curve.setData([], [])
-            self.show_numbers(False)
-            return
-        self.show_numbers(True)
-        self.show_axis(curve.axis)
-        known = np.isfinite(curve.levels)
-        self._curve.setData(curve.levels[known], curve.places[known])
-        lowest, highest = level_range(curve.levels, CURVE_RANGE_DB if in_db else None)
-        self.setXRange(lowest, highest, padding=0.02)
-        self.setYRange(float(curve.places[0]), float(curve.places[-1]), padding=0.0)
+        if curve is not None and not np.isfinite(curve.shades).any():
+            curve = None
+        self._curve = curve
+        self.has_numbers = curve is not None
+        if curve is not None:
+            lowest = -1.0 if curve.signed else 0.0
+            places = (float(curve.places[0]), float(curve.places[-1]))
+            self._set_axes((lowest, 1.02), places, curve.axis)
+        self.update()
+
+    def _across_ticks(self, most: int) -> Ticks:
+        if self._curve is None:
+            return []
+        scale = self._curve.scale
+        levels = scale.ticks_db()
+        every = max(1, -(-len(levels) // max(1, most)))
+        return [(scale.shade_of(float(one)), f"{one:g}") for one in levels[::-every]]
+
+    def _paint_data(self, painter: QPainter, look: Look) -> None:
+        shades, places = self.points
+        if self._curve is not None:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(QPen(QColor(look.colour(Mark.CURVE)), look.px(LINE_PX)))
+            points = [self.to_screen(float(x), float(y)) for x, y in zip(shades, places)]
+            painter.drawPolyline(QPolygonF(points))
 
 
-class PicturePlot(FixedPlot):
-    """A B- or C-scan; what was not measured is grey.
-
-    Attributes:
-        shown_range: The levels of the darkest and the brightest colour.
-    """
-
-    def __init__(self, true_to_scale: bool) -> None:
-        super().__init__()
-        self.setAspectLocked(true_to_scale)
-        self._image = pyqtgraph.ImageItem(axisOrder="row-major")
-        self._image.setLookupTable(level_colours())
-        self.addItem(self._image)
-        self._image.setZValue(-1)
-        self.shown_range = (0.0, 0.0)
-
-    @property
-    def colour_numbers(self) -> Optional[np.ndarray]:
-        """What is drawn: 0..254 for levels, 255 for what was not measured."""
-        return self._image.image
-
-    def show_picture(self, picture: Optional[Picture], in_db: bool) -> None:
-        """Draw a picture; None: nothing."""
-        if picture is None or not picture.measured:
-            self._image.clear()
-            self.show_numbers(False)
-            return
-        self.show_numbers(True)
-        self.show_axis(picture.axis)
-        self.shown_range = level_range(picture.levels, PICTURE_RANGE_DB if in_db else None)
-        numbers = colour_numbers(picture.levels, self.shown_range)
-        self._image.setImage(numbers, levels=(0, LEVELS), autoLevels=False)
-        left, right = picture.x_range_mm
-        low, high = picture.range
-        self._image.setRect(QRectF(left, low, right - left, high - low))
-        self.setRange(xRange=(left, right), yRange=(low, high), padding=0.0)
-
-
-def level_colours() -> np.ndarray:
-    """Return the colours of 255 levels and, last, that of what was not measured (256 x 3)."""
-    scale = pyqtgraph.colormap.get("viridis").getLookupTable(nPts=LEVELS)
-    return np.vstack([scale, NOT_MEASURED]).astype(np.uint8)
-
-
-def level_range(levels: np.ndarray, range_db: Optional[float]) -> Tuple[float, float]:
-    """Return the lowest and the highest level to show; without a range the scale is linear."""
-    highest = float(np.nanmax(levels))
-    lowest = 0.0 if range_db is None else highest - range_db
-    return lowest, max(highest, lowest + 1e-12)
-
-
-def colour_numbers(levels: np.ndarray, shown: Tuple[float, float]) -> np.ndarray:
-    """Return the number of the colour of each level; 255 where nothing was measured."""
-    lowest, highest = shown
-    measured = np.isfinite(levels)
-    part = (np.where(measured, levels, lowest) - lowest) / (highest - lowest)
-    numbers = np.clip(part * (LEVELS - 1), 0, LEVELS - 1).astype(np.uint8)
-    numbers[~measured] = LEVELS
-    return numbers
+def stroke(painter: QPainter, look: Look, mark: Mark, points: List[QPointF]) -> None:
+    """Draw a line that is seen on every shade of a picture."""
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    for colour, width in ((Mark.PAPER, HALO_PX), (mark, LINE_PX)):
+        painter.setPen(QPen(QColor(look.colour(colour)), look.px(width)))
+        painter.drawPolyline(QPolygonF(points))

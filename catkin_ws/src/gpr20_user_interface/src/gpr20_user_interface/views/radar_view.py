@@ -1,156 +1,378 @@
-"""The RADAR tab: the last trace, the line it belongs to, the slice of the whole area."""
+"""The RADAR tab: the trace, the line and the slice at the crosshair."""
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QSlider, QVBoxLayout
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
-from gpr20_user_interface.mid.map_grid import Cell
-from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_user_interface.mid.radar_pictures import (
-    DEPTH_STEP_M,
-    Axis,
-    RadarSettings,
-    a_scan,
-    b_scan,
-    c_scan,
-    depths_m,
-)
-from gpr20_user_interface.views.look import TOUCH_PX, look_of
-from gpr20_user_interface.views.plots import CurvePlot, PicturePlot
-from gpr20_user_interface.views.radar_controls import RadarControls
+from gpr20_common.message import Message
+from gpr20_survey.plan.markers import Marker
+from gpr20_user_interface.mid.focused_image import FocusedImage
+from gpr20_user_interface.mid.radar_model import RadarModel
+from gpr20_user_interface.mid.radar_pictures import DEPTH_STEP_M
+from gpr20_user_interface.mid.radar_presenter import Grip, RadarPictures, RadarPresenter
+from gpr20_user_interface.mid.radar_records import Axis, Colours, Picture, Source
+from gpr20_user_interface.views.colour_bar import ColourBar
+from gpr20_user_interface.views.depth_slider import DepthSlider
+from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
+from gpr20_user_interface.views.picture_plot import PicturePlot
+from gpr20_user_interface.views.plots import CurvePlot, FixedPlot
+from gpr20_user_interface.views.radar_spots import line_spots, slice_spots
+from gpr20_user_interface.views.radar_texts import RadarTexts
 from gpr20_user_interface.views.translation import TranslatedWidget
+from gpr20_user_interface.views.widgets import new_button
 
-SHALLOWEST_STEPS = 0
+KEY_WIDTH_PX = 112
+DEPTH_WIDTH_PX = 84
+# A finger nearer to the apex of the hyperbola than this moves it, another one bends the flank.
+GRIP_RADIUS_PX = 45
+# While a finger drags, drawing more often costs a core and shows no more.
+DRAG_MS = 60
 
 
 class RadarView(TranslatedWidget):
-    """Draws the echoes of a RadarModel; `refresh` follows it."""
+    """Draws what a RadarPresenter shows; `refresh` follows it.
+
+    Attributes:
+        presenter: What is chosen and shown.
+        enlarged: The picture that fills the tab; None: all three are shown.
+        readout: What is known at the crosshair.
+    """
+
+    # X, Y and depth of the crosshair [mm], when the operator asks for a marker there.
+    marker_wanted = pyqtSignal(float, float, float)
 
     def __init__(self, model: RadarModel) -> None:
         super().__init__()
-        self._model = model
-        self._drawn: Optional[Tuple[RadarModel, int, RadarSettings]] = None
+        self.presenter = RadarPresenter(model)
+        self.enlarged: Optional[FixedPlot] = None
+        self._drawn: Tuple[object, ...] = ()
+        self._markers: Tuple[Marker, ...] = ()
+        self._can_mark = False
+        self._problem: Optional[Message] = None
+        self._texts = RadarTexts(self)
         self.trace_plot = CurvePlot()
         self.line_plot = PicturePlot(true_to_scale=False)
         self.slice_plot = PicturePlot(true_to_scale=True)
-        self.depth_slider = QSlider(Qt.Orientation.Vertical)
-        self.controls = RadarControls()
+        self.trace_key = new_button(lambda: self.enlarge(self.trace_plot))
+        self.line_key = new_button(lambda: self.enlarge(self.line_plot))
+        self.slice_key = new_button(lambda: self.enlarge(self.slice_plot))
+        self.top_bar = ColourBar()
+        self.bar = ColourBar()
+        self.shallower = new_button(lambda: self._step_depth(-1), "▲")
+        self.deeper = new_button(lambda: self._step_depth(+1), "▼")
+        self.depth_slider = DepthSlider()
+        self.along = new_button(self._on_along)
+        self.source = new_button(self._on_source)
+        self.marker = new_button(self._on_marker)
+        self.settings = new_button(lambda: None)
+        self.use = new_button(self._on_use)
+        self.drop = new_button(self._on_drop)
+        self.fit_text = QLabel()
+        self.readout = ""
         self.note = QLabel()
+        self._slow = QTimer(self)
         self._lay_out()
-        self.controls.changed.connect(lambda _settings: self.refresh())
-        self.depth_slider.valueChanged.connect(
-            lambda steps: self.controls.set_depth(round(steps * DEPTH_STEP_M, 4))
-        )
+        self._connect()
         self.retranslate()
 
     def show_model(self, model: RadarModel) -> None:
         """Follow another survey."""
-        self._model = model
+        self.presenter.show_model(model)
         self.refresh()
+
+    def set_image(self, image: Optional[FocusedImage], problem: Optional[Message]) -> None:
+        """Take the focused image of the survey.
+
+        Args:
+            image: The newest one; None: there is none.
+            problem: Why there is no newer one.
+        """
+        self.presenter.set_image(image)
+        self._problem = problem
+
+    def set_markers(self, markers: Sequence[Marker], can_mark: bool) -> None:
+        """Draw the operator's markers.
+
+        Args:
+            markers: Those of the survey that is shown.
+            can_mark: Whether this survey can have more.
+        """
+        self._markers, self._can_mark = tuple(markers), can_mark
 
     def refresh(self) -> None:
         """Draw again if something has changed and the tab is visible."""
-        state = (self._model, self._model.revision, self.controls.settings)
-        if not self.isVisible() or state == self._drawn:
+        if not self.isVisible():
             return
-        grid = self._model.grid
-        if grid is not None:
-            self.controls.set_rotations(grid.rotations_deg)
-        self._drawn = (self._model, self._model.revision, self.controls.settings)
-        self._bound_slider()
-        self._draw()
+        self.presenter.notice_survey()
+        state = (*self.presenter.state, self._markers, self._can_mark, self._problem)
+        if state != self._drawn:
+            self._drawn = state
+            self._draw()
+
+    def enlarge(self, plot: Optional[FixedPlot]) -> None:
+        """Let one picture fill the tab, or, if it does already, show all three again."""
+        self.enlarged = None if plot is self.enlarged else plot
+        self._arrange()
+        self._drawn = ()
+        self.refresh()
+
+    def begin_fit(self) -> None:
+        """Let the operator drag a hyperbola over the enlarged line."""
+        # A hyperbola is one of echoes: a focused image has none.
+        self.presenter.change(source=Source.ECHOES)
+        self.presenter.begin_hyperbola()
+        if self.presenter.hyperbola is not None:
+            self.enlarged = None
+            self.enlarge(self.line_plot)
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
         """Draw what came while the tab was hidden."""
         super().showEvent(event)
         self.refresh()
 
-    def _draw(self) -> None:
-        settings, model = self.controls.settings, self._model
-        latest = model.latest
-        curve = None if latest is None else a_scan(model, latest, settings)
-        line = None if latest is None else b_scan(model, latest.stop.row, settings)
-        area = c_scan(model, settings)
-        self.trace_plot.show_curve(curve, settings.in_db)
-        self.line_plot.show_picture(line, settings.in_db)
-        self.slice_plot.show_picture(area, settings.in_db)
-        axis = Axis.DELAY_NS if curve is None else curve.axis
-        self._label_plots(latest, axis)
-        self._show_note()
-
-    def _label_plots(self, latest: Optional[Cell], axis: Axis) -> None:
-        grid, settings = self._model.grid, self.controls.settings
-        down = self.tr("Depth mm") if axis is Axis.DEPTH_MM else self.tr("Delay ns")
-        level = self.tr("Level dB") if settings.in_db else self.tr("Level")
-        self.trace_plot.set_labels(level, down)
-        self.line_plot.set_labels(self.tr("X mm"), down)
-        self.slice_plot.set_labels(self.tr("X mm"), self.tr("Y mm"))
-        self.trace_plot.set_title(self.tr("Last trace"))
-        line = self.tr("Line")
-        if latest is not None and grid is not None:
-            y_mm = grid.ys_mm[latest.stop.row]
-            line = self.tr("Line at Y {y:g} mm").format(y=round(float(y_mm), 2))
-        self.line_plot.set_title(line)
-        depth_mm = settings.depth_m * 1000.0
-        self.slice_plot.set_title(self.tr("Slice at depth {depth:.0f} mm").format(depth=depth_mm))
-
-    def _show_note(self) -> None:
-        model, settings = self._model, self.controls.settings
-        parts = []
-        if model.grid is not None and model.grid.simulated:
-            parts.append(self.tr("SIMULATED"))
-        if model.grid is not None:
-            counted = self.tr("{count} of {planned} traces")
-            parts.append(counted.format(count=model.count, planned=model.grid.planned))
-        if model.given_up:
-            text = self.tr("cannot be shown: {count}")
-            parts.append(text.format(count=len(model.given_up)))
-        if model.count and depths_m(model, settings.permittivity) is None:
-            parts.append(self.tr("no height was measured: the depth is unknown"))
-        if settings.remove_background and model.background(settings.polarization) is None:
-            text = self.tr("background is not removed from fewer than {count} traces")
-            parts.append(text.format(count=MIN_BACKGROUND_TRACES))
-        parts.append(self.tr("Grey: not measured. No echo does not mean no mine."))
-        self.note.setText(" · ".join(parts))
-
-    def _bound_slider(self) -> None:
-        depths = depths_m(self._model, self.controls.settings.permittivity)
-        self.depth_slider.setEnabled(depths is not None)
-        if depths is not None:
-            self.depth_slider.setRange(
-                SHALLOWEST_STEPS, max(1, round(float(depths[-1]) / DEPTH_STEP_M))
-            )
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
+        self.marker.setText(self.tr("Marker"))
+        self.settings.setText(self.tr("Picture"))
+        self.drop.setText(self.tr("Cancel"))
+        self._drawn = ()
+        self._write(RadarPictures(None, self.presenter.settings.depth_m, None, None, None, None))
+        self.refresh()
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        self.depth_slider.setFixedWidth(look_of(self).px(TOUCH_PX))
+        look = look_of(self)
+        for key in (self.along, self.source, self.marker, self.settings):
+            key.setFixedWidth(look.px(KEY_WIDTH_PX))
+        for widget in (self.shallower, self.deeper, self.depth_slider):
+            widget.setFixedWidth(look.px(DEPTH_WIDTH_PX))
+        for key in (self.trace_key, self.line_key, self.slice_key):
+            key.setFixedHeight(look.px(TOUCH_PX))
+        for layout in (self._titles, self._plots, self._keys, self._depths, self._columns):
+            layout.setSpacing(look.px(GAP_PX))
+        margin = look.px(4)
+        self._whole.setContentsMargins(margin, margin, margin, margin)
+        self._whole.setSpacing(look.px(2))
+        self._drawn = ()
 
-    def retranslate(self) -> None:
-        """Write every text that does not come with the next refresh."""
-        self._label_plots(self._model.latest, Axis.DEPTH_MM)
-        self._show_note()
-        self._drawn = None
+    def _draw(self) -> None:
+        presenter = self.presenter
+        shown, colours = presenter.pictures(), presenter.settings.colours
+        texts = self._texts
+        notice = texts.slice_notice(presenter, shown, self._problem)
+        self.trace_plot.show_curve(shown.curve)
+        self.line_plot.show_picture(shown.line, colours, texts.line_notice(presenter, shown))
+        self.slice_plot.show_picture(shown.slice, colours, notice)
+        self._mark(shown)
+        for bar in (self.bar, self.top_bar):
+            picture = shown.slice or shown.line
+            signed = picture is not None and picture.signed
+            scale = None if picture is None else picture.scale
+            bar.show_scale(scale, colours if signed else Colours.ENVELOPE)
+        self._bound_depth()
+        self._write(shown)
+
+    def _mark(self, shown: RadarPictures) -> None:
+        presenter, place, line = self.presenter, shown.place, shown.line
+        marked = (*presenter.candidates, *self._markers)
+        if shown.curve is not None:
+            second = presenter.second_of(shown.depth_m, shown.curve.axis)
+            self.trace_plot.set_crosshair(None, second)
+        if line is not None and place is not None:
+            second = presenter.second_of(shown.depth_m, line.axis)
+            self.line_plot.set_crosshair(place.along(line.across), second)
+            # Nothing lies over the hyperbola while it is fitted.
+            hidden = presenter.hyperbola is not None or line.axis is not Axis.DEPTH_MM
+            self.line_plot.set_spots(() if hidden else line_spots(marked, place, line.across))
+            self._show_hyperbola(line)
+        if place is not None:
+            self.slice_plot.set_crosshair(place.x_mm, place.y_mm)
+        self.slice_plot.set_spots(slice_spots(marked, shown.depth_m))
+
+    def _show_hyperbola(self, line: Picture) -> None:
+        hyperbola = self.presenter.hyperbola
+        across, second = self.presenter.hyperbola_points(line)
+        apex = None
+        if hyperbola is not None:
+            number = int(abs(across - hyperbola.across_mm).argmin())
+            apex = (float(across[number]), float(second[number]))
+        self.line_plot.set_hyperbola(across, second, apex)
+
+    def _bound_depth(self) -> None:
+        deepest = self.presenter.deepest_m
+        for widget in (self.depth_slider, self.shallower, self.deeper):
+            widget.setEnabled(deepest is not None)
+        self.depth_slider.blockSignals(True)
+        if deepest is not None:
+            self.depth_slider.setMaximum(max(1, int(deepest / DEPTH_STEP_M + 1e-6)))
+        self.depth_slider.setValue(round(self.presenter.settings.depth_m / DEPTH_STEP_M))
+        self.depth_slider.blockSignals(False)
+
+    def _write(self, shown: RadarPictures) -> None:
+        presenter, texts = self.presenter, self._texts
+        self.trace_plot.set_labels("dB", texts.second(shown.curve and shown.curve.axis))
+        second = texts.second(shown.line and shown.line.axis)
+        self.line_plot.set_labels(texts.across(presenter.settings.along), second)
+        self.slice_plot.set_labels(self.tr("X mm"), self.tr("Y mm"))
+        self.readout = texts.readout(shown)
+        for plot, key, title in (
+            (self.trace_plot, self.trace_key, texts.trace_title(presenter, shown)),
+            (self.line_plot, self.line_key, texts.line_title(presenter, shown)),
+            (self.slice_plot, self.slice_key, texts.slice_title(shown)),
+        ):
+            first, _line_end, second = title.partition("\n")
+            enlarged = f"{first} ⤡\n{self.readout}"
+            key.setText(enlarged if plot is self.enlarged else f"{first} ⤢\n{second}".strip())
+        self.note.setText(texts.note(presenter))
+        self.along.setText(texts.along_key(presenter.settings.along))
+        self.source.setText(texts.source_key(presenter))
+        hyperbola = presenter.hyperbola
+        value = presenter.settings.permittivity if hyperbola is None else hyperbola.permittivity
+        self.fit_text.setText(self.tr("Permittivity {value:.1f}").format(value=value))
+        self.use.setText(self.tr("Use {value:.1f}").format(value=value))
+        grid = presenter.model.grid
+        self.source.setEnabled(grid is not None)
+        self.marker.setEnabled(self._can_mark and shown.place is not None)
+
+    def _step_depth(self, steps: int) -> None:
+        self.presenter.step_depth(steps)
+        self.refresh()
+
+    def _on_slider(self, steps: int) -> None:
+        self.presenter.set_depth(steps * DEPTH_STEP_M)
+        self._refresh_soon()
+
+    def _on_along(self) -> None:
+        along = Axis.Y_MM if self.presenter.settings.along is Axis.X_MM else Axis.X_MM
+        self.presenter.end_hyperbola()
+        self.presenter.change(along=along)
+        self.refresh()
+
+    def _on_source(self) -> None:
+        focused = self.presenter.settings.source is Source.ECHOES
+        self.presenter.change(source=Source.FOCUSED if focused else Source.ECHOES)
+        self.refresh()
+
+    def _on_use(self) -> None:
+        self.presenter.take_permittivity()
+        self.enlarge(None)
+
+    def _on_drop(self) -> None:
+        self.presenter.end_hyperbola()
+        self.enlarge(None)
+
+    def _on_marker(self) -> None:
+        place = self.presenter.place
+        if place is not None:
+            depth_mm = self.presenter.settings.depth_m * 1000.0
+            self.marker_wanted.emit(place.x_mm, place.y_mm, depth_mm)
+
+    def _on_slice(self, x_mm: float, y_mm: float) -> None:
+        self.presenter.touch_slice(x_mm, y_mm)
+        self._refresh_soon()
+
+    def _on_curve(self, _level: float, second: float) -> None:
+        axis = self.trace_plot.axis
+        self.presenter.touch_curve(second, axis)
+        self._refresh_soon()
+
+    def _on_line_touched(self, across_mm: float, second: float) -> None:
+        plot = self.line_plot
+        self._grip = Grip.FLANK
+        if plot.grip is not None:
+            away = plot.to_screen(across_mm, second) - plot.to_screen(*plot.grip)
+            if abs(away.x()) + abs(away.y()) <= look_of(self).px(GRIP_RADIUS_PX):
+                self._grip = Grip.APEX
+        self._on_line(across_mm, second)
+
+    def _on_line(self, across_mm: float, second: float) -> None:
+        axis = self.line_plot.axis
+        if self.presenter.hyperbola is None:
+            self.presenter.touch_line(across_mm, second, axis)
+        else:
+            self.presenter.drag_hyperbola(self._grip, across_mm, second, axis)
+        self._refresh_soon()
+
+    def _refresh_soon(self) -> None:
+        if not self._slow.isActive():
+            self._slow.start()
+
+    def _connect(self) -> None:
+        self._grip = Grip.FLANK
+        self._slow.setInterval(DRAG_MS)
+        self._slow.setSingleShot(True)
+        self._slow.timeout.connect(self.refresh)
+        self.depth_slider.valueChanged.connect(self._on_slider)
+        for plot, on_touch in (
+            (self.slice_plot, self._on_slice),
+            (self.trace_plot, self._on_curve),
+        ):
+            plot.touched.connect(on_touch)
+            plot.dragged.connect(on_touch)
+        self.line_plot.touched.connect(self._on_line_touched)
+        self.line_plot.dragged.connect(self._on_line)
+        for key in (self.shallower, self.deeper):
+            key.setAutoRepeat(True)
+
+    def _arrange(self) -> None:
+        """Show what belongs to all three pictures, or to the enlarged one."""
+        enlarged, fits = self.enlarged, self.presenter.hyperbola is not None
+        for plot, key in (
+            (self.trace_plot, self.trace_key),
+            (self.line_plot, self.line_key),
+            (self.slice_plot, self.slice_key),
+        ):
+            shown = enlarged is None or plot is enlarged
+            plot.setVisible(shown)
+            key.setVisible(shown and not fits)
+        for key in (self.along, self.source, self.marker, self.settings):
+            key.setVisible(enlarged is None)
+        for widget in (self.fit_text, self.use, self.drop):
+            widget.setVisible(fits)
+        self.bar.setVisible(enlarged is None)
+        self.top_bar.setVisible(enlarged is not None)
 
     def _lay_out(self) -> None:
-        self.depth_slider.setInvertedAppearance(True)
-        self.depth_slider.setRange(SHALLOWEST_STEPS, 100)
-        self.depth_slider.setPageStep(1)
-        self.depth_slider.setValue(round(self.controls.settings.depth_m / DEPTH_STEP_M))
         self.note.setWordWrap(True)
         self.note.setObjectName("note")
-        plots = QHBoxLayout()
-        plots.setSpacing(2)
-        plots.addWidget(self.trace_plot, 4)
-        plots.addWidget(self.line_plot, 7)
-        plots.addWidget(self.slice_plot, 7)
-        plots.addWidget(self.depth_slider)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(4, 4, 4, 4)
-        layout.setSpacing(4)
-        layout.addWidget(self.note)
-        layout.addLayout(plots, 1)
-        layout.addWidget(self.controls)
+        self.note.setTextFormat(Qt.TextFormat.PlainText)
+        self.fit_text.setObjectName("title")
+        ignored, fixed = QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed
+        self._titles, self._plots = QHBoxLayout(), QHBoxLayout()
+        for plot, key, part in (
+            (self.trace_plot, self.trace_key, 4),
+            (self.line_plot, self.line_key, 7),
+            (self.slice_plot, self.slice_key, 7),
+        ):
+            key.setSizePolicy(ignored, fixed)
+            self._titles.addWidget(key, part)
+            self._plots.addWidget(plot, part)
+        for widget in (self.fit_text, self.use, self.drop, self.top_bar):
+            self._titles.addWidget(widget)
+        pictures = QVBoxLayout()
+        pictures.addLayout(self._titles)
+        pictures.addLayout(self._plots, 1)
+        self._depths, self._keys = QVBoxLayout(), QVBoxLayout()
+        self._depths.addWidget(self.shallower)
+        self._depths.addWidget(self.depth_slider, 1)
+        self._depths.addWidget(self.deeper)
+        for key in (self.along, self.source, self.marker, self.settings):
+            key.setSizePolicy(fixed, QSizePolicy.Policy.Expanding)
+            self._keys.addWidget(key)
+        bottom = QHBoxLayout()
+        bottom.addWidget(self.note, 1)
+        bottom.addWidget(self.bar)
+        left = QVBoxLayout()
+        left.addLayout(pictures, 1)
+        left.addLayout(bottom)
+        self._columns = QHBoxLayout()
+        self._columns.addLayout(left, 1)
+        self._columns.addLayout(self._depths)
+        self._columns.addLayout(self._keys)
+        self._whole = QVBoxLayout(self)
+        self._whole.addLayout(self._columns, 1)
+        self._arrange()

@@ -50,11 +50,12 @@ class ServiceBinding(Binding):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         in_front = self._is_in_front()
-        if in_front != self._watched:
+        changed = in_front != self._watched
+        if changed:
             self._watched = in_front
             self._model.set_watched(in_front)
         self._model.refresh(snapshot)
-        if in_front:
+        if in_front or changed:
             self._view.show_state(self._model.state)
 
     def draw(self) -> None:

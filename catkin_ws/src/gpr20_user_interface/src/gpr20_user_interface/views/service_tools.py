@@ -9,6 +9,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 
 from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_user_interface.mid.remedies import find_remedy
 from gpr20_user_interface.mid.service_events import AnalyzerTested, HeightTested
 from gpr20_user_interface.mid.service_model import ServiceState
 from gpr20_user_interface.views.look import GAP_PX, look_of
@@ -26,11 +27,11 @@ class ServiceTools(TranslatedWidget):
         self._state: Optional[ServiceState] = None
         self.measure = new_button(measure_height)
         self.test = new_button(test_analyzer)
-        self.height, self.analyzer = _text(), _text()
+        self.height_found, self.analyzer_found = _text(), _text()
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
         for column, (button, text) in enumerate(
-            ((self.measure, self.height), (self.test, self.analyzer))
+            ((self.measure, self.height_found), (self.test, self.analyzer_found))
         ):
             below = QVBoxLayout()
             below.addWidget(text)
@@ -49,8 +50,8 @@ class ServiceTools(TranslatedWidget):
         self._state = state
         for button in (self.measure, self.test):
             button.setEnabled(state.entered and not state.busy)
-        self.height.setText(self._height_text(state.height))
-        self.analyzer.setText(self._analyzer_text(state.analyzer))
+        self.height_found.setText(self._height_text(state.height))
+        self.analyzer_found.setText(self._analyzer_text(state.analyzer))
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -100,6 +101,9 @@ class ServiceTools(TranslatedWidget):
             )
         if test.failure is not None:
             lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
+            remedy = find_remedy(test.failure)
+            if remedy is not None:
+                lines.append(shown_text(remedy))
         return "\n".join(lines)
 
 

@@ -43,6 +43,7 @@ class TouchBinding(Binding):
         self.touches.set_locked(locked)
         self.band.setVisible(locked)
         for overlay in self._window.findChildren(Overlay):
-            overlay.leave_free(BAND_PX if locked else 0)
+            if isinstance(overlay, Overlay):
+                overlay.leave_free(BAND_PX if locked else 0)
         if locked:
             self.band.cover()

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Sequence
 
-from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QPointF, Qt, pyqtSignal
+from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent, QTouchEvent, QWindow
-from PyQt5.QtWidgets import QStackedWidget, QWidget
+from PyQt5.QtWidgets import QPushButton, QStackedWidget, QWidget
 
 from gpr20_user_interface.mid.touch_guard import TouchGuard, TouchTarget
 from gpr20_user_interface.views.touch_change import TOUCH_CHANGE
@@ -32,7 +32,9 @@ class TouchFilter(QObject):
     # A touch came that does not count because the screen is locked.
     refused = pyqtSignal()
 
-    def __init__(self, window: QWidget, guard: TouchGuard, stop: QWidget, unlock: QWidget) -> None:
+    def __init__(
+        self, window: QWidget, guard: TouchGuard, stop: QPushButton, unlock: QWidget
+    ) -> None:
         super().__init__(window)
         self._window = window
         self.guard = guard
@@ -44,7 +46,8 @@ class TouchFilter(QObject):
     def watch_pages(self) -> None:
         """Notice from now on when another tab or page is shown."""
         for pages in self._window.findChildren(QStackedWidget):
-            pages.currentChanged.connect(lambda _number: self.note_change())
+            if isinstance(pages, QStackedWidget):
+                pages.currentChanged.connect(lambda _number: self.note_change())
 
     def note_change(self) -> None:
         """Note that something else is under the finger now."""
@@ -53,6 +56,19 @@ class TouchFilter(QObject):
     def set_locked(self, locked: bool) -> None:
         """Lock or unlock the screen."""
         self._drop(self.guard.lock() if locked else self.guard.unlock())
+
+    def take_fingers(self, places: Sequence[QPoint]) -> None:
+        """Note that several fingers touch the screen.
+
+        Qt makes a mouse of the first one alone: STOP would not notice another one while a hand
+        rests on the screen.
+
+        Args:
+            places: Where fingers have just come.
+        """
+        self._drop(self.guard.note_second_finger())
+        if self._stop.isEnabled() and self._stop in map(self._window.childAt, places):
+            self._stop.pressed.emit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Qt: something happens to the window, or comes from the screen."""
@@ -67,8 +83,9 @@ class TouchFilter(QObject):
         if event.type() == QEvent.Type.Wheel:
             return self.guard.quiet or self.guard.locked
         if isinstance(event, QTouchEvent) and len(event.touchPoints()) > 1:
-            # Qt makes a mouse of the first finger alone.
-            self._drop(self.guard.note_second_finger())
+            begins = Qt.TouchPointState.TouchPointPressed
+            points = [one for one in event.touchPoints() if one.state() == begins]
+            self.take_fingers([one.pos().toPoint() for one in points])
         return False
 
     def _is_ignored(self, event: QMouseEvent) -> bool:

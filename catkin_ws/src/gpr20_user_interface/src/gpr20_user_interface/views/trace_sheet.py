@@ -12,7 +12,8 @@ from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.map_selection import select_cell
 from gpr20_user_interface.mid.map_texts import place_lines
 from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.radar_pictures import Axis, RadarSettings, a_scan
+from gpr20_user_interface.mid.radar_pictures import a_scan
+from gpr20_user_interface.mid.radar_records import Axis, RadarSettings
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.plots import CurvePlot
 from gpr20_user_interface.views.translation import shown_text
@@ -51,7 +52,7 @@ class TraceSheet(Overlay):
         grid, cell = self._model.grid, self.cell
         self.polarization.setEnabled(grid is not None and len(grid.rotations_deg) > 1)
         if grid is None or cell is None:
-            self.plot.show_curve(None, in_db=True)
+            self.plot.show_curve(None)
             return
         lines = place_lines(select_cell(grid, cell), self._model, self._radar)
         self.title.setText(" ".join(shown_text(one) for one in lines))
@@ -59,7 +60,7 @@ class TraceSheet(Overlay):
         self.polarization.setText(self.tr("Antenna {rotation:g}°").format(rotation=rotation_deg))
         has_trace = self._radar.grid is not None and self._radar.has(cell)
         curve = a_scan(self._radar, cell, RadarSettings()) if has_trace else None
-        self.plot.show_curve(curve, in_db=True)
+        self.plot.show_curve(curve)
         axis = Axis.DEPTH_MM if curve is None else curve.axis
         down = self.tr("Depth mm") if axis is Axis.DEPTH_MM else self.tr("Delay ns")
         self.plot.set_labels(self.tr("Level dB"), down)

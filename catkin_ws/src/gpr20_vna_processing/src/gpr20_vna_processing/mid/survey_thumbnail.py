@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Mapping, Sequence
+from typing import Any, List, Mapping, Sequence
 
 import numpy as np
 
@@ -44,12 +44,14 @@ def thumbnail_of(parameters: Any, stored: Sequence[int]) -> Thumbnail:
     """
     if not isinstance(parameters, Mapping):
         return NONE
-    ends_mm = [parameters.get(f"{axis}_{end}_mm") for axis in "xy" for end in ("start", "stop")]
-    if not all(_is_number(one) for one in ends_mm):
+    ends: List[Any] = [
+        parameters.get(f"{axis}_{end}_mm") for axis in "xy" for end in ("start", "stop")
+    ]
+    if not all(_is_number(one) for one in ends):
         return NONE
-    x_start_mm, x_stop_mm, y_start_mm, y_stop_mm = ends_mm
+    x_start_mm, x_stop_mm, y_start_mm, y_stop_mm = ends
     rotations = parameters.get("polarizations_deg")
-    counts = [
+    counts: List[Any] = [
         parameters.get("x_points"),
         parameters.get("y_points"),
         len(rotations) if isinstance(rotations, list) else None,
@@ -57,7 +59,7 @@ def thumbnail_of(parameters: Any, stored: Sequence[int]) -> Thumbnail:
     width_mm, height_mm = abs(x_stop_mm - x_start_mm), abs(y_stop_mm - y_start_mm)
     if not all(type(one) is int and 0 < one <= MOST_PLANNED for one in counts):
         return Thumbnail(width_mm, height_mm)
-    x_points, y_points, turns = (int(one) for one in counts if one is not None)
+    x_points, y_points, turns = counts
     if x_points * y_points * turns > MOST_PLANNED:
         return Thumbnail(width_mm, height_mm)
     indices = np.asarray([one for one in stored if one < x_points * y_points * turns], np.int64)

@@ -1,6 +1,6 @@
 """How long imaging takes and what memory it needs, and its ratio to the group's program.
 
-Usage: scripts/bench.sh imaging [--sizes 67 158 200] [--back-projection-up-to 158] [--chain]
+Usage: scripts/bench.sh imaging_speed [--sizes 67 158 200] [--back-projection-up-to 158] [--chain]
            [--commands]
 
 Each size runs in a process of its own, warm (the best of three runs; the first run, which may

@@ -1,0 +1,76 @@
+"""The colour bar: which colour is how far above the noise."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+from PyQt5.QtCore import QPointF, QRectF
+from PyQt5.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen
+
+from gpr20_user_interface.mid.level_scale import LevelScale
+from gpr20_user_interface.mid.radar_records import Colours
+from gpr20_user_interface.views.look import look_of
+from gpr20_user_interface.views.palette import Mark
+from gpr20_user_interface.views.shade_colours import LAST_SHADE, shade_colours
+from gpr20_user_interface.views.translation import TranslatedWidget
+
+WIDTH_PX = 230
+BAR_PX = 18
+
+
+class ColourBar(TranslatedWidget):
+    """Shows a LevelScale; with a sign, the wave's zero is in its middle."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._scale: Optional[LevelScale] = None
+        self._colours = Colours.ENVELOPE
+        self.restyle()
+
+    def show_scale(self, scale: Optional[LevelScale], colours: Colours) -> None:
+        """Show a scale; None: nothing."""
+        if (scale, colours) != (self._scale, self._colours):
+            self._scale, self._colours = scale, colours
+            self.update()
+
+    def retranslate(self) -> None:
+        """Draw the texts in the language of the application."""
+        self.update()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        look = look_of(self)
+        self.setFixedWidth(look.px(WIDTH_PX))
+        self.setMinimumHeight(look.px(BAR_PX) + 2 * self.fontMetrics().height() + 2)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
+        """Qt: draw everything."""
+        if self._scale is None:
+            return
+        painter, look = QPainter(self), look_of(self)
+        metrics = painter.fontMetrics()
+        edge = metrics.horizontalAdvance("0")
+        bar = QRectF(edge, 0, self.width() - 2 * edge, look.px(BAR_PX))
+        numbers = np.arange(LAST_SHADE + 1, dtype=np.uint8)
+        image = QImage(numbers.tobytes(), len(numbers), 1, len(numbers), QImage.Format_Indexed8)
+        image.setColorTable(shade_colours(self._colours))
+        painter.drawImage(bar, image)
+        painter.setPen(QPen(QColor(look.colour(Mark.BORDER)), 1))
+        painter.drawRect(bar)
+        painter.setPen(QColor(look.colour(Mark.INK)))
+        base = bar.bottom() + metrics.ascent() + 1
+        unit = self.tr("dB above noise")
+        middle = (self.width() - metrics.horizontalAdvance(unit)) / 2.0
+        painter.drawText(QPointF(middle, base + metrics.lineSpacing() - 2), unit)
+        last = self.width()
+        for level_db in self._scale.ticks_db()[::-1]:
+            part = self._scale.shade_of(float(level_db))
+            if self._colours.signed:
+                part = (part + 1.0) / 2.0
+            text = f"{level_db:g}"
+            x = bar.left() + part * bar.width() - metrics.horizontalAdvance(text) / 2.0
+            # Numbers that would touch their neighbours are left out.
+            if x >= 0 and x + metrics.horizontalAdvance(text) + edge / 2 <= last:
+                painter.drawText(QPointF(x, base), text)
+                last = int(x) - 2
