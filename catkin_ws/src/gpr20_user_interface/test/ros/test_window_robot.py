@@ -189,6 +189,9 @@ class WindowOnRobot(WindowCase):
         self.assertEqual(self.title(), "PAUSED")
         wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
         self.touch(notice.resume)
+        # It asks, as RESUME beside STOP does.
+        wait_until(self.window.start_sheet.isVisible, "a sheet asks")
+        self.hold()
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
         self.assertFalse(notice.isVisible())
         self.assertEqual(self.visited(), 18)

@@ -103,6 +103,8 @@ class ValueSheet(Overlay):
         """Open with the fields of a tile; the first key replaces the first value."""
         self._tile, self._before = tile, dict(self._form.texts)
         self._following = self._form.following
+        # The tile before may have had more fields.
+        self._active, self._touched = 0, False
         names = TILE_FIELDS[tile]
         for number, box in enumerate(self.boxes):
             box.setVisible(number < len(names))
