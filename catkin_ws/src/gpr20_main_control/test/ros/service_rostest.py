@@ -15,6 +15,7 @@ import rostest
 from std_msgs.msg import Bool
 
 from gpr20_common.high.graph_message import message_from
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_msgs.msg import ControlStatus, ServiceStatus
 from gpr20_msgs.srv import (
     Command,
@@ -211,7 +212,16 @@ class ServiceTest(unittest.TestCase):
         self.assertTrue(math.isnan(answer.height_m))
         self.set_fault(device="adc", fault="none")
 
-    def test_12_there_is_no_service_during_a_survey(self):
+    def test_12_a_jog_goes_to_its_end_if_its_client_is_gone(self):
+        start = self.state.steps(AxisId.X)
+        client = ServiceClient("service_move", ServiceMove)
+        with self.assertRaises(ServiceUnavailableError):
+            client.call(0.3, axis="x", action=JOG, distance=20.0)
+        self.assertLess(self.state.steps(AxisId.X), start + 2000)
+        wait_until(lambda: self.state.steps(AxisId.X) == start + 2000)
+        wait_until(lambda: not self.activities[-1].busy)
+
+    def test_13_there_is_no_service_during_a_survey(self):
         self.client.begin()
         self.refuse_during_a_survey()
         self.client.wait_for_status(ControlStatus.SURVEYING)

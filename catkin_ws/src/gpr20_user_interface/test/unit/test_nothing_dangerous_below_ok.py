@@ -24,7 +24,7 @@ __all__ = ["application"]
 # How sheets call the buttons that close them.
 CLOSING = (
     *("accept_button", "cancel", "close_button", "done", "drop", "load", "save", "show_button"),
-    "use",
+    *("undo", "use"),
 )
 SIZES = [(480, 320), (800, 480), (1280, 800)]
 

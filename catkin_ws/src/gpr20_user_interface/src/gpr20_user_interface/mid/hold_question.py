@@ -151,7 +151,11 @@ def _counted(stored: int, planned: int) -> Message:
 
 
 def _people(annotation: Annotation) -> Tuple[Row, ...]:
-    known = ((Message("Operator"), annotation.operator), (Message("Site"), annotation.site))
+    known = (
+        (Message("Name"), annotation.name),
+        (Message("Operator"), annotation.operator),
+        (Message("Site"), annotation.site),
+    )
     return tuple((title, verbatim(_short(name))) for title, name in known if name)
 
 
