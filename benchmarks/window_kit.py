@@ -21,6 +21,7 @@ from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.views.translation import Languages
@@ -52,7 +53,8 @@ def virtual_screen(size: str = SCREEN) -> Iterator[None]:
 def new_window(languages: Languages, folder: Path) -> UserInterface:
     """Return the whole window; its profiles are below a folder."""
     profiles = Profiles(ProfileFolder(folder / "profiles"))
-    return UserInterface(SurveyModel(Clock()), languages, profiles)
+    settings = SettingsFile(folder / "plan.yaml")
+    return UserInterface(SurveyModel(Clock()), languages, profiles, settings)
 
 
 class Operator:

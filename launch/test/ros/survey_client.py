@@ -11,7 +11,13 @@ import rosgraph
 import rosnode
 import rospy
 
-from gpr20_msgs.msg import ControlStatus, NodeDescription, SurveyData, SurveyParameters
+from gpr20_msgs.msg import (
+    Annotation,
+    ControlStatus,
+    NodeDescription,
+    SurveyData,
+    SurveyParameters,
+)
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 
 LIMIT_S = 120.0
@@ -22,6 +28,7 @@ SERVICES = (
     "get_calibration_status",
     *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
     "annotate_survey",
+    "mark_survey",
     *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
     *("set_survey_parameters", "start_survey", "stop_survey", "pause_survey", "resume_survey"),
 )
@@ -99,14 +106,14 @@ class SurveyClient:
         """Set parameters that differ from the usual ones; return the answer."""
         return self.set_parameters(SurveyParameters(**{**PARAMETERS, **changes}))
 
-    def begin(self, annotation=None, **changes):
+    def begin(self, annotation=None, refines="", **changes):
         """Set parameters and start; return the survey's id."""
         answer = self.set(**changes)
         assert answer.success, answer.message
         with self._changed:
             self.statuses.clear()
             self.progress.clear()
-        started = self.start() if annotation is None else self.start(annotation)
+        started = self.start(annotation=annotation or Annotation(), refines=refines)
         assert started.success, started.message
         self.survey_id = started.survey_id
         # Messages about the survey before may arrive after the answer.

@@ -6,6 +6,7 @@ import math
 import shutil
 import subprocess
 import unittest
+import uuid
 
 import rosbag
 import rosgraph
@@ -18,10 +19,11 @@ from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until_c
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus, Coordinates, CurrentCoordinate
-from gpr20_msgs.srv import AnnotateSurvey
+from gpr20_msgs.srv import AnnotateSurvey, MarkSurvey
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.markers import present_markers
 
 AXIS_TOPICS = [
     *("current_coord", "axis/goal", "axis/cancel", "axis/status", "axis/result"),
@@ -40,8 +42,10 @@ GRAPH_NODES = {
 }
 # What nobody needs in a recording.
 SERVICE_TOPICS = {"/x_axis/endstop", "/y_axis/endstop", "/service_status"}
+IMAGING_TOPICS = {"/imaging/description", "/imaging_progress"}
 GRAPH_TOPICS = {
     *SERVICE_TOPICS,
+    *IMAGING_TOPICS,
     *(f"/{axis}_axis/{topic}" for axis in "xyz" for topic in AXIS_TOPICS),
     "/measured_height",
     "/trace",
@@ -55,8 +59,6 @@ GRAPH_TOPICS = {
     "/diagnostics",
     *(f"/{node}/description" for node in ("height_sensor", "simulator", "vna_acquisition")),
     "/vna_processing/description",
-    "/imaging/description",
-    "/imaging_progress",
     "/robot_configuration",
 }
 GRAPH_SERVICES = {
@@ -72,6 +74,7 @@ GRAPH_SERVICES = {
     "/open_survey",
     "/reopen_survey",
     "/annotate_survey",
+    "/mark_survey",
     "/report_survey",
     "/list_surveys",
     "/read_survey",
@@ -164,7 +167,7 @@ class WholeSurveyTest(unittest.TestCase):
             # Of the first survey after the launch a topic's connection may still be missing.
             return
         commands = {f"/{axis}_axis/axis/{one}" for axis in "xyz" for one in ("goal", "cancel")}
-        self.assertEqual(GRAPH_TOPICS - recorded, commands | SERVICE_TOPICS)
+        self.assertEqual(GRAPH_TOPICS - recorded, commands | SERVICE_TOPICS | IMAGING_TOPICS)
         self.assertIn(OWN_TOPIC, recorded)
         # Playing a recording beside a robot must not move it.
         self.assertFalse(recorded & commands)
@@ -260,7 +263,7 @@ class WholeSurveyTest(unittest.TestCase):
     def test_4b_an_annotation_is_stored_at_the_start_and_changed_during_and_after_it(self):
         annotate = rospy.ServiceProxy("annotate_survey", AnnotateSurvey)
         wrong = Annotation(has_position=True, latitude_deg=91.0)
-        refused = self.client.start(wrong)
+        refused = self.client.start(annotation=wrong)
         self.assertFalse(refused.success)
         self.assertIn("latitude is 91 deg; it must lie between -90 and 90", refused.message)
         at_start = Annotation(operator="Lucía Peña", site="El Carmen", notes="dry\nsoil")
@@ -293,6 +296,32 @@ class WholeSurveyTest(unittest.TestCase):
             found = verify_survey(folder)
             self.assertEqual((found.status, found.faults), (0, []))
         self.assertIn("complete and intact", str(found.verdict))
+
+    def test_4c_markers_are_stored_during_and_after_a_survey_that_refines_another(self):
+        mark = rospy.ServiceProxy("mark_survey", MarkSurvey)
+        coarse = str(uuid.uuid4())
+        self.assertFalse(self.client.start(refines="../x").success)
+        survey_id = self.client.begin(refines=coarse, x_stop_mm=300.0)
+        self.client.wait_for_visited(1)
+        folder = self.client.folder(survey_id)
+        first, second = str(uuid.uuid4()), str(uuid.uuid4())
+        place = {"x_mm": 12.5, "y_mm": 15.0, "has_depth": True, "depth_mm": 80.0}
+        answer = mark(marker_id=first, text="metal", author="Lucía Peña", **place)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual((answer.survey_id, answer.path), (survey_id, str(folder)))
+        description = json.loads((folder / "survey.json").read_text())
+        self.assertEqual(description["refines"], coarse)
+        self.assertEqual(json.loads(answer.markers_json), description["markers"])
+        self.client.wait_for_status(ControlStatus.FINISHED)
+        self.assertTrue(mark(survey=survey_id, marker_id=second, **place).success)
+        self.assertTrue(mark(survey=folder.name, marker_id=first, remove=True).success)
+        present = present_markers(json.loads((folder / "survey.json").read_text()))
+        self.assertEqual([one.marker_id for one in present], [second])
+        found = verify_survey(folder)
+        self.assertEqual((found.status, found.faults), (0, []))
+        refused = mark(survey=survey_id, marker_id=str(uuid.uuid4()), x_mm=float("nan"))
+        self.assertFalse(refused.success)
+        self.assertIn("X is nan mm", refused.message)
 
     def annotation(self, folder):
         return json.loads((folder / "survey.json").read_text())["annotation"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import h5py
 import pytest
@@ -17,8 +18,11 @@ from gpr20_analysis.verify import main as gpr20_verify
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 
 ALL = len(POINTS)
-EXAMPLE = Annotation("Lucía Peña", "El Carmen", "wet\nsoil", Wgs84Position(4.60283, -74.06514))
-OPTIONS = ["--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
+EXAMPLE = Annotation(
+    "Lucía Peña", "El Carmen", "wet\nsoil", Wgs84Position(4.60283, -74.06514), name="Carmen 3"
+)
+NAME = ["--name", "Carmen 3"]
+OPTIONS = [*NAME, "--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
 POSITION = ["--position", "4.60283, -74.06514"]
 
 
@@ -39,17 +43,18 @@ def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
     assert annotate(folder, *OPTIONS, *POSITION) == 0
     assert stored(folder) == EXAMPLE
     assert annotate(folder, "--site", "") == 0
-    assert stored(folder) == Annotation("Lucía Peña", "", "wet\nsoil", EXAMPLE.position)
+    assert stored(folder) == replace(EXAMPLE, site="")
     assert annotate(folder, "--no-position", "--site", "here") == 0
-    assert stored(folder) == Annotation("Lucía Peña", "here", "wet\nsoil")
+    assert stored(folder) == replace(EXAMPLE, site="here", position=None)
     assert gpr20_verify([str(folder)]) == 0
     capsys.readouterr()
     before = (folder / "survey.json").read_bytes()
     assert annotate(folder) == 0
     printed = capsys.readouterr().out.splitlines()
-    assert [line.split(maxsplit=1)[-1] for line in printed[:2]] == ["Lucía Peña", "here"]
-    assert printed[3] == f"{'':24}soil"
-    assert printed[4].endswith("-")
+    assert printed[0].endswith("Carmen 3")
+    assert [line.split(maxsplit=1)[-1] for line in printed[1:3]] == ["Lucía Peña", "here"]
+    assert printed[4] == f"{'':24}soil"
+    assert printed[5].endswith("-")
     assert (folder / "survey.json").read_bytes() == before
 
 
@@ -115,6 +120,7 @@ def test_what_is_no_survey_is_refused(tmp_path, capsys, name):
 def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
     annotate(folder, *OPTIONS, *POSITION, "--heading", "37.5")
     expected = {
+        "survey_name": "Carmen 3",
         "operator": "Lucía Peña",
         "site": "El Carmen",
         "survey_notes": "wet\nsoil",
@@ -124,6 +130,7 @@ def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
     capsys.readouterr()
     assert main(["info", str(folder), "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
+    assert printed["survey name"] == "Carmen 3"
     assert printed["operator"] == "Lucía Peña"
     assert printed["survey notes"] == "wet\nsoil"
     assert printed["WGS 84 position"] == "4.60283, -74.06514"

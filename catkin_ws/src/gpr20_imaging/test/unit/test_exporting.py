@@ -1,6 +1,7 @@
 import errno
 import hashlib
 import os
+import subprocess
 import threading
 import zipfile
 
@@ -91,6 +92,47 @@ def test_no_file_has_its_name_when_the_stick_fails(
     with pytest.raises(ExportFailedError, match="full|removed|too large"):
         exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), Cancellation())
     assert files_of(stick) == []
+
+
+@pytest.fixture
+def small_stick(sticks):
+    """A stick with a file system of its own of 3 MB."""
+    path = sticks.plug_in("SMALL")
+    done = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(path)], stderr=subprocess.PIPE
+    )
+    if done.returncode:
+        pytest.skip(f"no file system can be mounted: {done.stderr.decode().strip()}")
+    yield path
+    subprocess.run(["umount", "--lazy", str(path)], check=True)
+
+
+def test_a_file_system_that_becomes_full_keeps_only_whole_files(tmp_path, exporter, small_stick):
+    folder = store_survey(tmp_path / "data")
+    (folder / "survey.bag").write_bytes(os.urandom(5_000_000))
+    wanted = (ExportKind.REPORT_HTML, ExportKind.SURVEY_ZIP)
+    with pytest.raises(ExportFailedError, match="is full"):
+        exporter.export(request_for(folder, small_stick, *wanted), Cancellation())
+    left = files_of(small_stick)
+    assert [one.split("SIMULATED_")[1] for one in left] == ["report.html", "report.html.sha256"]
+
+
+def test_a_file_system_that_goes_away_is_noticed(
+    tmp_path, exporter, sticks, small_stick, monkeypatch
+):
+    folder = store_survey(tmp_path / "data")
+    real = stick_files.copy_file
+
+    def copy(source, target):
+        real(source, target)
+        subprocess.run(["umount", "--lazy", str(small_stick)], check=True)
+
+    monkeypatch.setattr(stick_files, "copy_file", copy)
+    # It is still listed, as another device: that of the folder below.
+    with pytest.raises(ImagingError, match="replaced"):
+        exporter.export(request_for(folder, small_stick, ExportKind.REPORT_HTML), Cancellation())
+    assert files_of(small_stick) == []
+    subprocess.run(["mount", "-t", "tmpfs", "tmpfs", str(small_stick)], check=True)
 
 
 def test_a_full_stick_is_refused_before_anything_is_written(

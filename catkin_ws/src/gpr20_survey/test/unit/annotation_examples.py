@@ -11,6 +11,7 @@ EXAMPLE = Annotation(
     "Vereda El Carmen, parcela 3",
     "Suelo húmedo.\nEstaca norte = origen.",
     Wgs84Position(4.60283, -74.06514),
+    name="El Carmen 3",
 )
 
 # All characters that can be shown: neither controls, halves of characters nor separators of lines.
@@ -21,13 +22,17 @@ _SHOWN = st.characters(
 names = st.text(_SHOWN, max_size=200)
 notes = st.text(st.one_of(_SHOWN, st.just("\n")), max_size=4000)
 positions = st.builds(Wgs84Position, st.floats(-90.0, 90.0), st.floats(-180.0, 180.0))
-annotations = st.builds(Annotation, names, names, notes, st.one_of(st.none(), positions))
+annotations = st.builds(
+    Annotation, names, names, notes, st.one_of(st.none(), positions), name=names
+)
 
 REFUSED = (
     ({"operator": "a" * 201}, "operator has 201 characters; at most 200 are allowed"),
+    ({"name": "a" * 201}, "name has 201 characters"),
     ({"site": "a" * 201}, "site has 201 characters"),
     ({"notes": "a" * 4001}, "notes has 4001 characters; at most 4000"),
     ({"operator": "a\nb"}, "operator holds U\\+000A at character 2, which cannot be shown"),
+    ({"name": "a\nb"}, "name holds U\\+000A"),
     ({"site": "\x1b[2J"}, "site holds U\\+001B at character 1"),
     ({"notes": "a\rb"}, "notes holds U\\+000D"),
     ({"notes": "half \ud83d"}, "notes holds U\\+D83D"),

@@ -21,6 +21,7 @@ from gpr20_survey.plan.annotation import (
     from_fields,
     from_values,
     keeping_heading,
+    position_from_text,
 )
 
 
@@ -52,6 +53,12 @@ def test_an_older_survey_has_an_empty_annotation():
     assert annotation_of({"format": "gpr20-survey/1"}) == EMPTY == Annotation()
 
 
+def test_a_survey_from_before_there_were_names_is_read():
+    older = {"operator": "Ana", "site": "El Carmen", "notes": "", "position": None}
+    assert from_values(older) == Annotation("Ana", "El Carmen")
+    assert Annotation("Ana", "El Carmen").values() == older
+
+
 @pytest.mark.parametrize(
     "values",
     [
@@ -63,6 +70,7 @@ def test_an_older_survey_has_an_empty_annotation():
         {**EXAMPLE.values(), "position": {"latitude_deg": 1.0}},
         {**EXAMPLE.values(), "position": {"latitude_deg": 100.0, "longitude_deg": 1.0}},
         {**EXAMPLE.values(), "operator": 1},
+        {**EXAMPLE.values(), "name": None},
     ],
 )
 def test_an_entry_of_survey_json_that_is_none_is_refused(values):
@@ -70,8 +78,9 @@ def test_an_entry_of_survey_json_that_is_none_is_refused(values):
         from_values(values)
 
 
-def test_empty_fields_take_the_defaults_but_notes_have_none():
-    defaults = Annotation("robot's", "its site", "of another survey", Wgs84Position(1.0, 2.0))
+def test_empty_fields_take_the_defaults_but_name_and_notes_have_none():
+    place = Wgs84Position(1.0, 2.0)
+    defaults = Annotation("robot's", "its site", "of another survey", place, name="another")
     assert EMPTY.with_defaults(defaults) == Annotation("robot's", "its site", "", defaults.position)
     assert EXAMPLE.with_defaults(defaults) == EXAMPLE
     assert EXAMPLE.with_defaults(EMPTY) == EXAMPLE
@@ -97,3 +106,10 @@ def test_a_heading_that_is_no_direction_is_refused(heading_deg):
 
 def test_a_damaged_former_annotation_has_no_heading():
     assert keeping_heading(EXAMPLE, {"annotation": {"site": 5}}) == EXAMPLE
+
+
+@pytest.mark.parametrize(
+    "text", ["4.5,-74.25", "4.5; -74.25", "4,5; -74,25", " 4.50 , -74.250 ", "4,5;-74.25"]
+)
+def test_a_position_is_read_with_decimal_points_and_commas(text):
+    assert position_from_text(text) == Wgs84Position(4.5, -74.25)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import statistics
 import time
 import unittest
@@ -28,6 +29,7 @@ from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import Command, ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.mid.map_coverage import StopState
+from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.survey_arguments import parse_arguments
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.views.main_window import TabName
@@ -195,15 +197,19 @@ class Traces(unittest.TestCase):
         self.assertTrue(past.table.item(1, VERDICT).text().startswith("complete"))
         past.table.selectRow(0)
         QTest.mouseClick(past.resume, Qt.LeftButton)
-        hold = window.window.start_sheet.hold
-        QTest.mousePress(hold, Qt.LeftButton)
-        wait_until(lambda: not hold.isVisible(), "the button is held")
-        QTest.mouseRelease(hold, Qt.LeftButton)
+        self.hold(window)
         wait_until(lambda: self.code == ControlStatus.FINISHED, "it was resumed to its end")
         # The list is read again when a survey ends.
         wait_until(
             lambda: past.table.item(0, VERDICT).text().startswith("complete"), "it is complete"
         )
+
+    def hold(self, window: Window) -> None:
+        """Hold the button of the summary, until what it says is requested."""
+        hold = window.window.start_sheet.hold
+        QTest.mousePress(hold, Qt.LeftButton)
+        wait_until(lambda: not hold.isVisible(), "the button is held")
+        QTest.mouseRelease(hold, Qt.LeftButton)
 
     def test_4_a_past_survey_is_opened(self) -> None:
         window = self.window(TabName.SURVEYS)
@@ -226,6 +232,18 @@ class Traces(unittest.TestCase):
         wait_until(lambda: done.text() == "Done: 12", "the map is that of the new survey")
         self.warned.assert_not_called()
 
+    def test_4b_its_focused_image_comes_from_the_node_beside_the_data(self) -> None:
+        window = self.window(TabName.RADAR)
+        imaging = window.window.surveys_binding.export.model
+        radar = window.window.radar.presenter
+        wait_until(lambda: window.traces.shown.radar.count == 24, "the last survey is shown")
+        wait_until(lambda: radar.image is not None, "its image is there")
+        assert radar.image is not None
+        self.assertEqual(radar.image.levels_db.shape[1:], (3, 4))
+        self.assertEqual((radar.image.traces, radar.image.simulated), (24, True))
+        imaging.look_for_sticks()
+        wait_until(lambda: imaging.computer == socket.gethostname(), "the node lists the sticks")
+
     def test_5_what_names_no_survey_is_refused(self) -> None:
         for name in ("", "../..", "/etc/passwd", "20260921T141320_0f8fad5b"):
             answer = self.services["read_traces"](name, 0, 1)
@@ -241,6 +259,47 @@ class Traces(unittest.TestCase):
         wait_until(lambda: self.warned.called, "it is reported")
         self.assertIn("the trace is refused", str(self.warned.call_args[0][1]))
         self.assertEqual(window.traces.live.radar.given_up, {})
+
+    def test_7_a_marked_place_is_measured_finer_and_both_surveys_know_each_other(self) -> None:
+        window = self.window(TabName.MAP)
+        view, additions = window.window.map, window.window.additions
+        self.start(4)
+        wait_until(lambda: self.code == ControlStatus.SURVEYING, "the survey is measuring")
+        wait_until(lambda: window.traces.shown.map.grid is not None, "its plan is here")
+        view.select_stop(Stop(1, 2))
+        QTest.mouseClick(view.set_marker, Qt.LeftButton)
+        pad = window.window.map_binding.note_pad
+        pad.press("metal")
+        pad.accept_button.click()
+        wait_until(lambda: len(additions.markers) == 1, "the storage has the marker")
+        other = self.window(TabName.MAP)
+        wait_until(lambda: other.window.additions.markers == additions.markers, "others see it")
+        wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
+        coarse = window.traces.shown.survey_id
+
+        finer = window.window.map_binding.finer
+        wait_until(lambda: not window.window.survey.snapshot.running, "the window knows that")
+        view.select_stop(Stop(1, 2))
+        QTest.mouseClick(view.finer, Qt.LeftButton)
+        for _ in range(20):
+            QTest.mouseClick(finer.wider, Qt.LeftButton)
+        QTest.mouseClick(finer.use, Qt.LeftButton)
+        self.assertEqual(self.code, ControlStatus.FINISHED)
+        self.assertEqual(window.window.control.parameters.frequency_points, 201)
+        wait_until(window.window.control.start.isEnabled, "START can be pressed")
+        QTest.mouseClick(window.window.control.start, Qt.LeftButton)
+        self.hold(window)
+        wait_until(lambda: window.traces.shown.survey_id not in ("", coarse), "it has begun")
+        wait_until(lambda: self.code == ControlStatus.FINISHED, "the finer survey has ended")
+
+        def related() -> list:
+            return [(one.survey_id, one.is_finer) for one in additions.related]
+
+        wait_until(lambda: related() == [(coarse, False)], "it knows what it refines")
+        fine = window.traces.shown.survey_id
+        window.traces.open_survey(coarse)
+        wait_until(lambda: related() == [(fine, True)], "the coarse one knows the finer one")
+        self.assertEqual([one.text for one in additions.markers], ["metal"])
 
 
 if __name__ == "__main__":

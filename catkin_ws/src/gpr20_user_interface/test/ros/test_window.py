@@ -17,6 +17,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_msgs.srv import Command, CommandResponse
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.survey_model import SurveyModel
 
 
@@ -46,7 +47,7 @@ class Window(WindowCase):
         self.assertEqual(self.window.status.progress.thousandths, 388)
         self.assertIn("less than 1 min left", self.window.status.progress.text)
         self.assertTrue(self.window.top_bar.simulated.isVisible())
-        self.assertFalse(self.window.control.form.isEnabled())
+        self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
         wait_until(lambda: self.enabled() == "stop pause", "PAUSE is unlocked")
         self.keep_picture("surveying")
         self.fake.may_stop.clear()
@@ -61,7 +62,7 @@ class Window(WindowCase):
 
     def test_notes_written_with_a_finger_go_with_the_start(self) -> None:
         sheet = self.window.annotation
-        self.touch(self.window.control.notes)
+        self.touch_notes()
         self.touch(sheet.fields["operator"])
         sheet.text_pad.press("Lucía Peña")
         self.touch(sheet.text_pad.accept_button)
@@ -107,7 +108,7 @@ class Window(WindowCase):
         self.fake.describe_robot()
         self.enter("x_stop_mm", "700")
         wait_until(lambda: self.enabled() == "", "START is locked")
-        self.assertIn("from 0 to 650", self.window.control.problems.toPlainText())
+        self.assertIn("from 0 to 650", self.window.control.start.problem.whole)
         self.enter("x_stop_mm", "650")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
 

@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import os
+import random
 import signal
 import subprocess
 import sys
+import time
 import unittest
+from typing import Optional
 
 import rosnode
 import rospkg
@@ -18,6 +21,11 @@ from virtual_screen import VirtualScreen
 from waiting import LIMIT_S, wait_until
 
 from gpr20_msgs.msg import ControlStatus
+
+NO_DISPLAY, DISPLAY_LOST = 3, 4
+# Ended by the signal: before it could take it, or after.
+NO_CRASH = (0, 1, NO_DISPLAY, DISPLAY_LOST, -signal.SIGTERM)
+LOST_DISPLAYS = int(os.environ.get("GPR20_LOST_DISPLAYS", "6"))
 
 
 def is_on_graph() -> bool:
@@ -62,7 +70,44 @@ class Program(unittest.TestCase):
         self.assertIn("language is 'fr'; it must be one of en (English), es (Español)", output)
         self.assertNotIn("Traceback", output)
 
-    def program(self, *arguments: str) -> subprocess.Popen:
+    def test_without_a_display_it_says_how_to_run_without_a_window(self) -> None:
+        for display in ("", ":4711"):
+            process = self.program(display=display)
+            output, _ = process.communicate(timeout=LIMIT_S)
+            self.assertEqual(process.returncode, NO_DISPLAY, output)
+            said = [line for line in output.splitlines() if "QStandardPaths" not in line]
+            self.assertEqual(len(said), 1, output)
+            self.assertIn("ui:=false", said[0])
+
+    def test_it_waits_for_a_display_where_the_launch_says_so(self) -> None:
+        process = self.program("--wait-for-display", display=":4711")
+        line = process.stdout.readline()
+        self.assertIn("ui:=false", line)
+        process.terminate()
+        output, _ = process.communicate(timeout=LIMIT_S)
+        self.assertEqual((process.returncode, output), (-signal.SIGTERM, ""))
+
+    def test_a_display_that_is_lost_never_crashes_it(self) -> None:
+        draw = random.Random(20261122)
+        for number in range(LOST_DISPLAYS):
+            lost = VirtualScreen()
+            process = self.program(display=lost.name)
+            if number % 2:
+                wait_until(is_on_graph, "the node is on the graph")
+            # At any moment: while it starts, while it is shown.
+            time.sleep(draw.uniform(0.0, 0.8))
+            ends = [lost.kill, process.terminate][: draw.choice((1, 2))]
+            draw.shuffle(ends)
+            for end in ends:
+                end()
+            output, _ = process.communicate(timeout=LIMIT_S)
+            lost.close()
+            self.assertIn(process.returncode, NO_CRASH, output)
+            for trouble in ("Traceback", "Segmentation", "Aborted"):
+                self.assertNotIn(trouble, output)
+            wait_until(lambda: not is_on_graph(), "the node has left the graph")
+
+    def program(self, *arguments: str, display: Optional[str] = None) -> subprocess.Popen:
         folder = rospkg.RosPack().get_path("gpr20_user_interface")
         path = os.path.join(folder, "nodes", "user_interface")
         process = subprocess.Popen(
@@ -70,6 +115,7 @@ class Program(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             universal_newlines=True,
+            env=os.environ if display is None else {**os.environ, "DISPLAY": display},
         )
         self.addCleanup(lambda: process.poll() is None and process.kill())
         return process

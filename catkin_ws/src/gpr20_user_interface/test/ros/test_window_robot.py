@@ -21,8 +21,10 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.robot_health import AlarmKind
 from gpr20_user_interface.views.hold_button import HoldButton
+from gpr20_user_interface.views.key_block import DOWN, STEP
 from gpr20_user_interface.views.main_window import TabName
 
 
@@ -42,36 +44,37 @@ class WindowOnRobot(WindowCase):
         return 0 if progress is None else progress.visited_points
 
     def arrow(self, name: str, direction: str, times: int) -> None:
+        self.open_field(name)
         for _ in range(times):
-            self.touch(getattr(self.window.control.form.field(name), direction))
+            self.window.values.keys.press(direction)
+        self.close_sheet()
 
     def enter_with_arrows(self) -> None:
         """3 x 3 stops on 50..130 mm, 51 frequencies."""
         control = self.window.control
-        self.touch(control.step_button(1))
-        self.arrow("x_points", "down", 2)
-        self.arrow("y_points", "down", 2)
-        self.touch(control.step_button(10))
-        self.arrow("x_stop_mm", "down", 2)
-        self.arrow("y_stop_mm", "down", 2)
-        self.touch(control.step_button(100))
-        self.arrow("frequency_points", "down", 4)
-        self.touch(control.step_button(10))
-        self.arrow("frequency_points", "down", 5)
+        self.arrow("x_points", DOWN, 2)
+        self.arrow("y_points", DOWN, 2)
+        self.arrow("x_stop_mm", STEP, 1)
+        self.arrow("x_stop_mm", DOWN, 2)
+        self.arrow("y_stop_mm", DOWN, 2)
+        self.arrow("frequency_points", STEP, 1)
+        self.arrow("frequency_points", DOWN, 4)
+        self.arrow("frequency_points", STEP, 2)
+        self.arrow("frequency_points", DOWN, 5)
         parameters = control.parameters
         self.assertEqual((parameters.x_points, parameters.y_points), (3, 3))
         self.assertEqual((parameters.x_stop_mm, parameters.frequency_points), (130.0, 51))
 
     def test_survey_is_entered_started_paused_resumed_and_finished_with_a_finger(self) -> None:
         self.enter_with_arrows()
-        figures = self.window.control.preview.figures
-        wait_until(lambda: "—" not in self.window.control.preview.figures, "time is estimated")
-        self.assertEqual(figures[:2], ("18", "40, 40 mm"))
+        sheet = self.window.control_binding.figures
+        wait_until(lambda: "—" not in sheet.figures, "time is estimated")
+        self.assertEqual((sheet.figures[0], sheet.figures[4]), ("18", "40, 40 mm"))
         self.keep_picture("robot_control")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
         self.assertTrue(self.window.top_bar.simulated.isVisible())
-        self.assertFalse(self.window.control.form.isEnabled())
+        self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.click("pause")
         wait_until(lambda: self.title() == "PAUSED", "the survey pauses")
@@ -105,7 +108,7 @@ class WindowOnRobot(WindowCase):
 
     def test_notes_are_written_before_during_and_after_a_survey(self) -> None:
         self.enter_with_arrows()
-        self.touch(self.window.control.notes)
+        self.touch_notes()
         self.write_note("operator", "Ana Peña")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")

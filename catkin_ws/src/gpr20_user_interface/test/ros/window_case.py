@@ -7,7 +7,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional, Type
+from typing import Any, Callable, Dict, Mapping, Optional, Type
 
 import rospy
 import rostest
@@ -15,13 +15,14 @@ import waiting
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication, QWidget
+from PyQt5.QtWidgets import QApplication, QLineEdit, QWidget
 from virtual_screen import VirtualScreen
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES, Tile
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Refusal, SurveyModel
 from gpr20_user_interface.views.translation import Languages
@@ -33,9 +34,19 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
 
 
 def new_interface(model: SurveyModel, languages: Languages) -> UserInterface:
-    """Return a window that is connected to the graph, as the program makes it."""
+    """Return a window that is connected to the graph; it remembers nothing of another one."""
     folder = Path(tempfile.gettempdir()) / "gpr20_no_profiles"
-    return UserInterface(model, languages, Profiles(ProfileFolder(folder)))
+    return UserInterface(model, languages, Profiles(ProfileFolder(folder)), NoSettings())
+
+
+class NoSettings:
+    """Settings that are not kept."""
+
+    def read(self) -> Dict[str, Any]:
+        return {}
+
+    def write(self, values: Mapping[str, Any]) -> None:
+        pass
 
 
 class WatchedModel(SurveyModel):
@@ -72,9 +83,38 @@ class WindowCase(unittest.TestCase):
         return self.window.status.message.title
 
     def enter(self, name: str, text: str) -> None:
-        edit = self.window.control.form.edit(name)
+        edit = self.open_field(name)
         edit.selectAll()
         QTest.keyClicks(edit, text)
+        self.close_sheet()
+
+    def open_field(self, name: str) -> QLineEdit:
+        """Open the sheet of the tile on which a field is, and choose the field."""
+        tile = next(one for one in VALUE_TILES if name in TILE_FIELDS[one])
+        wait_until(lambda: self.opened(tile), "the sheet opens")
+        self.window.values.choose(name)
+        return self.window.values.fields[name]
+
+    def opened(self, tile: Tile) -> bool:
+        # No touch is taken for a moment after something has closed.
+        if self.window.job.plan.isVisible():
+            self.touch(self.window.job.plan)
+        elif not self.window.values.isVisible():
+            self.touch(self.window.control.tiles[tile])
+        return self.window.values.isVisible()
+
+    def close_sheet(self) -> None:
+        def closed() -> bool:
+            if self.window.values.isVisible():
+                self.touch(self.window.values.done)
+            return not self.window.values.isVisible()
+
+        wait_until(closed, "the sheet closes")
+
+    def touch_notes(self) -> None:
+        """Open the notes: of the next survey on CONTROL, of a running one on its job screen."""
+        job = self.window.job
+        self.touch(job.notes if job.notes.isVisible() else self.window.control.tiles[Tile.NAME])
 
     def touch(self, widget: QWidget) -> None:
         QTest.mouseClick(widget, Qt.LeftButton)

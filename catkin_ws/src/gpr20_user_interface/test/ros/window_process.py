@@ -20,6 +20,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.mid.map_coverage import StopState
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.views.translation import Languages
 
@@ -39,7 +40,7 @@ def shown(interface: UserInterface) -> str:
             if counts is None
             else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
             "parameters": str(parameters_message(control.parameters)),
-            "locked": not control.form.isEnabled(),
+            "locked": not control.tiles[Tile.AREA].isEnabled(),
             "replay": bar.replay.title.text() if bar.replay.isVisible() else "",
             "survey": bar.replay.message.whole,
             "stop": bar.stop.isVisible() and bar.stop.isEnabled(),

@@ -101,3 +101,25 @@ def test_images_of_finer_surveys_are_kept_but_not_without_end(additions):
         additions.on_event(ImageFocused(focused(survey_id=str(number))))
     assert additions.candidates == (SURE, DOUBTED)
     assert additions.finer_images == ()
+
+
+def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
+    asked = []
+    additions = AdditionsPresenter(storage, str, lambda *wanted: asked.append(wanted))
+    additions.follow(SURVEY, can_read=True)
+    additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
+    additions.focus_finer()
+    assert additions.laid_image is None
+    coarse = focused()
+    additions.on_event(ImageFocused(coarse))
+    assert additions.laid_image is coarse
+    for _ in range(3):
+        additions.focus_finer()
+    assert asked == [(FINER, coarse.permittivity)]
+    fine = focused(survey_id=FINER)
+    fine.levels_db[:] = 20.0
+    additions.on_event(ImageFocused(fine))
+    laid = additions.laid_image
+    assert laid.survey_id == SURVEY
+    assert laid.levels_db.max() == 20.0
+    assert additions.laid_image is laid

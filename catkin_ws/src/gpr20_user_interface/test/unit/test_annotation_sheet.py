@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 pytest.importorskip("PyQt5")
@@ -27,6 +29,7 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, ControlState, Request
 from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.trace_events import (
     AnnotationFailed,
     AnnotationRead,
@@ -81,6 +84,7 @@ def write(sheet, name, text):
 
 
 def write_example(sheet):
+    write(sheet, "name", EXAMPLE.name)
     write(sheet, "operator", EXAMPLE.operator)
     write(sheet, "site", EXAMPLE.site)
     write(sheet, "notes", EXAMPLE.notes)
@@ -93,7 +97,7 @@ def started(window):
 
 
 def test_what_is_written_with_fingers_goes_into_the_next_survey(window, sheet):
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     write_example(sheet)
     click(sheet.save)
     assert not sheet.isVisible()
@@ -101,21 +105,23 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey(window, sheet):
     assert window.survey.annotations == [EXAMPLE]
 
 
-def test_operator_and_site_stay_for_the_survey_after_that(window, sheet):
-    click(window.control.notes)
+def test_operator_and_site_stay_for_the_survey_after_that_which_gets_the_next_name(window, sheet):
+    click(window.control.tiles[Tile.NAME])
     write_example(sheet)
     click(sheet.save)
     started(window)
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     assert sheet.fields["operator"].text() == EXAMPLE.operator
     assert {sheet.fields[name].text() for name in ("latitude", "longitude", "notes")} == {""}
     click(sheet.save)
     start(window)
-    assert window.survey.annotations == [Annotation(EXAMPLE.operator, EXAMPLE.site)]
+    assert window.survey.annotations == [
+        Annotation(EXAMPLE.operator, EXAMPLE.site, name="El Carmen 4")
+    ]
 
 
 def test_a_refused_start_keeps_the_notes(window, sheet):
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     write(sheet, "notes", "wet")
     click(sheet.save)
     window.on_event(Answer(Request.START, False, verbatim("refused")))
@@ -123,7 +129,7 @@ def test_a_refused_start_keeps_the_notes(window, sheet):
 
 
 def test_closing_without_saving_changes_nothing(window, sheet):
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     write(sheet, "operator", "Ana")
     click(sheet.close_button)
     assert window.control_binding.next_annotation.value == EMPTY
@@ -144,14 +150,14 @@ def test_the_defaults_of_the_robot_fill_what_is_empty(window):
     ],
 )
 def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet, name, text, reason):
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     write(sheet, name, text)
     assert not sheet.save.isEnabled()
     assert sheet.problem.text().startswith(reason)
 
 
 def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     QTest.mouseClick(sheet.fields["operator"], Qt.LeftButton)
     pad = sheet.text_pad
     pad.edit.insertPlainText("a" * 201)
@@ -162,7 +168,7 @@ def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
 
 
 def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     QTest.mouseClick(sheet.fields["operator"], Qt.LeftButton)
     QTest.keyClicks(sheet.text_pad.edit, "Ana")
     QTest.keyClick(sheet.text_pad.edit, Qt.Key_Return)
@@ -176,13 +182,13 @@ def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):
 
 def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, sheet):
     show(window, RUNS)
-    click(window.control.notes)
+    click(window.control.tiles[Tile.NAME])
     assert storage.asked[-1] == ("annotation", SURVEY)
     window.on_event(AnnotationRead(SURVEY, EXAMPLE))
     assert sheet.fields["notes"].text() == EXAMPLE.notes
     write(sheet, "notes", "!")
     click(sheet.save)
-    changed = Annotation(EXAMPLE.operator, EXAMPLE.site, EXAMPLE.notes + "!", EXAMPLE.position)
+    changed = replace(EXAMPLE, notes=EXAMPLE.notes + "!")
     assert storage.asked[-1] == ("annotate", SURVEY, changed)
     assert sheet.isVisible()
     window.on_event(AnnotationStored(SURVEY))

@@ -1,15 +1,18 @@
+"""CONTROL: the plan in tiles, the sheets of the tiles, and why START is locked."""
+
 from dataclasses import replace
 
 import pytest
-from PyQt5.QtWidgets import QLabel
+from PyQt5.QtTest import QTest
 from window_helpers import (
     application,
     click,
     enter,
-    hold_to_start,
+    open_field,
     show,
     snapshot,
     start,
+    tile_of,
     window,
     wishes,
 )
@@ -18,13 +21,12 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.mid.events import Request, RobotDefaults
-from gpr20_user_interface.mid.parameter_form import (
-    ANALYZER_FIELDS,
-    FIELDS,
-    default_parameters,
-)
+from gpr20_user_interface.mid.parameter_form import ANALYZER_FIELDS, FIELDS, default_parameters
+from gpr20_user_interface.mid.plan_form import PERMITTIVITY, X_SPACING, Y_SPACING
+from gpr20_user_interface.mid.plan_tiles import VALUE_TILES, Tile
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.survey_preview import preview
+from gpr20_user_interface.views.key_block import CLEAR, DOWN, ERASE, STEP, UP
 
 __all__ = ["application", "window"]
 
@@ -36,74 +38,125 @@ ARROW_FIELDS = [
 
 
 def text(window, name):
-    return window.control.form.edit(name).text()
+    return window.control.form.texts[name]
+
+
+def lines(window, tile):
+    return tuple(line.whole for line in window.control.tiles[tile].lines if line.whole)
+
+
+def press(window, keys):
+    """Touch keys of the open sheet, one after the other."""
+    for key in keys:
+        window.values.keys.press(key)
 
 
 def test_start_carries_what_the_operator_entered(window):
     received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
     enter(window, "x_points", "7")
-    enter(window, "start_frequency_hz", "700.5")
-    for number, part in enumerate(("10", "0", "7", "23")):
-        window.control.form.octet(number).setText(part)
+    enter(window, "start_frequency_hz", "700,5")
+    enter(window, "vna_address", "10.0.7.23")
     start(window)
     assert received[0].vna_address == "10.0.7.23"
     assert (received[0].x_points, received[0].start_frequency_hz) == (7, 700.5e6)
 
 
-def test_a_replay_offers_no_notes(window):
-    replayed = snapshot(SurveyState.SURVEYING)
-    for replay in (ReplayView(ReplayMark(), True, SurveyState.SURVEYING), None):
-        show(window, replace(replayed, replay=replay))
-        assert window.control.notes.isEnabled() is (replay is None)
+def test_the_tiles_show_todays_values(window):
+    show(window, snapshot(SurveyState.IDLE))
+    assert lines(window, Tile.AREA) == ("X 50 - 150", "Y 50 - 150")
+    assert lines(window, Tile.SPACING) == ("25 mm", "5 x 5 points")
+    assert lines(window, Tile.FREQUENCIES) == ("600 to 6000 MHz", "501 points")
+    assert lines(window, Tile.VNA) == ("127.0.0.1", "as set")
+    assert lines(window, Tile.SOIL) == ("Dry sand", "permittivity 4")
+    assert lines(window, Tile.ANTENNAS) == ("0, 90°", "2 traces per stop")
+    for name, value in (("if_bandwidth_hz", "1000"), ("averages", "4"), ("x_points", "11")):
+        enter(window, name, value)
+    assert lines(window, Tile.VNA) == ("127.0.0.1", "1000 Hz", "4 x")
+    assert lines(window, Tile.SPACING) == ("10 x 25 mm", "11 x 5 points")
+
+
+def test_the_points_follow_while_a_spacing_is_written(window):
+    show(window, snapshot(SurveyState.IDLE))
+    open_field(window, X_SPACING)
+    press(window, "10")
+    assert window.values.fields["x_points"].text() == "11"
+    assert window.values.fields[Y_SPACING].text() == "25"
+
+
+def test_a_touch_fills_in_an_area_or_a_spacing(window):
+    show(window, snapshot(SurveyState.IDLE))
+    click(window.control.tiles[Tile.AREA])
+    click(window.values.presets[1])
+    click(window.values.done)
+    assert lines(window, Tile.AREA) == ("X 175 - 475", "Y 250 - 550")
+    click(window.control.tiles[Tile.SPACING])
+    click(window.values.presets[1])
+    assert window.values.presets[1].isChecked()
+    click(window.values.done)
+    assert lines(window, Tile.SPACING) == ("10 mm", "31 x 31 points")
+
+
+def test_undo_brings_back_what_there_was(window):
+    show(window, snapshot(SurveyState.IDLE))
+    open_field(window, "x_start_mm")
+    press(window, "999")
+    click(window.values.presets[0])
+    click(window.values.undo)
+    click(window.values.done)
+    assert window.control.parameters == replace(default_parameters(), vna_address="127.0.0.1")
 
 
 @pytest.mark.parametrize("name", ARROW_FIELDS)
-@pytest.mark.parametrize("step", [1, 10])
-def test_arrows_change_a_field_by_the_chosen_step(window, name, step):
+def test_arrows_change_a_field_by_the_chosen_step(window, name):
     show(window, snapshot(SurveyState.IDLE))
-    window.control.form.show_text(name, "40")
-    click(window.control.step_button(step))
-    field = window.control.form.field(name)
-    click(field.up)
-    click(field.up)
-    assert text(window, name) == str(40 + 2 * step)
-    click(field.down)
-    assert text(window, name) == str(40 + step)
+    window.control.form.set_text(name, "40")
+    open_field(window, name)
+    press(window, [UP, UP])
+    assert text(window, name) == "42"
+    press(window, [STEP, UP, DOWN, DOWN])
+    assert text(window, name) == "32"
+    assert window.values.fields[name].text() == "32"
+    click(window.values.done)
+    open_field(window, name)
+    press(window, [UP])
+    assert text(window, name) == "42"  # the step is remembered
 
 
 def test_settings_of_the_vna_are_chosen_with_the_arrows_and_reach_the_survey(window):
     received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
-    form = window.control.form
-    assert [form.edit(name).placeholderText() for name in ANALYZER_FIELDS] == ["as set"] * 3
-    for _ in range(3):
-        click(form.field("if_bandwidth_hz").up)
-    click(form.field("averages").up)
-    click(form.field("output_power").up)
+    click(window.control.tiles[Tile.VNA])
+    fields = window.values.fields
+    assert [fields[name].placeholderText() for name in ANALYZER_FIELDS] == ["as set"] * 3
+    for name, times in (("if_bandwidth_hz", 3), ("averages", 1), ("output_power", 1)):
+        window.values.choose(name)
+        press(window, [UP] * times)
+    click(window.values.done)
     start(window)
     assert received[0].sweep_settings.analyzer == AnalyzerSettings(50.0, 1, "LOW")
+    click(window.control.tiles[Tile.VNA])
     for name in ANALYZER_FIELDS:
-        for _ in range(3):
-            click(form.field(name).down)
+        window.values.choose(name)
+        click(window.values.presets[0])  # AS SET
+    click(window.values.done)
     start(window)
     assert not received[1].sweep_settings.analyzer.is_known
 
 
 def test_arrows_end_where_the_axis_ends(window):
     show(window, snapshot(SurveyState.IDLE))
-    click(window.control.step_button(100))
-    for _ in range(8):
-        click(window.control.form.field("x_stop_mm").up)
+    open_field(window, "x_stop_mm")
+    press(window, [STEP, STEP] + [UP] * 8)
     assert text(window, "x_stop_mm") == "650"
-    for _ in range(8):
-        click(window.control.form.field("x_stop_mm").down)
+    press(window, [DOWN] * 8)
     assert text(window, "x_stop_mm") == "0"
 
 
 @pytest.mark.parametrize(
     ("name", "wrong", "words"),
     [
+        ("vna_address", "10.0.0.256", "four whole numbers"),
         ("start_frequency_hz", "0", "from 0.005 to 6000"),
         ("start_frequency_hz", "6000", "below the stop frequency"),
         ("stop_frequency_hz", "6000.1", "from 0.005 to 6000"),
@@ -112,56 +165,63 @@ def test_arrows_end_where_the_axis_ends(window):
         ("x_start_mm", "-1", "from 0 to 650"),
         ("x_stop_mm", "651", "from 0 to 650"),
         ("y_start_mm", "nan", "from 0 to 800"),
-        ("y_stop_mm", "800.1", "from 0 to 800"),
+        ("y_stop_mm", "800,1", "from 0 to 800"),
         ("x_points", "2", "3 or more"),
         ("y_points", "x", "3 or more"),
-        ("x_stop_mm", "49,5", "a number such as 12.5, from 0 to 650"),
         ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
         ("x_points", "90000", "at least 0.01 mm apart"),
+        (X_SPACING, "0", "above 0"),
+        (PERMITTIVITY, "100", "from 1 to 81"),
         ("polarizations_deg", "0, 91", "from -90 to 90"),
-        ("if_bandwidth_hz", "0.1", "as set on the VNA; the MS2026C has 10, 20"),
+        ("if_bandwidth_hz", "0.1", "as set on the VNA; else 1 to 1e+07"),
         ("averages", "70000", "a whole number from 1 to 65535"),
         ("output_power", "a b", "the MS2026C has LOW and HIGH"),
     ],
 )
-def test_wrong_field_turns_says_what_is_allowed_and_locks_start(window, name, wrong, words):
+def test_what_is_wrong_is_named_in_sheet_tile_and_start_which_is_locked(window, name, wrong, words):
     received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
-    edit = window.control.form.edit(name)
-    right, before = edit.text(), edit.grab().toImage().pixelColor(10, 10)
-    enter(window, name, wrong)
-    assert edit.grab().toImage().pixelColor(10, 10) != before
-    assert words in window.control.problems.toPlainText()
-    assert words in edit.toolTip()
-    assert window.control.problems.isVisible() and not window.control.preview.isVisible()
+    right = text(window, name)
+    edit = open_field(window, name)
+    assert window.values.hint.property("level") in ("", None)
+    edit.clear()
+    QTest.keyClicks(edit, wrong)
+    assert words in window.values.hint.text()
+    assert words in edit.toolTip() and edit.parent().property("wrong") is True
+    click(window.values.done)
+    tile = window.control.tiles[tile_of(name)]
+    assert words in tile.problem.text() and tile.property("level") == "wrong"
+    assert words in window.control.start.problem.text()
     start(window)
     assert received == []
     enter(window, name, right)
-    assert window.control.problems.toPlainText() == ""
+    assert not tile.problem.isVisible() and not window.control.start.problem.isVisible()
     start(window)
     assert len(received) == 1
 
 
-def test_too_many_points_in_all_turn_the_fields_of_both_axes(window):
+@pytest.mark.parametrize("tile", VALUE_TILES)
+def test_nothing_is_red_before_something_was_written(window, tile):
+    show(window, snapshot(SurveyState.IDLE))
+    click(window.control.tiles[tile])
+    for name in list(window.values.fields):
+        window.values.choose(name)
+        box = window.values.fields[name].parent()
+        assert box.property("wrong") is not True
+        press(window, [CLEAR])
+        click(window.values.undo)
+        assert box.property("wrong") is not True
+
+
+def test_too_many_points_in_all_are_said(window):
     show(window, snapshot(SurveyState.IDLE))
     for name in ("x_points", "y_points"):
         enter(window, name, "1000")
-    for name in ("x_points", "y_points"):
-        said = window.control.form.edit(name).toolTip()
-        assert "at most 1000000 traces per survey" in said
+    assert "at most 1000000 traces per survey" in window.control.start.problem.text()
     assert not window.control.start.isEnabled()
 
 
-@pytest.mark.parametrize("octet", range(4))
-@pytest.mark.parametrize("wrong", ["256", "", "x", "01"])
-def test_each_number_of_the_address_is_checked(window, octet, wrong):
-    show(window, snapshot(SurveyState.IDLE))
-    window.control.form.octet(octet).setText(wrong)
-    assert "four whole numbers" in window.control.problems.toPlainText()
-    assert not window.control.start.isEnabled()
-
-
-def test_limits_that_become_known_are_applied_to_what_stands_there(window):
+def test_limits_that_become_known_are_applied_to_what_is_planned(window):
     enter(window, "x_stop_mm", "700")
     show(window, snapshot(SurveyState.IDLE, travel=None))
     assert window.control.start.isEnabled()
@@ -169,103 +229,113 @@ def test_limits_that_become_known_are_applied_to_what_stands_there(window):
     assert not window.control.start.isEnabled()
 
 
+@pytest.mark.parametrize(
+    ("shown", "reason"),
+    [
+        (snapshot(SurveyState.IDLE, alive=False), "No contact with the robot"),
+        (snapshot(SurveyState.SURVEYING), "A survey is running"),
+        (snapshot(SurveyState.IDLE, pending=frozenset([Request.START])), "The survey is starting"),
+        (
+            snapshot(replay=ReplayView(ReplayMark(), True, SurveyState.SURVEYING)),
+            "A replay is shown",
+        ),
+    ],
+)
+def test_start_says_why_it_is_locked(window, shown, reason):
+    show(window, snapshot(SurveyState.IDLE))
+    assert window.control.start.isEnabled()
+    show(window, shown)
+    assert not window.control.start.isEnabled()
+    assert window.control.start.problem.text() == reason
+
+
 @pytest.mark.parametrize("code", list(SurveyState))
-def test_fields_are_locked_while_a_survey_runs_and_only_then(window, code):
+def test_the_plan_is_locked_while_a_survey_runs_and_only_then(window, code):
     show(window, snapshot(code))
-    assert window.control.form.isEnabled() is not code.running
+    for tile in VALUE_TILES:
+        assert window.control.tiles[tile].isEnabled() is not code.running
     assert window.control.start.isEnabled() is not code.running
-    assert window.control.pause.isEnabled() is (code in (SurveyState.SURVEYING, SurveyState.PAUSED))
+
+
+def test_a_replay_offers_no_notes(window):
+    replayed = snapshot(SurveyState.SURVEYING)
+    for replay in (ReplayView(ReplayMark(), True, SurveyState.SURVEYING), None):
+        show(window, replace(replayed, replay=replay))
+        assert window.control.tiles[Tile.NAME].isEnabled() is (replay is None)
 
 
 def test_parameters_of_a_survey_that_was_started_elsewhere_are_shown(window):
-    theirs = default_parameters()
-    theirs = type(theirs)(**{**theirs.__dict__, "x_points": 17, "vna_address": "10.1.2.3"})
+    theirs = replace(default_parameters(), x_points=17, vna_address="10.1.2.3")
     show(window, snapshot(SurveyState.SURVEYING, survey_parameters=theirs))
-    assert text(window, "x_points") == "17"
+    assert lines(window, Tile.SPACING)[1] == "17 x 5 points"
     assert window.control.parameters == theirs
 
 
-def test_keys_that_are_open_when_a_survey_begins_elsewhere_change_nothing(window):
+def test_a_sheet_that_is_open_when_a_survey_begins_elsewhere_changes_nothing(window):
     show(window, snapshot(SurveyState.IDLE))
-    click(window.control.form.edit("x_start_mm"))
+    open_field(window, "x_start_mm")
     show(window, snapshot(SurveyState.SURVEYING, survey_parameters=default_parameters()))
-    assert not window.number_pad.isVisible()
+    assert not window.values.isVisible()
     assert window.control.parameters == default_parameters()
 
 
-def test_pause_becomes_resume(window):
-    received = wishes(window)
-    show(window, snapshot(SurveyState.SURVEYING))
-    assert window.control.pause.text() == "PAUSE"
-    click(window.control.pause)
-    show(window, snapshot(SurveyState.SURVEYING, pending=frozenset([Request.PAUSE])))
-    assert not window.control.pause.isEnabled()
-    show(window, snapshot(SurveyState.PAUSED))
-    assert window.control.pause.text() == "RESUME"
-    click(window.control.pause)
-    assert received == ["pause"]
-    hold_to_start(window)
-    assert received == ["pause", "resume"]
-
-
 def test_what_the_survey_will_be_is_shown(window):
-    window.control.preview.show_preview(preview(default_parameters()))
-    assert window.control.preview.figures[:3] == ("50", "25, 25 mm", "10.8 MHz")
-    assert window.control.preview.figures[5:] == ("27.76 mm", "13.88 m", "25")
-
-
-def test_number_pad_writes_a_field_and_judges_while_it_does(window):
+    window.survey.preview = preview(default_parameters(), 4.0)
     show(window, snapshot(SurveyState.IDLE))
-    click(window.control.form.edit("x_stop_mm"))
-    pad = window.number_pad
-    assert pad.isVisible() and pad.edit.text() == "150"
-    assert pad.hint.text() == "from 0 to 650"
-    for character in "700":
-        pad.press(character)
-    assert pad.edit.property("wrong") is True
-    click(pad.erase)
-    pad.press("5")
-    assert (pad.edit.text(), pad.edit.property("wrong")) == ("705", True)
-    pad.press(",")
-    assert pad.hint.text() == "a number such as 12.5, from 0 to 650"
-    click(pad.clear)
-    for character in "600.5":
-        pad.press(character)
-    assert pad.edit.property("wrong") is False
-    assert pad.hint.text() == "from 0 to 650"
-    click(pad.accept_button)
-    assert not pad.isVisible()
-    assert text(window, "x_stop_mm") == "600.5"
+    tile = window.control.figures
+    assert tile.lines[0].whole == "50 traces"
+    assert tile.lines[1].whole == "Spacing 25 mm > λ/4 11.4 mm"
+    assert tile.property("level") == "doubtful"
+    click(tile)
+    sheet = window.control_binding.figures
+    assert sheet.figures[4:] == ("25, 25 mm", "11.4 mm", "6.94 m", "13.9 mm", "10.8 MHz", "2")
+    assert "more than λ/4" in sheet.warning.text()
+    window.survey.preview = replace(window.survey.preview, x_spacing_mm=10.0, y_spacing_mm=10.0)
+    window.refresh()
+    assert not sheet.warning.isVisible()
+    assert tile.lines[1].whole == "Depth 6.94 m, resolution 13.9 mm"
 
 
-def test_number_pad_that_is_cancelled_changes_nothing(window):
+def test_the_soil_reaches_the_preview(window):
     show(window, snapshot(SurveyState.IDLE))
-    click(window.control.form.octet(2))
-    window.number_pad.press("9")
-    click(window.number_pad.cancel)
-    assert window.control.form.octet(2).text() == "0"
-    assert not window.number_pad.isVisible()
+    click(window.control.tiles[Tile.SOIL])
+    click(window.values.presets[2])
+    click(window.values.done)
+    assert window.survey.plan[1] == 20.0
+    assert lines(window, Tile.SOIL) == ("Wet sand", "permittivity 20")
 
 
 def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses_another(window):
     configured = RobotDefaults("192.168.1.10", Site())
     show(window, snapshot(SurveyState.IDLE, defaults=None))
-    assert window.control.form.texts()["vna_address"] == ""
+    assert lines(window, Tile.VNA)[0] == "no address"
     show(window, snapshot(SurveyState.IDLE, defaults=configured))
-    assert window.control.form.texts()["vna_address"] == "192.168.1.10"
-    window.control.form.show_text("vna_address", "10.0.0.7")
+    assert lines(window, Tile.VNA)[0] == "192.168.1.10"
+    enter(window, "vna_address", "10.0.0.7")
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults("192.168.1.11", Site())))
-    assert window.control.form.texts()["vna_address"] == "10.0.0.7"
+    assert text(window, "vna_address") == "10.0.0.7"
 
 
 def test_a_visa_resource_of_the_configuration_is_shown_and_used(window):
     resource = "GPIB0::16::INSTR"
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults(resource, Site())))
-    form = window.control.form
-    assert form.texts()["vna_address"] == resource
-    assert not form.octet(0).isVisible()
-    assert resource in [label.text() for label in form.findChildren(QLabel) if label.isVisible()]
     assert window.control.parameters.vna_address == resource
-    # Parameters of a survey of a robot with an MS2026C.
-    form.show_text("vna_address", "10.0.0.7")
-    assert form.texts()["vna_address"] == "10.0.0.7" and form.octet(0).isVisible()
+    edit = open_field(window, "vna_address")
+    assert edit.text() == resource
+    press(window, ["10.", "1", ".", "2", ".", "3"])
+    click(window.values.done)
+    assert window.control.parameters.vna_address == "10.1.2.3"
+
+
+def test_erase_takes_one_character(window):
+    show(window, snapshot(SurveyState.IDLE))
+    edit = open_field(window, "x_stop_mm")
+    press(window, ["6", "0", "0", ERASE])
+    assert (edit.text(), text(window, "x_stop_mm")) == ("60", "60")
+
+
+def test_what_was_understood_is_shown_after_done(window):
+    show(window, snapshot(SurveyState.IDLE))
+    enter(window, "x_stop_mm", "600,1234")
+    assert lines(window, Tile.AREA)[0] == "X 50 - 600.12"
+    assert window.control.parameters.x_stop_mm == 600.1234

@@ -74,6 +74,8 @@ def test_a_past_survey_is_named_before_it_is_resumed():
         "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
     }
+    named = rows(resume_past_question(FOLDER, replace(survey, name="field 3")))
+    assert named["Survey"] == "field 3"
     assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}
 
 

@@ -10,7 +10,7 @@ from window_helpers import application, click, close, new_window, show, snapshot
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Answer, Request
+from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.focused_image import ImageFocused
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_geometry import Area
@@ -50,6 +50,11 @@ def filled(window):
     return window
 
 
+def in_state(code):
+    """Return what is known while the survey that is shown is in a state."""
+    return snapshot(code, state=ControlState(code, verbatim("as it is"), SURVEY, True))
+
+
 def asked(window, kind):
     return [one for one in window.traces.source.asked if one[0] == kind]
 
@@ -80,16 +85,16 @@ def test_a_finer_survey_goes_to_control_and_starts_only_there(filled):
 
 def test_a_plan_made_while_a_survey_runs_is_kept_and_found_again(filled):
     before = filled.control.parameters
-    show(filled, snapshot(SurveyState.SURVEYING))
+    show(filled, in_state(SurveyState.SURVEYING))
     choose_place(filled)
     click(filled.map.finer)
     assert "running" in filled.map_binding.finer.note.text()
     click(filled.map_binding.finer.use)
-    assert filled.tabs.currentWidget() is filled.map
+    assert filled.tabs.currentWidget() is filled.map_page
     assert filled.control.parameters == before
     assert filled.survey.finer is None
     plan = filled.additions.plan
-    show(filled, snapshot(SurveyState.FINISHED))
+    show(filled, in_state(SurveyState.FINISHED))
     filled.map.select(None)
     assert filled.map.finer.text() == "Finer\nplan"
     click(filled.map.finer)
@@ -173,8 +178,8 @@ def test_what_belongs_to_a_survey_is_read_when_it_is_shown_and_when_one_ends(win
     window.on_event(SurveyDescribed(description()))
     window.refresh()
     assert asked(window, "additions") == [("additions", SURVEY)]
-    show(window, snapshot(SurveyState.SURVEYING))
-    show(window, snapshot(SurveyState.FINISHED))
+    show(window, in_state(SurveyState.SURVEYING))
+    show(window, in_state(SurveyState.FINISHED))
     assert len(asked(window, "additions")) == 3
 
 

@@ -20,7 +20,10 @@ from gpr20_user_interface.views.translation import Languages
 __all__ = ["application"]
 
 # How sheets call the buttons that close them.
-CLOSING = ("accept_button", "cancel", "close_button", "load", "save")
+CLOSING = (
+    *("accept_button", "cancel", "close_button", "done", "drop", "load", "save", "show_button"),
+    *("undo", "use"),
+)
 SIZES = [(480, 320), (800, 480), (1280, 800)]
 
 

@@ -1,5 +1,7 @@
 """Every tab shows the survey that runs; another one says that it is another one."""
 
+import dataclasses
+
 import pytest
 from view_kit import SURVEY, description, make_grid, trace_at
 from window_helpers import Storage, snapshot
@@ -114,6 +116,14 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     assert str(traces.band.text) == f"PAST SURVEY: {started}, 7c9e6679"
     traces.show_live()
     assert traces.band is None
+
+
+def test_a_past_survey_is_called_by_its_name(traces):
+    (listed,) = traces.past.surveys
+    named = dataclasses.replace(listed, name="field 3, east")
+    traces.on_event(SurveysListed("", (named,), False))
+    open_past(traces)
+    assert str(traces.band.text).endswith(", field 3, east")
 
 
 def test_a_past_survey_that_is_opened_during_a_survey_says_that_it_is_not_that_one(traces):

@@ -49,7 +49,7 @@ def test_defaults_can_be_started():
         ("vna_address", "10.0.7", Rule.ADDRESS),
         ("start_frequency_hz", "0", Rule.START_FREQUENCY),
         ("start_frequency_hz", "6000", Rule.FREQUENCY_ORDER),
-        ("start_frequency_hz", "nan", Rule.START_FREQUENCY),
+        ("start_frequency_hz", "-1", Rule.START_FREQUENCY),
         ("stop_frequency_hz", "6000.1", Rule.STOP_FREQUENCY),
         ("frequency_points", "4001", Rule.FREQUENCY_POINTS),
         ("frequency_points", "1", Rule.FREQUENCY_POINTS),
@@ -209,3 +209,18 @@ def test_limits_that_are_shown_are_those_that_are_checked(field):
     assert field.name in below.wrong_fields
     if upper != MAX_GRID_POINTS:
         assert field.name in check(**{field.name: f"{upper + 1:g}"}).wrong_fields
+
+
+@pytest.mark.parametrize(
+    ("texts", "value"),
+    [
+        ({"x_stop_mm": "149,5"}, 149.5),
+        ({"y_start_mm": ",5"}, 0.5),
+        ({"start_frequency_hz": "700,123456"}, 700123456.0),
+        ({"if_bandwidth_hz": "12,5"}, 12.5),
+        ({"polarizations_deg": "1,8; 90"}, (1.8, 90.0)),
+    ],
+)
+def test_a_decimal_comma_is_read_as_a_point(texts, value):
+    (name,) = texts
+    assert getattr(check(**texts).parameters, name) == value

@@ -46,14 +46,25 @@ def test_a_taken_or_forbidden_name_cannot_be_accepted(window):
     assert window.profiles.name_pad.accept_button.isEnabled()
 
 
+def test_the_empty_name_is_not_red_before_typing(window):
+    click(window.control.profiles)
+    click(window.profiles.save)
+    pad = window.profiles.name_pad
+    assert pad.hint.property("level") != "wrong"
+    assert pad.hint.text() == "at most 32 characters"
+    assert not pad.accept_button.isEnabled()
+    pad.press("-")
+    assert pad.hint.property("level") == "wrong"
+
+
 @pytest.mark.parametrize("name", ["a ", "-a", "a" * 33])
 def test_a_name_that_is_refused_says_what_is_allowed(window, name):
     click(window.control.profiles)
     click(window.profiles.save)
-    window.profiles.name_pad.edit.setText(name)
+    window.profiles.name_pad.edit.setPlainText(name)
     assert not window.profiles.name_pad.accept_button.isEnabled()
     hint = window.profiles.name_pad.hint.text()
-    assert all(words in hint for words in ("at most 32", "begin with", "not end with a space"))
+    assert "1 to 32 of a to z, 0 to 9, - and _, inside also spaces" in hint
 
 
 def test_deleting_is_asked_elsewhere_and_takes_a_hold(window):

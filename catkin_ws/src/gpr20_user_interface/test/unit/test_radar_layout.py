@@ -1,5 +1,7 @@
 """Nothing of RADAR is cut off: both languages, every size of screen, every state of the tab."""
 
+import itertools
+
 import pytest
 
 pytest.importorskip("PyQt5")
@@ -7,10 +9,12 @@ pytest.importorskip("PyQt5")
 import numpy as np
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel, QPushButton
-from view_kit import make_grid, trace_at
+from view_kit import depth_echo, make_grid, trace_at
 from window_helpers import application, close, new_window
 
 from gpr20_common.catalogue import Language
+from gpr20_common.message import Message
+from gpr20_user_interface.mid.shown_band import ShownBand
 from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
@@ -21,18 +25,24 @@ SIZES = ((480, 320), (800, 480), (1280, 800))
 PADDING_PX = 4
 
 
-@pytest.fixture(params=[(language, size) for language in Language for size in SIZES])
+BAND = ShownBand(Message("PAST SURVEY: {name}", name="2026-11-21 05:10:00 UTC"), True)
+
+
+@pytest.fixture(params=itertools.product(Language, SIZES, (None, BAND)))
 def window(request, application):
-    language, size = request.param
+    language, size, band = request.param
     window = new_window(Languages(application, language))
     window.show()
     window.resize(*size)
     grid = make_grid(x_stop_mm=583.33, x_start_mm=416.67, y_start_mm=683.33, y_stop_mm=783.33)
     live = window.traces.live
     live.begin(grid)
+    rng = np.random.default_rng(1)
     for index in range(10):
-        live.take_trace(trace_at(grid, index, np.zeros(501, complex)))
+        noise = 1e-4 * (rng.standard_normal(501) + 1j * rng.standard_normal(501))
+        live.take_trace(trace_at(grid, index, depth_echo(0.1, level=0.05) + noise))
     window.show_tab(TabName.RADAR)
+    window.radar_page.band.show_band(band)
     window.radar.presenter.set_depth(0.455)
     window.radar.refresh()
     QTest.qWait(1)
@@ -83,16 +93,18 @@ def test_nothing_of_the_three_pictures_is_cut_off(window):
 
 def test_nothing_of_an_enlarged_picture_is_cut_off(window):
     view = window.radar
+    view.presenter.set_depth(0.1)
     for plot in (view.trace_plot, view.line_plot, view.slice_plot):
         view.enlarge(plot)
         assert_fits(window, view)
+        assert view.readout.endswith(" dB")
         assert_apart([plot, view.top_bar, view.note])
-        assert plot.area().height() > 0.3 * window.height()
+        assert plot.area().height() > 0.2 * window.height()
 
 
 def test_nothing_of_the_hyperbola_is_cut_off(window):
     window.radar.presenter.change(permittivity=80.5)
-    window.radar.fit.click()
+    window.radar.begin_fit()
     assert window.radar.use.isVisible()
     assert_fits(window, window.radar)
 

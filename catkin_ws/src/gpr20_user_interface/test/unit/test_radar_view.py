@@ -55,6 +55,7 @@ def sheet(view):
     window.show()
     sheet = RadarSheet(window, view.presenter)
     sheet.changed.connect(view.refresh)
+    sheet.fit_wanted.connect(view.begin_fit)
     yield sheet
     delete(window)
 
@@ -129,7 +130,7 @@ def test_a_slice_of_noise_is_dark_and_says_so(view, model):
         assert "No echo does not mean no mine." in view.slice_plot.notice
     assert view.line_plot.colour_numbers.max() < 0.1 * LAST_SHADE
     assert "Nothing above the noise in this line." in view.line_plot.notice
-    assert view.readout.text().endswith("noise")
+    assert view.readout.endswith("noise")
 
 
 def test_a_target_is_bright_in_its_slice_only(view, model, sheet):
@@ -206,16 +207,16 @@ def test_a_touch_on_the_slice_chooses_the_line(view, model):
     add(view, model, *range(40))
     touch(view.slice_plot, 150.0, 90.0)
     view.refresh()
-    assert "Y 90 mm" in view.line_key.text()
+    assert "Line at Y 90" in view.line_key.text()
     assert view.slice_plot.crosshair == (150.0, 90.0)
     assert view.line_plot.crosshair == (150.0, 50.0)
     assert view.trace_plot.crosshair == (None, 50.0)
     click(view.along)
-    assert "X 150 mm" in view.line_key.text()
+    assert "Line at X 150" in view.line_key.text()
     touch(view.line_plot, 110.0, 200.0)
     view.refresh()
     assert view.slice_plot.crosshair == (150.0, 110.0)
-    assert view.readout.text().startswith("X 150 Y 110 depth 200 mm:")
+    assert view.readout.startswith("X 150 Y 110 depth 200 mm:")
     touch(view.trace_plot, 0.5, 100.0)
     view.refresh()
     assert view.line_plot.crosshair[1] == pytest.approx(100.0, abs=5)
@@ -235,17 +236,19 @@ def test_one_picture_fills_the_tab_and_shrinks_again(view, model):
         QTest.qWait(1)
         assert [one for one in plots.values() if one.isVisible()] == [plot]
         assert plot.width() > 2 * width
-        assert view.readout.text() in key.text()
+        assert view.readout in key.text()
         assert view.note.isVisible()
         click(key)
         QTest.qWait(1)
         assert all(one.isVisible() for one in plots.values())
 
 
-def test_a_hyperbola_is_dragged_and_its_permittivity_taken_over(view, model):
+def test_a_hyperbola_is_dragged_and_its_permittivity_taken_over(view, model, sheet):
     add(view, model, *range(40))
     touch(view.slice_plot, 150.0, 90.0)
-    click(view.fit)
+    sheet.open()
+    click(sheet.fit)
+    assert not sheet.isVisible()
     QTest.qWait(1)
     assert view.line_plot.isVisible()
     assert not view.slice_plot.isVisible()
@@ -267,7 +270,7 @@ def test_a_hyperbola_is_dragged_and_its_permittivity_taken_over(view, model):
 
 def test_a_hyperbola_can_be_dropped(view, model):
     add(view, model, *range(40))
-    click(view.fit)
+    view.begin_fit()
     click(view.drop)
     assert view.presenter.settings.permittivity == 4.0
     assert view.slice_plot.isVisible()
@@ -306,7 +309,8 @@ def test_the_focused_image_and_its_candidates_are_drawn(view, model):
     view.refresh()
     assert view.slice_plot.colour_numbers.shape == (13, 21)
     assert view.slice_plot.notice == ""
-    assert "40 dB" in view.readout.text()
+    assert view.readout.endswith(": 40 dB")
+    assert view.trace_key.text().endswith("40 dB")
     assert "Focused with permittivity 4." in view.note.text()
     assert [one.text for one in view.slice_plot.spots] == ["1"]
     assert [(one.text, one.second) for one in view.line_plot.spots] == [("1", 60.0)]
@@ -360,7 +364,7 @@ def test_without_a_survey_it_says_so(view):
     view.show_model(RadarModel())
     assert "No survey yet" in view.slice_plot.notice
     assert not view.marker.isEnabled()
-    assert not view.fit.isEnabled()
+    assert not view.presenter.can_fit
 
 
 def test_nothing_is_drawn_while_nobody_can_see_it(view, model):

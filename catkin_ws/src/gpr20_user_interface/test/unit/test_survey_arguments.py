@@ -140,11 +140,21 @@ def test_unknown_language_is_refused(capsys):
     assert "fr" in capsys.readouterr().err
 
 
-def test_operator_site_notes_and_position_can_be_given():
-    line = ["--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
+def test_name_operator_site_notes_and_position_can_be_given():
+    line = [
+        "--name",
+        "El Carmen 3",
+        "--operator",
+        "Lucía Peña",
+        "--site",
+        "El Carmen",
+        "--notes",
+        "wet\nsoil",
+    ]
     options = parse_arguments([*line, "--position=-4.6, -74.1"])
     position = Wgs84Position(-4.6, -74.1)
-    assert options.annotation == Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
+    expected = Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position, name="El Carmen 3")
+    assert options.annotation == expected
     assert parse_arguments([]).annotation == EMPTY
 
 

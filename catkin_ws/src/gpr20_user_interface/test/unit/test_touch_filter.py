@@ -16,6 +16,7 @@ from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
 
@@ -77,14 +78,13 @@ def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger, 
 
 
 @pytest.mark.parametrize("gap_s", [0.0, 0.12])
-def test_a_bounce_of_the_ok_of_the_keys_does_nothing(window, finger, gap_s):
-    finger.tap(window.control.form.edit("x_stop_mm"))
-    pad = window.number_pad
-    assert pad.isVisible()
+def test_a_bounce_of_done_does_nothing(window, finger, gap_s):
+    finger.tap(window.control.tiles[Tile.AREA])
+    assert window.values.isVisible()
     finger.wait(AFTER_S)
-    place = place_of(window, pad.accept_button).center()
+    place = place_of(window, window.values.done).center()
     finger.tap(place)
-    assert not pad.isVisible()
+    assert not window.values.isVisible()
     finger.wait(gap_s)
     finger.tap(place)
     finger.tap(window.control.start)
@@ -101,9 +101,9 @@ def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
         finger.tap(window.profiles.delete)
         finger.wait(0.06)
     finger.wait(2.0)
-    assert [one.name for one in tmp_path.iterdir()] == ["a.yaml"]
+    assert [one.name for one in tmp_path.glob("*.yaml")] == ["a.yaml"]
     finger.hold(window.profiles.confirm.hold)
-    assert not list(tmp_path.iterdir())
+    assert not list(tmp_path.glob("*.yaml"))
 
 
 def test_a_finger_that_stays_while_a_sheet_closes_holds_nothing_below_it(window, finger):

@@ -125,7 +125,7 @@ def test_resume_is_asked_for(parts):
     window, control, _ = parts
     window.on_event(state(SurveyState.PAUSED))
     window.refresh()
-    click(window.control.pause)
+    click(window.top_bar.pause)
     hold_to_start(window)
     assert control.asked[1:] == ["resume"]
 
@@ -134,7 +134,7 @@ def test_pause_is_asked_for(parts):
     window, control, _ = parts
     window.on_event(state(SurveyState.SURVEYING))
     window.refresh()
-    click(window.control.pause)
+    click(window.top_bar.pause)
     assert control.asked[1:] == ["pause"]
 
 
@@ -185,13 +185,13 @@ def test_another_vna_is_not_used_if_the_operator_declines(parts):
     window, control, _ = parts
     window.on_event(state(SurveyState.PAUSED))
     window.refresh()
-    click(window.control.pause)
+    click(window.top_bar.pause)
     hold_to_start(window)
     window.on_event(REFUSED)
     click(window.question.close_button)
     assert not window.question.isVisible()
     window.refresh()
-    assert window.control.pause.isEnabled()
+    assert window.top_bar.pause.isEnabled()
     assert control.asked[1:] == ["resume"]
 
 
@@ -265,10 +265,10 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert "1000 MB" not in window.control.preview.figures
+    assert "1000 MB" not in window.control_binding.figures.figures
     window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert "1000 MB" in window.control.preview.figures
+    assert "1000 MB" in window.control_binding.figures.figures
     enter(window, "x_points", "7")
     assert estimator.asked[-1] == (replace(asked, x_points=7), figures)
-    assert "1000 MB" not in window.control.preview.figures
+    assert "1000 MB" not in window.control_binding.figures.figures

@@ -20,12 +20,16 @@ from gpr20_common.message import verbatim
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
+from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
+from gpr20_user_interface.mid.plan_memory import PlanMemory
+from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
 from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.survey_preview import preview
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
 from gpr20_user_interface.views.translation import Languages
@@ -55,11 +59,11 @@ class Survey:
     def pause_replay(self):
         self.asked.append("pause replay")
 
-    def set_parameters(self, parameters):
-        pass
+    def set_plan(self, parameters, permittivity):
+        self.plan = (parameters, permittivity)
 
     def preview_of(self, parameters):
-        return self.preview
+        return self.preview or preview(parameters, 4.0)
 
     def check_master(self):
         pass
@@ -160,6 +164,21 @@ class ImagingNode:
         return [one[1:] for one in self.asked if one[0] == kind]
 
 
+class NoSettings:
+    """Settings that are not kept."""
+
+    def read(self):
+        return {}
+
+    def write(self, values):
+        pass
+
+
+def settings_in(folder):
+    """Return the settings below a folder; without one they are not kept."""
+    return NoSettings() if folder is None else SettingsFile(folder / "window" / "plan.yaml")
+
+
 @pytest.fixture(scope="session")
 def application():
     yield QApplication.instance() or QApplication([])
@@ -187,6 +206,7 @@ def new_window(
             ImagingPresenter(imaging or ImagingNode(), time.monotonic),
             ServiceModel(tools, clock or Clock()),
             Profiles(ProfileFolder(profiles)),
+            PlanMemory(settings_in(profiles), problems.append),
         ),
         languages,
         memory,
@@ -232,10 +252,25 @@ def wishes(window):
     return window.survey.asked
 
 
+def tile_of(name):
+    """Return the tile on whose sheet a field is."""
+    return next(tile for tile in VALUE_TILES if name in TILE_FIELDS[tile])
+
+
+def open_field(window, name):
+    """Touch the tile of a field, and the field; return its edit."""
+    click(window.control.tiles[tile_of(name)])
+    window.values.choose(name)
+    return window.values.fields[name]
+
+
 def enter(window, name, text):
-    edit = window.control.form.edit(name)
-    edit.clear()
+    """Write a value with a keyboard in the sheet of its tile."""
+    edit = open_field(window, name)
+    edit.selectAll()
+    QTest.keyClick(edit, Qt.Key_Delete)
     QTest.keyClicks(edit, text)
+    click(window.values.done)
 
 
 def click(button):

@@ -1,4 +1,4 @@
-"""gpr20 annotate: set operator, site, notes, position and heading of a recorded survey."""
+"""gpr20 annotate: set name, operator, site, notes, position and heading of a recorded survey."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ NONE = verbatim("-")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("survey", type=Path, help="folder of a survey that has ended")
+    parser.add_argument("--name", help="what the survey is called; its folder stays as it is")
     parser.add_argument("--operator", metavar="NAME", help="who measured")
     parser.add_argument("--site", metavar="NAME", help="where, in words")
     parser.add_argument("--notes", metavar="TEXT", help="everything else; may have several lines")
@@ -67,8 +68,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
-    names = {"operator": "operator", "site": "site", "notes": "notes", "position": "position",
-             "heading_deg": "heading"}  # fmt: skip
+    names = {"name": "name", "operator": "operator", "site": "site", "notes": "notes",
+             "position": "position", "heading_deg": "heading"}  # fmt: skip
     given = {name: getattr(chosen, option) for name, option in names.items()}
     changes = {name: value for name, value in given.items() if value is not None}
     if chosen.no_position:
@@ -92,6 +93,7 @@ def _refuse_open(folder: Path, description: Dict[str, Any]) -> None:
 def _rows(annotation: Annotation) -> List[Tuple[Message, Message]]:
     position = annotation.position
     texts = {
+        RECORDED["survey_name"]: annotation.name,
         RECORDED["operator"]: annotation.operator,
         RECORDED["site"]: annotation.site,
         RECORDED["survey_notes"]: annotation.notes,
@@ -111,8 +113,8 @@ def _position(text: str) -> Wgs84Position:
 
 
 COMMAND = Command(
-    "Set operator, site, notes, position and heading of a survey. What is not given stays; without "
-    "any, they are printed. A survey whose survey.json is damaged is refused.",
+    "Set name, operator, site, notes, position and heading of a survey. What is not given stays; "
+    "without any, they are printed. A survey whose survey.json is damaged is refused.",
     add_arguments,
     run,
 )

@@ -24,6 +24,7 @@ SIMULATED = "SIMULATED"
 """Word in names, titles and comments of files whose data are simulated."""
 TEXTS = (
     "survey_id",
+    annotation_attributes.NAME,
     annotation_attributes.OPERATOR,
     annotation_attributes.SITE,
     annotation_attributes.NOTES,

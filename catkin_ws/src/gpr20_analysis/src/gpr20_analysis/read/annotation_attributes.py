@@ -9,9 +9,9 @@ from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS, present_markers
 
-OPERATOR, SITE, NOTES = "operator", "site", "survey_notes"
+NAME, OPERATOR, SITE, NOTES = "survey_name", "operator", "site", "survey_notes"
 LATITUDE, LONGITUDE, HEADING = "latitude_deg", "longitude_deg", "heading_deg"
-ATTRIBUTES = (OPERATOR, SITE, NOTES, LATITUDE, LONGITUDE, HEADING)
+ATTRIBUTES = (NAME, OPERATOR, SITE, NOTES, LATITUDE, LONGITUDE, HEADING)
 
 
 def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) -> Dict[str, Any]:
@@ -28,7 +28,12 @@ def annotation_attributes(description: Mapping[str, Any], notes: List[Message]) 
             Message("the annotation in survey.json is not valid: {reason}", reason=error.message)
         )
         return {}
-    texts = {OPERATOR: annotation.operator, SITE: annotation.site, NOTES: annotation.notes}
+    texts = {
+        NAME: annotation.name,
+        OPERATOR: annotation.operator,
+        SITE: annotation.site,
+        NOTES: annotation.notes,
+    }
     found: Dict[str, Any] = {name: text for name, text in texts.items() if text}
     if annotation.position is not None:
         found[LATITUDE] = annotation.position.latitude_deg

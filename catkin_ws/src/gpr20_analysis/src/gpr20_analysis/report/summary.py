@@ -12,6 +12,7 @@ from gpr20_analysis import dataset
 from gpr20_analysis.read.analyzer_attributes import AVERAGES, IF_BANDWIDTH, OUTPUT_POWER
 from gpr20_analysis.read.annotation_attributes import (
     HEADING,
+    NAME,
     NOTES,
     OPERATOR,
     SITE,
@@ -25,6 +26,7 @@ from gpr20_survey.trace.calibration import MEANINGS
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
 SIMULATED = Message("SIMULATED: the data show no real ground")
 RECORDED = {
+    NAME: Message("survey name"),
     "survey_id": Message("survey id"),
     "source": Message("source"),
     "started": Message("started"),

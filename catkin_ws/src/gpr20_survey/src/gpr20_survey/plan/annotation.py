@@ -1,4 +1,4 @@
-"""What people add to a survey: who measured it, where, and notes."""
+"""What people add to a survey: its name, who measured it, where, and notes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from gpr20_common.mid.checks import number_between
 
 ANNOTATION = "annotation"
 """Key of survey.json."""
-OPERATOR, SITE, NOTES = Message("operator"), Message("site"), Message("notes")
+NAME, NOTES = Message("name"), Message("notes")
+OPERATOR, SITE = Message("operator"), Message("site")
 LATITUDE, LONGITUDE = Message("latitude"), Message("longitude")
 HEADING = Message("heading")
 MAX_NAME_CHARACTERS = 200
@@ -62,6 +63,7 @@ class Wgs84Position:
 class AnnotationFields(Protocol):
     """The fields of the ROS message gpr20_msgs/Annotation."""
 
+    name: str
     operator: str
     site: str
     notes: str
@@ -81,6 +83,7 @@ class Annotation:
         position: Where, on the earth; None if it is not known.
         heading_deg: Direction of +Y, clockwise from true north, 0 to 360 [deg]; None if it is not
             known. It is not part of the ROS message.
+        name: What people call the survey. Its folder and its id do not depend on it.
     """
 
     operator: str = ""
@@ -88,8 +91,10 @@ class Annotation:
     notes: str = ""
     position: Optional[Wgs84Position] = None
     heading_deg: Optional[float] = None
+    name: str = ""
 
     def __post_init__(self) -> None:
+        check_text(NAME, self.name, MAX_NAME_CHARACTERS)
         check_text(OPERATOR, self.operator, MAX_NAME_CHARACTERS)
         check_text(SITE, self.site, MAX_NAME_CHARACTERS)
         check_text(NOTES, self.notes, MAX_NOTES_CHARACTERS, lines=True)
@@ -105,7 +110,7 @@ class Annotation:
     def with_defaults(self, defaults: Annotation) -> Annotation:
         """Return this annotation with its empty fields taken from another one.
 
-        Notes are those of one survey, so they have no default.
+        Name and notes are those of one survey, so they have no default.
         """
         return replace(
             self,
@@ -115,8 +120,9 @@ class Annotation:
         )
 
     def values(self) -> Dict[str, Any]:
-        """Return the entry of survey.json; the heading only if it is known."""
+        """Return the entry of survey.json; name and heading only if they are known."""
         position = self.position
+        name = {"name": self.name} if self.name else {}
         heading = {} if self.heading_deg is None else {"heading_deg": self.heading_deg}
         return {
             "operator": self.operator,
@@ -129,12 +135,14 @@ class Annotation:
                 "longitude_deg": position.longitude_deg,
             },
             **heading,
+            **name,
         }
 
     def fields(self) -> Dict[str, Any]:
         """Return the fields of the ROS message."""
         known = self.position
         return {
+            "name": self.name,
             "operator": self.operator,
             "site": self.site,
             "notes": self.notes,
@@ -153,7 +161,7 @@ def from_fields(fields: AnnotationFields) -> Annotation:
     position = None
     if fields.has_position:
         position = Wgs84Position(fields.latitude_deg, fields.longitude_deg)
-    return Annotation(fields.operator, fields.site, fields.notes, position)
+    return Annotation(fields.operator, fields.site, fields.notes, position, name=fields.name)
 
 
 def from_values(values: Any) -> Annotation:
@@ -163,9 +171,9 @@ def from_values(values: Any) -> Annotation:
         InvalidValueError: It is not one.
     """
     keys = ["operator", "site", "notes", "position"]
-    # Only since headings exist, and only where one is known.
-    if isinstance(values, dict) and "heading_deg" in values:
-        keys.append("heading_deg")
+    # Older surveys have neither, and newer ones only what is known.
+    if isinstance(values, dict):
+        keys += [key for key in ("heading_deg", "name") if key in values]
     texts = _object(ANNOTATION, values, keys)
     position = texts.pop("position")
     if position is not None:
@@ -205,12 +213,13 @@ def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> A
 
 
 def position_from_text(text: str) -> Wgs84Position:
-    """Return the position of a text such as "4.60283, -74.06514".
+    """Return the position of a text such as "4.60283, -74.06514" or "4,60283; -74,06514".
 
     Raises:
-        InvalidValueError: It is not two numbers with a comma between them, or not on the earth.
+        InvalidValueError: It is not two numbers with a comma or a semicolon between them, or not
+            on the earth.
     """
-    parts = text.split(",")
+    parts = text.split(";" if ";" in text else ",")
     if len(parts) != 2:
         raise InvalidValueError(
             Message(
@@ -231,8 +240,9 @@ def degrees_from_text(name: Name, text: str) -> float:
     Raises:
         InvalidValueError: The text is no decimal number.
     """
-    # Not float() alone: it accepts digits of other scripts, and words.
-    if not _DECIMAL.fullmatch(text.strip()):
+    # Not float() alone: it accepts digits of other scripts, and words. Many countries write 4,6.
+    number = text.strip().replace(",", ".")
+    if not _DECIMAL.fullmatch(number):
         raise InvalidValueError(
             Message(
                 "{name} is {text}; it must be a decimal number of degrees, such as {example}",
@@ -241,7 +251,7 @@ def degrees_from_text(name: Name, text: str) -> float:
                 example="-74.06514",
             )
         )
-    return float(text)
+    return float(number)
 
 
 def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any, Callable, NoReturn, Optional
@@ -37,6 +38,7 @@ from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.message_source import MessageSources
+from gpr20_user_interface.mid.plan_memory import PlanMemory, Settings
 from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
@@ -53,10 +55,14 @@ from gpr20_user_interface.views.translation import Languages
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
+# Beside them.
+PLAN_FILE = "plan.yaml"
 # Of the parameter ~language: the language that was used last.
 REMEMBERED = "auto"
 # A disk may be slow; the window does not wait for it longer.
 SETTINGS_LIMIT_S = 5.0
+# To leave the graph without a display.
+LEAVE_LIMIT_S = 3.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
@@ -90,12 +96,14 @@ class UserInterface:
         model: SurveyModel,
         languages: Languages,
         profiles: Profiles,
+        plan_settings: Settings,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
     ) -> None:
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
+        self.plans = PlanMemory(plan_settings, self.signal.emit_event)
         self.service = ServiceToolsClient(self.signal.emit_event)
         self.imaging = ImagingClient(self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
@@ -106,6 +114,7 @@ class UserInterface:
                 ImagingPresenter(self.imaging, time.monotonic),
                 ServiceModel(self.service, Clock()),
                 profiles,
+                self.plans,
             ),
             languages,
             memory,
@@ -129,6 +138,7 @@ class UserInterface:
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
+        self.plans.wait(SETTINGS_LIMIT_S)
         self.imaging.close()
         self.storage.close()
         self.service.close()
@@ -203,16 +213,24 @@ def _quit_soon(_name: str = "") -> None:
 def _leave_without_display(asked_to_end: bool) -> NoReturn:
     if not asked_to_end:
         _say("the display was closed, and the window with it; a survey that runs continues")
-    leave_now(0 if asked_to_end else EXIT_DISPLAY_LOST)
+    status = 0 if asked_to_end else EXIT_DISPLAY_LOST
+    # The master may not answer.
+    limit = threading.Timer(LEAVE_LIMIT_S, leave_now, (status,))
+    limit.daemon = True
+    limit.start()
+    rospy.signal_shutdown("the display was closed")
+    leave_now(status)
 
 
 def _show(application: QApplication) -> int:
-    memory = WindowMemory(SettingsFile(_path("~settings", DEFAULT_SETTINGS)), _log)
+    settings = _path("~settings", DEFAULT_SETTINGS)
+    memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
         SurveyModel(Clock()),
         languages,
         Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
+        SettingsFile(settings.with_name(PLAN_FILE)),
         memory,
         bool(rospy.get_param("~full_screen", False)),
     )

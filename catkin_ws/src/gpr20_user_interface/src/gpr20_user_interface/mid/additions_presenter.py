@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import uuid
 from dataclasses import dataclass
-from typing import Callable, Dict, Optional, Tuple
+from typing import Callable, Dict, Optional, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.mid.finer_plan import FinerPlan
 from gpr20_user_interface.mid.focused_image import CandidateMark, FocusedImage, ImageFocused
+from gpr20_user_interface.mid.laid_over import laid_over
 from gpr20_user_interface.mid.survey_additions import (
     AdditionsFailed,
     AdditionsRead,
@@ -42,6 +43,7 @@ class AdditionsPresenter:
     Args:
         source: The storage.
         author: Returns who makes markers now.
+        focus: Asks for the focused image of a survey, by its id and the permittivity.
 
     Attributes:
         survey_id: The survey that is shown; empty: none.
@@ -52,8 +54,14 @@ class AdditionsPresenter:
         revision: Changes with everything that a view shows of this.
     """
 
-    def __init__(self, source: AdditionsSource, author: Callable[[], str]) -> None:
+    def __init__(
+        self,
+        source: AdditionsSource,
+        author: Callable[[], str],
+        focus: Callable[[str, float], None] = lambda _survey, _permittivity: None,
+    ) -> None:
         self._source = source
+        self._focus = focus
         self._author = author
         self.survey_id = ""
         self.markers: Tuple[Marker, ...] = ()
@@ -62,6 +70,8 @@ class AdditionsPresenter:
         self.problem: Optional[Message] = None
         self.revision = 0
         self._images: Dict[str, FocusedImage] = {}
+        self._asked_images: Set[str] = set()
+        self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
         self._can_read = False
         self._due: Optional[int] = None
 
@@ -82,6 +92,17 @@ class AdditionsPresenter:
         return tuple(self._images[one] for one in finer if one in self._images)
 
     @property
+    def laid_image(self) -> Optional[FocusedImage]:
+        """The image of the survey that is shown, with those of finer surveys laid over it."""
+        if self.image is None:
+            return None
+        images = (self.image, *self.finer_images)
+        # Compared by what they are, not by their content.
+        if [id(one) for one in images] != [id(one) for one in self._laid[0]]:
+            self._laid = images, laid_over(self.image, self.finer_images)
+        return self._laid[1]
+
+    @property
     def can_mark(self) -> bool:
         """Whether the survey that is shown can have markers: the robot's storage holds it."""
         return bool(self.survey_id) and self._can_read
@@ -97,6 +118,7 @@ class AdditionsPresenter:
             return
         self.survey_id, self._can_read = survey_id, can_read
         self.markers, self.related = (), ()
+        self._asked_images.clear()
         self.revision += 1
         self.read_again()
 
@@ -105,6 +127,18 @@ class AdditionsPresenter:
         self._due = None
         if self.can_mark:
             self._source.read_additions(self.survey_id)
+
+    def focus_finer(self) -> None:
+        """Ask for the image of a finer survey, if one is lacking, with the same permittivity."""
+        image = self.image
+        if image is None:
+            return
+        for one in self.related:
+            known = one.survey_id in self._images or one.survey_id in self._asked_images
+            if one.is_finer and not known:
+                self._asked_images.add(one.survey_id)
+                self._focus(one.survey_id, image.permittivity)
+                return  # the next one later
 
     def refresh(self) -> None:
         """Ask again some time after a failure."""

@@ -1,4 +1,4 @@
-"""Operator, site, notes and position on the command line of the terminal client."""
+"""Name, operator, site, notes and position on the command line of the terminal client."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from gpr20_survey.plan.annotation import Annotation, position_from_text
 from gpr20_user_interface.mid.argument_reader import argument_reader
 
 _HELP = {
+    "name": Message("what the survey is called"),
     "operator": Message("who measures (default: that of the robot)"),
     "site": Message("where, in words (default: that of the robot)"),
     "notes": Message("notes on the survey"),
@@ -20,6 +21,7 @@ _HELP = {
     ),
 }
 _READ: Dict[str, Callable[[str], Any]] = {
+    "name": lambda text: Annotation(name=text).name,
     "operator": lambda text: Annotation(operator=text).operator,
     "site": lambda text: Annotation(site=text).site,
     "notes": lambda text: Annotation(notes=text).notes,
@@ -48,5 +50,5 @@ def add_annotation(group: argparse._ArgumentGroup, catalogue: Catalogue) -> List
 
 def annotation_from(given: argparse.Namespace) -> Annotation:
     """Return what was given; the rest is empty."""
-    texts = {name: getattr(given, name) or "" for name in ("operator", "site", "notes")}
+    texts = {name: getattr(given, name) or "" for name in ("name", "operator", "site", "notes")}
     return Annotation(**texts, position=given.position, heading_deg=None)

@@ -18,6 +18,7 @@ from gpr20_survey.plan.annotation import (
 )
 
 TITLES: Dict[str, Message] = {
+    "name": Message("Name of the survey"),
     "operator": Message("Operator"),
     "site": Message("Site"),
     "latitude": Message("Latitude °"),
@@ -25,6 +26,7 @@ TITLES: Dict[str, Message] = {
     "notes": Message("Notes"),
 }
 HINTS: Dict[str, Message] = {
+    "name": Message("at most {most} characters", most=MAX_NAME_CHARACTERS),
     "operator": Message("at most {most} characters", most=MAX_NAME_CHARACTERS),
     "site": Message("at most {most} characters", most=MAX_NAME_CHARACTERS),
     "latitude": Message("WGS 84, -90 to 90, north positive; empty if not known"),
@@ -51,6 +53,7 @@ def texts_of(annotation: Annotation) -> Dict[str, str]:
     """Return the text of each field."""
     position = annotation.position
     return {
+        "name": annotation.name,
         "operator": annotation.operator,
         "site": annotation.site,
         "latitude": "" if position is None else repr(position.latitude_deg),
@@ -64,6 +67,7 @@ def check_texts(texts: Mapping[str, str]) -> AnnotationCheck:
     problems: Dict[str, Message] = {}
     place = {name: texts[name].strip() for name in ("latitude", "longitude")}
     checks: Dict[str, Callable[[], object]] = {
+        "name": lambda: Annotation(name=texts["name"]),
         "operator": lambda: Annotation(operator=texts["operator"]),
         "site": lambda: Annotation(site=texts["site"]),
         "notes": lambda: Annotation(notes=texts["notes"]),
@@ -83,7 +87,7 @@ def check_texts(texts: Mapping[str, str]) -> AnnotationCheck:
     if problems:
         return AnnotationCheck(None, problems)
     position = None if empty else Wgs84Position(_latitude_deg(place), _longitude_deg(place))
-    written = {name: texts[name] for name in ("operator", "site", "notes")}
+    written = {name: texts[name] for name in ("name", "operator", "site", "notes")}
     return AnnotationCheck(Annotation(**written, position=position, heading_deg=None), problems)
 
 

@@ -5,8 +5,14 @@ from __future__ import annotations
 from typing import Dict, Mapping, Optional
 
 from gpr20_common.message import Message
-from gpr20_survey.plan.survey_parameters import MAX_TRACES, RobotTravel, Rule
-from gpr20_survey.trace.ms2026c import IF_BANDWIDTHS_HZ, MAX_AVERAGES, MIN_FREQUENCY_SPACING_HZ
+from gpr20_survey.plan.survey_parameters import (
+    MAX_IF_BANDWIDTH_HZ,
+    MAX_TRACES,
+    MIN_IF_BANDWIDTH_HZ,
+    RobotTravel,
+    Rule,
+)
+from gpr20_survey.trace.ms2026c import MAX_AVERAGES, MIN_FREQUENCY_SPACING_HZ
 from gpr20_user_interface.mid.parameter_form import (
     ADDRESS,
     AVERAGES,
@@ -52,8 +58,9 @@ def allowed_values(name: str, travel: RobotTravel) -> Message:
         return Message("four whole numbers from 0 to 255")
     if name == IF_BANDWIDTH:
         return Message(
-            "empty: as set on the VNA; the MS2026C has {values}",
-            values=", ".join(f"{one:.12g}" for one in IF_BANDWIDTHS_HZ),
+            "empty: as set on the VNA; else {lower:g} to {upper:g}",
+            lower=MIN_IF_BANDWIDTH_HZ,
+            upper=MAX_IF_BANDWIDTH_HZ,
         )
     if name == AVERAGES:
         return Message(

@@ -85,7 +85,8 @@ def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuest
         folder: The survey's folder.
         survey: What the list says about it; None if it is not in the list.
     """
-    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(folder)),)
+    name = "" if survey is None else _short(survey.name)
+    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name or folder)),)
     if survey is not None:
         rows += (
             (Message("Started"), verbatim(survey.local_time())),
@@ -139,7 +140,11 @@ def _counted(stored: int, planned: int) -> Message:
 
 
 def _people(annotation: Annotation) -> Tuple[Row, ...]:
-    known = ((Message("Operator"), annotation.operator), (Message("Site"), annotation.site))
+    known = (
+        (Message("Name"), annotation.name),
+        (Message("Operator"), annotation.operator),
+        (Message("Site"), annotation.site),
+    )
     return tuple((title, verbatim(_short(name))) for title, name in known if name)
 
 

@@ -24,6 +24,7 @@ class ImagingPresenter:
     """
 
     def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+        self._requests = requests
         self.search = CandidateSearch(requests, now_s)
         self.export = SurveyExport(requests, now_s)
         self.images = FocusedImages(requests, now_s)
@@ -33,6 +34,10 @@ class ImagingPresenter:
         self.search.on_event(event)
         self.export.on_event(event)
         self.images.on_event(event)
+
+    def focus(self, survey_id: str, permittivity: float) -> None:
+        """Ask for the focused image of another survey than the one that is shown."""
+        self._requests.focus(survey_id, permittivity)
 
     def set_survey_runs(self, runs: bool) -> None:
         """Note whether a survey is running: nothing long begins during one."""

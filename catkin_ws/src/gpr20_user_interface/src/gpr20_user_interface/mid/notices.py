@@ -46,6 +46,7 @@ class Refused(enum.Enum):
     RESUME = "resume"
     PROFILE = "profile"
     NOTES = "notes"
+    PLAN = "plan"
     MARKER = "marker"
 
 
@@ -71,6 +72,10 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.NOTES: (
         Message("The notes of the survey cannot be read or stored."),
         Message("Then press SAVE again."),
+    ),
+    Refused.PLAN: (
+        Message("The values of the last survey are not remembered."),
+        Message("Next: check all values in CONTROL before START."),
     ),
     Refused.MARKER: (
         Message("The markers of the survey were not changed."),

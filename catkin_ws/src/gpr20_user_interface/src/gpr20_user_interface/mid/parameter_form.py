@@ -27,6 +27,11 @@ from gpr20_survey.trace.ms2026c import (
     MIN_FREQUENCY_POINTS,
     OUTPUT_POWERS,
 )
+from gpr20_user_interface.mid.number_text import (
+    decimal_from_text,
+    number_from_text,
+    plain_text,
+)
 
 ADDRESS = "vna_address"
 ROTATIONS = "polarizations_deg"
@@ -50,22 +55,25 @@ def hertz_from_megahertz(text: str) -> float:
         InvalidValueError: The text is not a number.
     """
     try:
-        return float(Decimal(text.strip()).scaleb(MEGAHERTZ_EXPONENT))
-    except ArithmeticError:
+        return float(decimal_from_text(text).scaleb(MEGAHERTZ_EXPONENT))
+    except InvalidValueError:
         raise InvalidValueError(
             Message("'{text}' is not a number of MHz, such as 600 or 5999.5", text=text)
         ) from None
 
 
 def rotations_from_text(text: str) -> Tuple[float, ...]:
-    """Return the rotations [deg] of a list with commas, such as "0, 90".
+    """Return the rotations [deg] of a list, such as "0, 90".
+
+    With semicolons between the rotations, as in "1,8; 90", a comma is a decimal comma.
 
     Raises:
         InvalidValueError: A part of the list is not a number.
     """
+    separator = ";" if ";" in text else ","
     try:
-        return tuple(float(part) for part in text.split(","))
-    except ValueError:
+        return tuple(number_from_text(part) for part in text.split(separator))
+    except InvalidValueError:
         raise InvalidValueError(
             Message("'{text}' is not a list of rotations in degrees, such as 0,90", text=text)
         ) from None
@@ -73,7 +81,7 @@ def rotations_from_text(text: str) -> Tuple[float, ...]:
 
 def megahertz_text(frequency_hz: float) -> str:
     """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
-    return _plain(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
+    return plain_text(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
 
 
 def rotations_text(rotations_deg: Iterable[float]) -> str:
@@ -93,11 +101,8 @@ def _whole_number(text: str) -> int:
 
 
 def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
+    value = number_from_text(text)
+    if not math.isfinite(value):  # an exponent beyond all floats
         raise InvalidValueError(Message("'{text}' is not a number", text=text))
     return value
 
@@ -299,12 +304,7 @@ def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
     """
     lower, upper = (Decimal(repr(bound)) for bound in bounds)
     try:
-        changed = Decimal(text.strip()) + change
-    except ArithmeticError:  # no number, or one beyond all numbers
-        return _plain(lower)
-    return _plain(min(max(changed, lower), upper) if changed.is_finite() else lower)
-
-
-def _plain(value: Decimal) -> str:
-    text = f"{value:f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
+        changed = decimal_from_text(text) + change
+    except (InvalidValueError, ArithmeticError):  # no number, or one beyond all numbers
+        return plain_text(lower)
+    return plain_text(min(max(changed, lower), upper))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
+from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -21,6 +22,7 @@ class Presenters:
         imaging: Focused images, candidates and exports.
         service: Maintenance of the robot.
         profiles: Parameters that are stored under a name.
+        plans: What the operator planned last.
     """
 
     survey: WindowPresenter
@@ -28,3 +30,4 @@ class Presenters:
     imaging: ImagingPresenter
     service: ServiceModel
     profiles: Profiles
+    plans: PlanMemory

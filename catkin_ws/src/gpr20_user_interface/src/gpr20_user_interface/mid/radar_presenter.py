@@ -243,10 +243,15 @@ class RadarPresenter:
             return None
         return float(delay_of_depth(depth_m, height_m, self.settings.permittivity)) * 1e9
 
+    @property
+    def can_fit(self) -> bool:
+        """Whether a hyperbola can be put at the crosshair: its height must be known."""
+        return self.place is not None and bool(np.isfinite(self.model.typical_height_m()))
+
     def begin_hyperbola(self) -> None:
-        """Put a hyperbola at the crosshair; nothing without place or height."""
+        """Put a hyperbola at the crosshair, if it can be put there."""
         place, height_m = self.place, self.model.typical_height_m()
-        if place is None or not np.isfinite(height_m):
+        if place is None or not self.can_fit:
             return
         settings = self.settings
         delay_s = float(delay_of_depth(settings.depth_m, height_m, settings.permittivity))

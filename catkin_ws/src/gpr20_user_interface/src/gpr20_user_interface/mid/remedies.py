@@ -43,6 +43,7 @@ RESTART_ROBOT = Message("Switch the robot off and on. If it happens again, keep 
 SET_CLOCK = Message("Set the clock of the robot's computer.")
 OTHER_SURVEY = Message("End the other survey first: wait for its end, or press STOP.")
 END_SERVICE = Message("Wait until the service on this robot has ended, or press STOP.")
+CHECK_MARKERS = Message("Look at the markers on MAP, then try again.")
 NOTHING_TO_DO = Message("Nothing to do: no survey is in progress.")
 NEW_SURVEY = Message("Plan a new survey: this one cannot be continued.")
 CORRECT_PLAN = Message("Correct the value in the plan.")
@@ -66,6 +67,7 @@ _RULES = (
         OTHER_SURVEY,
     ),
     _rule(r"clock|would start on", SET_CLOCK),
+    _rule(r"markers?\b", CHECK_MARKERS),
     _rule(r"no survey is (running|measuring|paused)", NOTHING_TO_DO),
     _rule(r"points (is|give)|polarizations? (is|are)", CORRECT_PLAN),
     _rule(

@@ -35,8 +35,8 @@ def past_band(folder: str, survey: Optional[PastSurvey], another_runs: bool) -> 
     """
     name = verbatim(folder)
     if survey is not None:
-        number = survey.survey_id[:8]
-        name = Message("{time}, {number}", time=survey.local_time(), number=number)
+        called = survey.name or survey.survey_id[:8]
+        name = Message("{time}, {name}", time=survey.local_time(), name=called)
     if another_runs:
         return ShownBand(Message("NOT THE RUNNING SURVEY: {name}", name=name), True)
     return ShownBand(Message("PAST SURVEY: {name}", name=name), True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
@@ -9,6 +10,8 @@ from typing import Callable, Optional, Tuple
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import RobotFigures
+from gpr20_user_interface.mid.grid_spacing import ROUNDING
+from gpr20_user_interface.mid.quarter_wavelength import quarter_wavelength_mm
 from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 
@@ -22,8 +25,9 @@ class SurveyPreview:
         x_spacing_mm: Distance of two stops of a line [mm].
         y_spacing_mm: Distance of two lines [mm].
         frequency_step_hz: Distance of two frequencies [Hz].
-        unambiguous_range_m: Range beyond which echoes fold back [m], in air.
-        range_resolution_m: Smallest distance of two separate echoes [m], in air.
+        depth_m: Depth in the soil beyond which echoes fold back [m].
+        resolution_m: Smallest distance of two separate echoes in the soil [m].
+        quarter_wavelength_mm: Coarsest spacing that samples the echoes completely [mm].
         cost: Time and disk space; None while the robot's own figures are not known.
     """
 
@@ -32,18 +36,30 @@ class SurveyPreview:
     x_spacing_mm: float
     y_spacing_mm: float
     frequency_step_hz: float
-    unambiguous_range_m: float
-    range_resolution_m: float
+    depth_m: float
+    resolution_m: float
+    quarter_wavelength_mm: float
     cost: Optional[SurveyCost] = None
 
+    @property
+    def too_coarse(self) -> bool:
+        """Whether stops are farther apart than a quarter wavelength."""
+        widest_mm = max(self.x_spacing_mm, self.y_spacing_mm)
+        return widest_mm > self.quarter_wavelength_mm * (1.0 + ROUNDING)
 
-def preview(parameters: SurveyParameters) -> SurveyPreview:
+
+def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
     """Return what follows from the parameters alone; they must have passed the checks.
 
-    A stepped-frequency radar ranges unambiguously to c / (2 df) and resolves echoes by c / (2 B).
-    In soil both are shorter by the square root of its relative permittivity.
+    A stepped-frequency radar ranges unambiguously to c / (2 df) and resolves echoes by c / (2 B)
+    in air. In soil both are shorter by the square root of its relative permittivity.
+
+    Args:
+        parameters: What to measure.
+        permittivity: Relative permittivity of the soil.
     """
     p = parameters
+    speed_m_s = SPEED_OF_LIGHT_M_S / math.sqrt(permittivity)
     bandwidth_hz = p.stop_frequency_hz - p.start_frequency_hz
     step_hz = bandwidth_hz / (p.frequency_points - 1)
     return SurveyPreview(
@@ -52,8 +68,9 @@ def preview(parameters: SurveyParameters) -> SurveyPreview:
         x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
         y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
         frequency_step_hz=step_hz,
-        unambiguous_range_m=SPEED_OF_LIGHT_M_S / (2.0 * step_hz),
-        range_resolution_m=SPEED_OF_LIGHT_M_S / (2.0 * bandwidth_hz),
+        depth_m=speed_m_s / (2.0 * step_hz),
+        resolution_m=speed_m_s / (2.0 * bandwidth_hz),
+        quarter_wavelength_mm=quarter_wavelength_mm(parameters, permittivity),
     )
 
 

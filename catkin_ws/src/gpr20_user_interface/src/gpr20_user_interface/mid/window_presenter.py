@@ -68,6 +68,7 @@ class WindowPresenter:
         self._control = control
         self._estimator = estimator
         self._parameters: Optional[SurveyParameters] = None
+        self._permittivity = 1.0
         self._resumed = ""
         self.preview: Optional[SurveyPreview] = None
         self.finer: Optional[FinerPlan] = None
@@ -95,19 +96,26 @@ class WindowPresenter:
         """Return what is known now."""
         figures, self.snapshot = self.snapshot.figures, self._model.snapshot()
         if self.snapshot.figures != figures:
-            self.set_parameters(self._parameters)
+            self.set_plan(self._parameters, self._permittivity)
         return self.snapshot
 
-    def set_parameters(self, parameters: Optional[SurveyParameters]) -> None:
-        """Preview other parameters; None: those in the fields are wrong."""
-        self._parameters = parameters
-        self.preview = None if parameters is None else preview(parameters)
+    def set_plan(self, parameters: Optional[SurveyParameters], permittivity: float) -> None:
+        """Preview another plan.
+
+        Args:
+            parameters: What to measure; None: something in the fields is wrong.
+            permittivity: Relative permittivity of the soil.
+        """
+        self._parameters, self._permittivity = parameters, permittivity
+        self.preview = None if parameters is None else preview(parameters, permittivity)
         if parameters is not None and self.snapshot.figures is not None:
             self._estimator.ask(parameters, self.snapshot.figures)
 
-    def preview_of(self, parameters: SurveyParameters) -> Optional[SurveyPreview]:
-        """Return the preview, if it is of these parameters."""
-        return self.preview if parameters == self._parameters else None
+    def preview_of(self, parameters: SurveyParameters) -> SurveyPreview:
+        """Return the preview of parameters; with their cost if they are those of the plan."""
+        if self.preview is not None and parameters == self._parameters:
+            return self.preview
+        return preview(parameters, self._permittivity)
 
     def check_master(self) -> None:
         """Check that the master answers."""

@@ -1,56 +1,36 @@
-"""Operator, site, position and notes of the next survey, or of one that is stored."""
+"""Name, operator, site, position and notes of the next survey, or of one that is stored."""
 
 from __future__ import annotations
 
-from typing import Dict, Optional, Union
+from typing import Dict, Optional
 
-from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtGui import QMouseEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPlainTextEdit, QWidget
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_user_interface.mid.annotation_form import HINTS, TITLES, check_texts, texts_of
-from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.field_box import Field, FieldBox, TouchText
+from gpr20_user_interface.views.key_pad import KeyPad
+from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.parameter_form_view import TouchEdit
 from gpr20_user_interface.views.text_pad import TextPad
+from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button, set_look
 
 NUMBERS = ("latitude", "longitude")
 # More characters than any field may have, so that a text which is too long is named as such.
 MAX_LENGTH = 1000
-
-
-class TouchText(QPlainTextEdit):
-    """Lines of text that report a tap; a keyboard can write in them as usual."""
-
-    tapped = pyqtSignal()
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self.setObjectName(name)
-        self.setTabChangesFocus(True)
-        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Qt: a finger or a mouse button leaves the field."""
-        super().mouseReleaseEvent(event)
-        if self.rect().contains(event.pos()):
-            self.tapped.emit()
-
-    def text(self) -> str:
-        """Return the text."""
-        return self.toPlainText()
-
-    def setText(self, text: str) -> None:  # noqa: N802 (as in QLineEdit)
-        """Replace the text."""
-        self.setPlainText(text)
-
-    def show_problem(self, problem: str) -> None:
-        """Mark the field as wrong; an empty problem as right."""
-        set_look(self, "wrong", bool(problem))
-        self.setToolTip(problem)
+BUTTON_PX = 130
+# Row, column, and how many columns.
+PLACES = {
+    "name": (0, 0, 2),
+    "operator": (0, 2, 2),
+    "site": (1, 0, 2),
+    "latitude": (1, 2, 1),
+    "longitude": (1, 3, 1),
+    "notes": (2, 0, 4),
+}
 
 
 class AnnotationSheet(Overlay):
@@ -64,19 +44,20 @@ class AnnotationSheet(Overlay):
         self._survey: Optional[str] = None
         self.title = QLabel()
         self.title.setObjectName("title")
+        self.title.setWordWrap(True)
         self.problem = QLabel()
         self.problem.setWordWrap(True)
         self.text_pad = TextPad(window)
-        self.number_pad = KeyPad(window, DIGITS)
-        self._labels = {name: QLabel() for name in TITLES}
-        self.fields: Dict[str, Union[TouchEdit, TouchText]] = {
+        self.number_pad = KeyPad(window)
+        self.fields: Dict[str, Field] = {
             name: TouchText(name) if name == "notes" else self._line(name) for name in TITLES
         }
+        self._boxes = {name: FieldBox(field) for name, field in self.fields.items()}
         self.save = new_button(self._on_save)
         self.close_button = new_button(self.hide)
-        for name, field in self.fields.items():
-            field.tapped.connect(lambda name=name: self._on_tap(name))
-            field.textChanged.connect(self._check)
+        for name, box in self._boxes.items():
+            box.tapped.connect(lambda name=name: self._on_tap(name))
+            self.fields[name].textChanged.connect(self._check)
         self._lay_out()
         self.retranslate()
 
@@ -106,11 +87,21 @@ class AnnotationSheet(Overlay):
         else:
             title = self.tr("Notes of the next survey")
         self.title.setText(title)
-        for name, label in self._labels.items():
-            label.setText(shown_text(TITLES[name]))
+        for name, box in self._boxes.items():
+            box.title.setText(shown_text(TITLES[name]))
         self.save.setText(self.tr("SAVE"))
         self.close_button.setText(self.tr("CLOSE"))
         self._check()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        look = look_of(self)
+        gap_px = look.px(GAP_PX)
+        for layout in (self._rows, self._top, self._grid):
+            layout.setSpacing(gap_px)
+        self._rows.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        for button in (self.save, self.close_button):
+            button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
     def _texts(self) -> Dict[str, str]:
         return {name: field.text() for name, field in self.fields.items()}
@@ -118,10 +109,11 @@ class AnnotationSheet(Overlay):
     def _check(self) -> None:
         check = check_texts(self._texts())
         problems = {name: shown_text(message) for name, message in check.problems.items()}
-        for name, field in self.fields.items():
-            field.show_problem(problems.get(name, ""))
+        for name, box in self._boxes.items():
+            box.show_problem(problems.get(name, ""))
         self.problem.setText(next(iter(problems.values()), ""))
         set_look(self.problem, "level", "wrong" if problems else "")
+        self.problem.setVisible(bool(problems))
         self.save.setEnabled(check.annotation is not None)
 
     def _on_save(self) -> None:
@@ -148,27 +140,20 @@ class AnnotationSheet(Overlay):
     def _line(name: str) -> TouchEdit:
         edit = TouchEdit(name)
         edit.setMaxLength(MAX_LENGTH)
-        left = Qt.Alignment() | Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-        edit.setAlignment(left)
         return edit
 
     def _lay_out(self) -> None:
-        grid = QGridLayout(self)
-        grid.setContentsMargins(16, 8, 16, 8)
-        grid.setSpacing(6)
-        grid.addWidget(self.title, 0, 0, 1, 4)
-        self._labels["notes"].setAlignment(Qt.AlignmentFlag.AlignTop)
-        for row, name in ((1, "operator"), (2, "site"), (4, "notes")):
-            grid.addWidget(self._labels[name], row, 0)
-            grid.addWidget(self.fields[name], row, 1, 1, 3)
-        for column, name in ((0, "latitude"), (2, "longitude")):
-            grid.addWidget(self._labels[name], 3, column)
-            grid.addWidget(self.fields[name], 3, column + 1)
-        grid.addWidget(self.problem, 5, 0, 1, 4)
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.save, 1)
-        buttons.addWidget(self.close_button, 1)
-        grid.addLayout(buttons, 6, 0, 1, 4)
-        grid.setRowStretch(4, 1)
-        grid.setColumnStretch(1, 1)
-        grid.setColumnStretch(3, 1)
+        self._top = QHBoxLayout()
+        self._top.addWidget(self.title, 1)
+        self._top.addWidget(self.close_button)
+        self._top.addWidget(self.save)
+        self._grid = QGridLayout()
+        for name, (row, column, columns) in PLACES.items():
+            self._grid.addWidget(self._boxes[name], row, column, 1, columns)
+        for column in range(4):
+            self._grid.setColumnStretch(column, 1)
+        self._grid.setRowStretch(2, 1)
+        self._rows = QVBoxLayout(self)
+        self._rows.addLayout(self._top)
+        self._rows.addWidget(self.problem)
+        self._rows.addLayout(self._grid, 1)

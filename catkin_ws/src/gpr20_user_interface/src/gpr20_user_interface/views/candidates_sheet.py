@@ -23,10 +23,10 @@ from gpr20_user_interface.mid.candidate_list import ShownCandidate
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
-from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.key_pad import KeyPad
 from gpr20_user_interface.views.look import look_of
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.parameter_form_view import TouchEdit
+from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
 
@@ -69,7 +69,7 @@ class CandidatesSheet(Overlay):
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
-        self.number_pad = KeyPad(window, DIGITS)
+        self.number_pad = KeyPad(window)
         self.find_button = new_button(self._on_find)
         self.cancel = new_button(self._on_cancel)
         self.close_button = new_button(self.hide)

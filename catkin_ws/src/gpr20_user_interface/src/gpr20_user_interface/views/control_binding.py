@@ -1,8 +1,9 @@
-"""Connects CONTROL with the survey: parameters, START, PAUSE, RESUME, profiles and notes."""
+"""Connects CONTROL with the survey: the plan, START, profiles and notes."""
 
 from __future__ import annotations
 
-from typing import Callable, Optional
+from dataclasses import replace
+from typing import Callable, Dict
 
 from PyQt5.QtWidgets import QWidget
 
@@ -12,6 +13,9 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
 from gpr20_user_interface.mid.next_annotation import NextAnnotation
 from gpr20_user_interface.mid.notices import Refused
+from gpr20_user_interface.mid.plan_memory import PlanMemory, PlanMemoryFailed, RememberedPlan
+from gpr20_user_interface.mid.plan_presets import AREA_FIELDS
+from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.trace_events import (
@@ -23,10 +27,11 @@ from gpr20_user_interface.mid.trace_presenter import TraceSource
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.annotation_sheet import AnnotationSheet
 from gpr20_user_interface.views.binding import Binding
-from gpr20_user_interface.views.control_view import ControlView, PadRequest
-from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.control_view import ControlView
+from gpr20_user_interface.views.figures_sheet import FiguresSheet
 from gpr20_user_interface.views.profiles_view import ProfilesView
 from gpr20_user_interface.views.start_sheet import StartSheet
+from gpr20_user_interface.views.value_sheet import ValueSheet
 
 ShowRefusal = Callable[[Refused, Message], None]
 
@@ -35,7 +40,8 @@ class ControlBinding(Binding):
     """Passes the operator's requests on, and opens the sheets of CONTROL.
 
     Attributes:
-        number_pad: The keys for a number.
+        values: The sheet of a tile.
+        figures: The sheet of the figures.
         profiles: The sheet of the profiles.
         annotation: The sheet of the notes.
         next_annotation: What people add to the next survey.
@@ -47,6 +53,7 @@ class ControlBinding(Binding):
         survey: WindowPresenter,
         control: ControlView,
         profiles: Profiles,
+        memory: PlanMemory,
         source: TraceSource,
         show_refusal: ShowRefusal,
         start_sheet: StartSheet,
@@ -56,27 +63,44 @@ class ControlBinding(Binding):
         self._source = source
         self._show_refusal = show_refusal
         self._start_sheet = start_sheet
-        self.number_pad = KeyPad(window, DIGITS)
+        self._memory = memory
+        self._asked_area: Dict[str, str] = {}
+        self.values = ValueSheet(window, control.form)
+        self.figures = FiguresSheet(window)
         self.profiles = ProfilesView(window, profiles)
         self.annotation = AnnotationSheet(window)
         self.next_annotation = NextAnnotation()
         control.start_pressed.connect(self._on_start)
-        control.pause_pressed.connect(survey.pause)
-        control.resume_pressed.connect(start_sheet.ask_resume)
-        control.parameters_changed.connect(self.on_parameters)
-        control.pad_wanted.connect(self._on_pad_wanted)
+        control.plan_changed.connect(self.preview_plan)
+        control.tile_pressed.connect(self._on_tile)
+        control.figures.clicked.connect(lambda: self.figures.open())
         control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
-        control.notes.clicked.connect(self.show_notes)
+        self.values.changed.connect(control.show_plan)
         self.annotation.saved.connect(self._on_annotation_saved)
         self.profiles.loaded.connect(control.show_parameters)
         self.profiles.failed.connect(lambda reason: show_refusal(Refused.PROFILE, reason))
+
+    def begin(self) -> None:
+        """Start with what was planned last."""
+        plan = self._memory.load()
+        self._control.form.restore_proposal(plan.configured_address)
+        self._control.restore(plan.texts, plan.following)
+        self.values.arrow_step, self.values.last_area = plan.arrow_step, plan.last_area
+        self._take_annotation(plan.annotation)
+        if self._memory.problem is not None:
+            self._show_refusal(Refused.PLAN, self._memory.problem)
 
     def on_event(self, event: object) -> None:
         """Take what is known of the notes."""
         if isinstance(event, AnnotationDefaults):
             self.next_annotation.take_defaults(event.annotation)
+            self._control.show_annotation(self.next_annotation.value)
         elif isinstance(event, Answer) and event.request is Request.START and event.success:
+            self.values.last_area = self._asked_area
             self.next_annotation.note_started()
+            self._control.show_annotation(self.next_annotation.value)
+        elif isinstance(event, PlanMemoryFailed):
+            self._show_refusal(Refused.PLAN, event.reason)
         elif isinstance(event, AnnotationRead):
             self.annotation.show_annotation(event.survey, event.annotation)
         elif isinstance(event, AnnotationStored) and event.survey == self.annotation.survey:
@@ -87,20 +111,49 @@ class ControlBinding(Binding):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         self._control.refresh(snapshot)
-        self._control.preview.show_preview(self._survey.preview)
+        self._show_preview()
         self._start_sheet.refresh(snapshot)
         if snapshot.fields_locked:
             # An entry would replace the survey's parameters in the fields.
             profiles = self.profiles
-            for overlay in (self.number_pad, profiles.name_pad, profiles.confirm, profiles):
+            for overlay in (self.values, profiles.name_pad, profiles.confirm, profiles):
                 overlay.hide()
+        if not self.values.isVisible() and snapshot.replay is None:
+            self._memory.save(self._plan())
 
-    def on_parameters(self, parameters: Optional[SurveyParameters]) -> None:
-        """Preview the parameters of the fields; None: they are wrong."""
-        self._survey.set_parameters(parameters)
-        self._control.preview.show_preview(self._survey.preview)
+    def preview_plan(self) -> None:
+        """Preview what is planned."""
+        parameters, permittivity = self._control.parameters, self._control.permittivity
+        self._survey.set_plan(parameters, permittivity or 1.0)
+        self._show_preview()
+
+    def _show_preview(self) -> None:
+        self._control.show_preview(self._survey.preview)
+        self.figures.show_preview(self._survey.preview)
+
+    def _plan(self) -> RememberedPlan:
+        form, annotation = self._control.form, self.next_annotation.value
+        return RememberedPlan(
+            dict(form.texts),
+            form.following,
+            self.values.arrow_step,
+            replace(annotation, notes="", position=None),
+            self.values.last_area,
+            form.proposed_address,
+        )
+
+    def _take_annotation(self, annotation: Annotation) -> None:
+        self.next_annotation.value = annotation
+        self._control.show_annotation(annotation)
+
+    def _on_tile(self, tile: Tile) -> None:
+        if tile is Tile.NAME:
+            self.show_notes()
+        else:
+            self.values.show_tile(tile)
 
     def _on_start(self, parameters: SurveyParameters) -> None:
+        self._asked_area = {name: self._control.form.texts[name] for name in AREA_FIELDS}
         self._start_sheet.ask_start(parameters, self.next_annotation.value)
 
     def show_notes(self) -> None:
@@ -116,16 +169,6 @@ class ControlBinding(Binding):
             # The sheet stays open until the storage has it.
             self._source.annotate(survey, annotation)
         else:
-            self.next_annotation.value = annotation
+            self.next_annotation.take(annotation)
+            self._control.show_annotation(self.next_annotation.value)
             self.annotation.hide()
-
-    def _on_pad_wanted(self, request: PadRequest) -> None:
-        # A wrong value may remain while another field is corrected; START stays locked.
-        self.number_pad.ask(
-            request.edit.setText,
-            request.title,
-            request.hint,
-            request.edit.text(),
-            request.judge,
-            strict=False,
-        )

@@ -19,10 +19,10 @@ from gpr20_user_interface.mid.imaging_events import StickVolume
 from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
 from gpr20_user_interface.mid.survey_export import ExportPart, ExportState, SurveyExport
-from gpr20_user_interface.views.key_pad import DIGITS, KeyPad
+from gpr20_user_interface.views.key_pad import KeyPad
 from gpr20_user_interface.views.look import GAP_PX
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.parameter_form_view import TouchEdit
+from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
 
@@ -56,7 +56,7 @@ class ExportSheet(Overlay):
         }
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
-        self.number_pad = KeyPad(window, DIGITS)
+        self.number_pad = KeyPad(window)
         self.place = QLabel()
         self.place.setWordWrap(True)
         self.place.setTextFormat(Qt.TextFormat.PlainText)

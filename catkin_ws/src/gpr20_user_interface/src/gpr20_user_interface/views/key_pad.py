@@ -1,34 +1,34 @@
-"""Keys on the screen: digits for a parameter, letters for a name."""
+"""Keys on the screen for a number, over everything below the top bar."""
 
 from __future__ import annotations
 
-from typing import Callable, Sequence
+from typing import Callable
 
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLineEdit, QPushButton, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
+from gpr20_user_interface.views.key_block import CLEAR, SIGNED, KeyBlock
+from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.pad import Judge, Pad
+from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.widgets import set_look
 
-DIGITS = ("789", "456", "123", "-0.", ", ")
-LETTERS = ("1234567890", "qwertyuiop", "asdfghjkl-", "zxcvbnm_ ")
-MAX_LENGTH = 40
+KEYS_PX = 300
 
 
 class KeyPad(Pad):
-    """A text, keys that write it, and what is allowed, while it is written."""
+    """A number, keys that write it, and what is allowed, while it is written."""
 
-    def __init__(self, window: QWidget, rows: Sequence[str]) -> None:
+    def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self._strict = True
-        self.edit = QLineEdit()
-        self.edit.setMaxLength(MAX_LENGTH)
-        self.edit.textChanged.connect(self._on_text)
+        self.edit = TouchEdit("entry")
+        self.edit.textChanged.connect(lambda _text: self._on_text())
         self.edit.returnPressed.connect(self._accept)
-        self.erase = self._button("⌫", self.edit.backspace)
-        self.erase.setAutoRepeat(True)
-        self.clear = self._button("", self.edit.clear)
-        self.keys = [self._key(character) for row in rows for character in row]
-        self._lay_out(rows)
+        self.keys = KeyBlock()
+        self.keys.use(SIGNED)
+        self.keys.written.connect(self.edit.insert)
+        self.keys.commanded.connect(self._on_command)
+        self._lay_out()
 
     def ask(
         self,
@@ -49,20 +49,26 @@ class KeyPad(Pad):
             judge: Returns what is allowed instead of a wrong text, while it is written.
             strict: Whether a wrong text cannot be accepted.
         """
-        self._begin(deliver, title, hint, judge)
+        self._begin(deliver, title, hint, text, judge)
         self._strict = strict
-        self.clear.setText(self.tr("Clear"))
-        self.cancel.setText(self.tr("Cancel"))
-        self.accept_button.setText(self.tr("OK"))
         self.edit.setText(text)
-        self.edit.selectAll()
         self._on_text()
         self.open()
         self.edit.setFocus()
+        self.edit.select_all()
 
     def press(self, character: str) -> None:
         """Press one of the keys."""
-        next(key for key in self.keys if key.property("character") == character).click()
+        self.keys.press(character)
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        look = look_of(self)
+        gap_px = look.px(GAP_PX)
+        for layout in (self._both, self._left, self._last):
+            layout.setSpacing(gap_px)
+        self._both.setContentsMargins(2 * gap_px, gap_px, 2 * gap_px, gap_px)
+        self.keys.setFixedWidth(look.px(KEYS_PX))
 
     def _written(self) -> str:
         return str(self.edit.text())
@@ -70,34 +76,21 @@ class KeyPad(Pad):
     def _on_text(self) -> None:
         set_look(self.edit, "wrong", bool(self._check(self._strict)))
 
-    def _key(self, character: str) -> QPushButton:
-        key = self._button(
-            "␣" if character == " " else character, lambda: self.edit.insert(character)
-        )
-        key.setObjectName("key")
-        key.setProperty("character", character)
-        return key
+    def _on_command(self, command: str) -> None:
+        if command == CLEAR:
+            self.edit.clear()
+        else:
+            self.edit.backspace()
 
-    def _lay_out(self, rows: Sequence[str]) -> None:
-        top = QHBoxLayout()
-        top.addWidget(self.title)
-        top.addWidget(self.hint, 1)
-        line = QHBoxLayout()
-        line.addWidget(self.edit, 1)
-        line.addWidget(self.erase)
-        line.addWidget(self.clear)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(12, 8, 12, 8)
-        grid.setSpacing(6)
-        width = max(len(row) for row in rows)
-        grid.addLayout(top, 0, 0, 1, width)
-        grid.addLayout(line, 1, 0, 1, width)
-        keys = iter(self.keys)
-        for row, characters in enumerate(rows, 2):
-            for column in range(len(characters)):
-                grid.addWidget(next(keys), row, column)
-            grid.setRowStretch(row, 1)
-        last = QHBoxLayout()
-        last.addWidget(self.cancel)
-        last.addWidget(self.accept_button)
-        grid.addLayout(last, len(rows) + 2, 0, 1, width)
+    def _lay_out(self) -> None:
+        self._last = QHBoxLayout()
+        self._last.addWidget(self.cancel, 1)
+        self._last.addWidget(self.accept_button, 1)
+        self._left = QVBoxLayout()
+        self._left.addLayout(self._last)
+        for widget in (self.title, self.edit, self.hint):
+            self._left.addWidget(widget)
+        self._left.addStretch(1)
+        self._both = QHBoxLayout(self)
+        self._both.addLayout(self._left, 1)
+        self._both.addWidget(self.keys)

@@ -11,7 +11,8 @@ from gpr20_user_interface.views.palette import PALETTES, ColourPair, Mark, TextC
 # Every size is written for this screen, and scaled for another one.
 DESIGN_WIDTH_PX = 800
 DESIGN_HEIGHT_PX = 480
-SMALLEST_SCALE = 0.6
+# A screen of 480x320, less the frame of a window.
+SMALLEST_SCALE = 0.57
 LARGEST_SCALE = 1.8
 
 # What a gloved finger hits: 60 pixels are 11 mm on a 7 inch screen of 800x480.

@@ -99,7 +99,9 @@ class MainWindow(TranslatedWidget):
         self.control = ControlView()
         self.status = StatusView()
         self.additions = AdditionsPresenter(
-            traces.source, lambda: self.control_binding.next_annotation.value.operator
+            traces.source,
+            lambda: self.control_binding.next_annotation.value.operator,
+            presenters.imaging.focus,
         )
         self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
@@ -128,7 +130,7 @@ class MainWindow(TranslatedWidget):
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(
-            *(self, survey, self.control, presenters.profiles, traces.source),
+            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
             *(self.survey_binding.show_refusal, self.start_sheet),
         )
         self.surveys_binding = SurveysBinding(
@@ -149,8 +151,9 @@ class MainWindow(TranslatedWidget):
         )
         # What lies over the tabs; the bindings open and close it.
         self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.values = self.control_binding.values
+        self.plans = presenters.plans
         self.stop_warning = self.job_binding.stop_warning
-        self.number_pad = self.control_binding.number_pad
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
@@ -201,8 +204,8 @@ class MainWindow(TranslatedWidget):
     def begin(self) -> None:
         """Refresh the window from now on."""
         self.survey.check_master()
+        self.control_binding.begin()
         self.refresh()
-        self.control_binding.on_parameters(self.control.parameters)
         for timer in self._timers:
             timer.start()
 
@@ -298,7 +301,6 @@ class MainWindow(TranslatedWidget):
             self.top_bar.stop.pressed,
             self.top_bar.pause_pressed,
             self.top_bar.replay.pause.clicked,
-            self.control.pause_pressed,
             self.start_sheet.hold.held,
         ):
             request.connect(lambda *_: self.refresh())

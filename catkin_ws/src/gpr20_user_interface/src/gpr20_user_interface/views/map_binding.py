@@ -100,6 +100,8 @@ class MapBinding(Binding):
         """Follow the survey that MAP shows, and whether one runs."""
         self._additions.follow(self._traces.shown.survey_id, snapshot.replay is None)
         self._additions.refresh()
+        if not snapshot.running and snapshot.replay is None:
+            self._additions.focus_finer()
         self.finer.note_running(snapshot.running)
         self.markers.set_markers(self._additions.markers)
         if snapshot.running != self._running:

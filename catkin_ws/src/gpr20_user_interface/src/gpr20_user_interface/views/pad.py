@@ -15,12 +15,19 @@ Judge = Callable[[str], str]
 
 
 class Pad(Overlay):
-    """A title, what is allowed, and buttons that deliver a text or drop it."""
+    """A title, what is allowed, and buttons that deliver a text or drop it.
+
+    Attributes:
+        problem_replaces_title: Whether there is room for only one of them.
+    """
+
+    problem_replaces_title = False
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self._judge: Judge = lambda _text: ""
         self._hint = ""
+        self._first = ""
         self._deliver: Callable[[str], None] = lambda _text: None
         self.title = QLabel()
         self.title.setObjectName("title")
@@ -29,12 +36,21 @@ class Pad(Overlay):
         self.cancel = self._button("", self.hide)
         self.accept_button = self._button("", self._accept)
 
-    def _begin(self, deliver: Callable[[str], None], title: str, hint: str, judge: Judge) -> None:
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.cancel.setText(self.tr("Cancel"))
+        self.accept_button.setText(self.tr("OK"))
+
+    def _begin(
+        self, deliver: Callable[[str], None], title: str, hint: str, text: str, judge: Judge
+    ) -> None:
         """Note what is asked for; the arguments are those of `ask`."""
         self._deliver = deliver
         self._judge = judge
         self._hint = hint
+        self._first = text
         self.title.setText(title)
+        self.retranslate()
 
     def _written(self) -> str:
         """Return the text as it is now."""
@@ -46,12 +62,17 @@ class Pad(Overlay):
             self._deliver(self._written())
 
     def _check(self, strict: bool) -> str:
-        """Show what is wrong with the text, and return it; a strict pad does not deliver it."""
+        """Show what is wrong with the text, and return it; a strict pad does not deliver it.
+
+        A text that was not changed yet is not shown as wrong.
+        """
         problem = self._judge(self._written())
-        self.hint.setText(problem or self._hint)
-        set_look(self.hint, "level", "wrong" if problem else "")
         self.accept_button.setEnabled(not (problem and strict))
-        return problem
+        shown = "" if self._written() == self._first else problem
+        self.hint.setText(shown or self._hint)
+        self.title.setVisible(not (shown and self.problem_replaces_title))
+        set_look(self.hint, "level", "wrong" if shown else "")
+        return shown
 
     def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
         button = new_button(act, text)

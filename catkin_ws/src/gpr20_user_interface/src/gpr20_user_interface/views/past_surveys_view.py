@@ -26,7 +26,6 @@ MAP, WHAT, AREA, VERDICT = range(4)
 ROW_PX = 64
 MAP_PX = 56
 BUTTONS_PX = 150
-LONGEST_NAME = 24
 LONGEST_SENTENCE = 160
 MOST_ICONS = 500
 
@@ -127,12 +126,9 @@ class PastSurveysView(TranslatedWidget):
         counted = f"{survey.stored_traces} / {survey.planned_traces}"
         area = f"{survey.width_mm:.0f} x {survey.height_mm:.0f} mm" if survey.width_mm else "—"
         when = survey.local_time()
-        name = survey.name
-        if len(name) > LONGEST_NAME:
-            name = f"{name[: LONGEST_NAME - 1]}…"
         texts = {
             MAP: "",
-            WHAT: f"{name}\n{when}" if name else when,
+            WHAT: f"{survey.name}\n{when}" if survey.name else when,
             AREA: f"{area}\n{counted}" if survey.problem is None else "—",
             VERDICT: self._word(survey),
         }
@@ -220,6 +216,8 @@ class PastSurveysView(TranslatedWidget):
         table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        # Each line ends with dots where it does not fit.
+        table.setWordWrap(False)
         table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         table.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         table.verticalHeader().hide()

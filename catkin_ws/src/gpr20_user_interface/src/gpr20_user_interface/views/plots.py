@@ -20,7 +20,7 @@ LINE_PX = 2
 HALO_PX = 4
 # Half of the gap in the middle of the crosshair.
 FREE_PX = 12
-MIN_PLOT_PX = 80
+MIN_PLOT_PX = 40
 
 # The place of a number on an axis, and the number.
 Ticks = List[Tuple[float, str]]

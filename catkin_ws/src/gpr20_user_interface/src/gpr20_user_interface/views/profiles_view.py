@@ -12,8 +12,8 @@ from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.mid.hold_question import delete_profile_question
 from gpr20_user_interface.mid.profiles import MAX_NAME_LENGTH, Profiles, is_name
 from gpr20_user_interface.views.hold_sheet import HoldSheet
-from gpr20_user_interface.views.key_pad import LETTERS, KeyPad
 from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.text_pad import TextPad
 from gpr20_user_interface.views.widgets import new_button
 
 
@@ -29,7 +29,7 @@ class ProfilesView(Overlay):
         super().__init__(window)
         self._profiles = profiles
         self._parameters: Optional[SurveyParameters] = None
-        self.name_pad = KeyPad(window, LETTERS)
+        self.name_pad = TextPad(window)
         self.confirm = HoldSheet(window)
         self.title = QLabel()
         self.title.setObjectName("title")
@@ -96,18 +96,19 @@ class ProfilesView(Overlay):
 
     def _ask_name(self) -> None:
         taken = self._profiles.names()
-        hint = self.tr(
-            "a new name of at most {most} letters a to z, digits, spaces, - and _; "
-            "begin with a letter or digit and do not end with a space"
-        ).format(most=MAX_NAME_LENGTH)
+        hint = self.tr("at most {most} characters").format(most=MAX_NAME_LENGTH)
+        allowed = self.tr("1 to {most} of a to z, 0 to 9, - and _, inside also spaces")
+        other = self.tr("this name is taken; write another one")
 
         def judge(name: str) -> str:
-            return "" if is_name(name) and name not in taken else hint
+            if name in taken:
+                return other
+            return "" if is_name(name) else allowed.format(most=MAX_NAME_LENGTH)
 
         def deliver(name: str) -> None:
             self._try(lambda: self._save(name))
 
-        self.name_pad.ask(deliver, self.tr("Save profile as"), hint, "", judge, strict=True)
+        self.name_pad.ask(deliver, self.tr("Save profile as"), hint, "", judge, False)
 
     def _save(self, name: str) -> None:
         if self._parameters is not None:

@@ -18,7 +18,8 @@ class AnalyzerQuestion(NoticeView):
         super().__init__(window)
         self._on_accepted: Callable[[], None] = self.hide
         self.accept_button = new_button(self._accept)
-        self.buttons.insertWidget(0, self.accept_button, 1)
+        # Its words are longer than those of the other buttons.
+        self.buttons.insertWidget(0, self.accept_button, 2)
 
     def ask(self, notice: Notice, on_accepted: Callable[[], None]) -> None:
         """Open with the texts of a notice.

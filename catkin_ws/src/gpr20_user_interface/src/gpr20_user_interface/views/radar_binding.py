@@ -44,11 +44,12 @@ class RadarBinding(Binding):
         self._images = images
         self.sheet = RadarSheet(window, radar.presenter)
         self.sheet.changed.connect(radar.refresh)
+        self.sheet.fit_wanted.connect(radar.begin_fit)
         radar.settings.clicked.connect(lambda: self.sheet.open())
         radar.marker_wanted.connect(ask_marker)
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Take markers and image of the survey that is shown."""
+        """Take markers of the survey that is shown, and its image with finer ones over it."""
         additions = self._additions
-        self._radar.set_image(additions.image, self._images.problem)
+        self._radar.set_image(additions.laid_image, self._images.problem)
         self._radar.set_markers(additions.markers, additions.can_mark)

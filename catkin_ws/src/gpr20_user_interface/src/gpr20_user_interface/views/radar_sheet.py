@@ -35,6 +35,7 @@ class RadarSheet(Overlay):
     """
 
     changed = pyqtSignal()
+    fit_wanted = pyqtSignal()
 
     def __init__(self, window: QWidget, presenter: RadarPresenter) -> None:
         super().__init__(window)
@@ -44,6 +45,7 @@ class RadarSheet(Overlay):
             soil: self._key(lambda one=soil: self._on_soil(one)) for soil in (*Soils, None)
         }
         self.permittivity = Stepper(PERMITTIVITIES, presenter.settings.permittivity)
+        self.fit = self._key(self._on_fit)
         self.gain = Stepper(GAINS_DB_PER_NS, presenter.settings.gain_db_per_ns)
         self.colours: Dict[Colours, QPushButton] = {
             colours: self._key(lambda one=colours: self._change(colours=one)) for colours in Colours
@@ -71,6 +73,7 @@ class RadarSheet(Overlay):
         """Write the texts in the language of the application."""
         self.permittivity.set_texts(self.tr("Permittivity"), "{value:g}")
         self.gain.set_texts(self.tr("Gain"), self.tr("{value:g} dB/ns"))
+        self.fit.setText(self.tr("Fit a\nhyperbola"))
         self.done.setText(self.tr("CLOSE"))
         self._show()
 
@@ -92,6 +95,7 @@ class RadarSheet(Overlay):
             button.setText(f"{words}\n{value:g}")
             button.setChecked(soil is chosen)
         self.permittivity.set_value(settings.permittivity)
+        self.fit.setEnabled(self._presenter.can_fit)
         names = {
             Colours.ENVELOPE: self.tr("Envelope"),
             Colours.GREY: self.tr("Grey"),
@@ -119,6 +123,10 @@ class RadarSheet(Overlay):
     def _on_soil(self, soil: Optional[Soils]) -> None:
         self._change(permittivity=self._own if soil is None else soil.value.permittivity)
 
+    def _on_fit(self) -> None:
+        self.hide()
+        self.fit_wanted.emit()
+
     def _on_polarization(self) -> None:
         self._presenter.next_polarization()
         self._announce()
@@ -141,13 +149,15 @@ class RadarSheet(Overlay):
     def _lay_out(self) -> None:
         rows: List[List[QWidget]] = [
             list(self.soils.values()),
-            [self.permittivity, self.gain],
+            [self.permittivity, self.fit, self.gain],
             [*self.colours.values(), self.scale],
             [self.polarization, self.axis, self.background, self.follow, self.done],
         ]
         for row, widgets in enumerate(rows):
-            span = COLUMNS // len(widgets)
+            # Three do not divide the columns: the middle one is narrower.
+            spans = [8, 4, 8] if len(widgets) == 3 else [COLUMNS // len(widgets)] * len(widgets)
             for number, widget in enumerate(widgets):
-                self._grid.addWidget(widget, row, number * span, 1, span)
+                first = sum(spans[:number])
+                self._grid.addWidget(widget, row, first, 1, spans[number])
         for column in range(COLUMNS):
             self._grid.setColumnStretch(column, 1)

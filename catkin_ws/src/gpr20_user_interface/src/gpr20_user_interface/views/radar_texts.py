@@ -26,7 +26,7 @@ class RadarTexts:
     def readout(self, shown: RadarPictures) -> str:
         """Return what is known at the crosshair."""
         if shown.place is None:
-            return self.tr("Touch the slice to choose a line.")
+            return ""
         text = self.tr("X {x:.0f} Y {y:.0f} depth {depth:.0f} mm: {level}")
         return text.format(
             x=shown.place.x_mm,
@@ -37,22 +37,25 @@ class RadarTexts:
 
     def note(self, presenter: RadarPresenter) -> str:
         """Return what must be known about the pictures."""
-        model = presenter.model
-        parts = [self.tr("No echo does not mean no mine.")]
-        if model.grid is not None and model.grid.simulated:
+        grid = presenter.model.grid
+        parts = [self.tr("No echo does not mean no mine."), self._remark(presenter)]
+        if grid is not None and grid.simulated:
             parts.insert(0, self.tr("SIMULATED") + ".")
-        image = presenter.image
-        if presenter.shows_focused and image is not None:
-            text = self.tr("Focused with permittivity {value:g}.")
-            parts.append(text.format(value=image.permittivity))
-        elif self._lacks_background(presenter):
-            text = self.tr("The background is not removed from fewer than {count} traces.")
-            parts.append(text.format(count=MIN_BACKGROUND_TRACES))
+        return " ".join(parts)
+
+    def _remark(self, presenter: RadarPresenter) -> str:
+        """Return the most important remark; there is no room for more."""
+        model, image = presenter.model, presenter.image
         if model.given_up:
             text = self.tr("Cannot be shown: {count}.")
-            parts.append(text.format(count=len(model.given_up)))
-        parts.append(self.tr("Hatched: not measured."))
-        return " ".join(parts)
+            return text.format(count=len(model.given_up))
+        if presenter.shows_focused and image is not None:
+            text = self.tr("Focused with permittivity {value:g}.")
+            return text.format(value=image.permittivity)
+        if self._lacks_background(presenter):
+            text = self.tr("The background is not removed from fewer than {count} traces.")
+            return text.format(count=MIN_BACKGROUND_TRACES)
+        return self.tr("Hatched: not measured.")
 
     def line_notice(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
         """Return what to write over the line."""
@@ -81,22 +84,23 @@ class RadarTexts:
             return ""
         return self.tr("Nothing above the noise at this depth. No echo does not mean no mine.")
 
-    def trace_title(self, presenter: RadarPresenter) -> str:
-        """Return the title of the trace."""
+    def trace_title(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
+        """Return the title of the trace, with the level at the crosshair."""
         grid = presenter.model.grid
-        if presenter.shows_focused or grid is None:
-            return self.tr("Trace")
-        rotation_deg = grid.rotations_deg[presenter.settings.polarization]
-        return self.tr("Trace\n{rotation:g}°").format(rotation=rotation_deg)
+        title = self.tr("Trace")
+        if not presenter.shows_focused and grid is not None:
+            title = f"{grid.rotations_deg[presenter.settings.polarization]:g}°"
+        return f"{title}\n{self._level(shown)}"
 
     def line_title(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
-        """Return the title of the line."""
-        if shown.place is None:
-            return self.tr("Line")
+        """Return the title of the line, with the place of the crosshair on it."""
         place = shown.place
-        if presenter.settings.along is Axis.X_MM:
-            return self.tr("Line\nat Y {y:g} mm").format(y=round(place.y_mm, 1))
-        return self.tr("Line\nat X {x:g} mm").format(x=round(place.x_mm, 1))
+        if place is None:
+            return self.tr("Line")
+        text = self.tr("Line at Y {y:.0f}\nX {x:.0f} mm")
+        if presenter.settings.along is Axis.Y_MM:
+            text = self.tr("Line at X {x:.0f}\nY {y:.0f} mm")
+        return text.format(x=place.x_mm, y=place.y_mm)
 
     def slice_title(self, shown: RadarPictures) -> str:
         """Return the title of the slice."""

@@ -6,7 +6,7 @@ from typing import Optional, Sequence, Tuple
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
@@ -39,6 +39,7 @@ class RadarView(TranslatedWidget):
     Attributes:
         presenter: What is chosen and shown.
         enlarged: The picture that fills the tab; None: all three are shown.
+        readout: What is known at the crosshair.
     """
 
     # X, Y and depth of the crosshair [mm], when the operator asks for a marker there.
@@ -66,13 +67,12 @@ class RadarView(TranslatedWidget):
         self.depth_slider = DepthSlider()
         self.along = new_button(self._on_along)
         self.source = new_button(self._on_source)
-        self.fit = new_button(self._on_fit)
         self.marker = new_button(self._on_marker)
         self.settings = new_button(lambda: None)
         self.use = new_button(self._on_use)
         self.drop = new_button(self._on_drop)
         self.fit_text = QLabel()
-        self.readout = QLabel()
+        self.readout = ""
         self.note = QLabel()
         self._slow = QTimer(self)
         self._lay_out()
@@ -120,6 +120,15 @@ class RadarView(TranslatedWidget):
         self._drawn = ()
         self.refresh()
 
+    def begin_fit(self) -> None:
+        """Let the operator drag a hyperbola over the enlarged line."""
+        # A hyperbola is one of echoes: a focused image has none.
+        self.presenter.change(source=Source.ECHOES)
+        self.presenter.begin_hyperbola()
+        if self.presenter.hyperbola is not None:
+            self.enlarged = None
+            self.enlarge(self.line_plot)
+
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
         """Draw what came while the tab was hidden."""
         super().showEvent(event)
@@ -127,7 +136,6 @@ class RadarView(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
-        self.fit.setText(self.tr("Hyper-\nbola"))
         self.marker.setText(self.tr("Marker"))
         self.settings.setText(self.tr("Picture"))
         self.drop.setText(self.tr("Cancel"))
@@ -138,7 +146,7 @@ class RadarView(TranslatedWidget):
     def restyle(self) -> None:
         """Take the sizes of the look."""
         look = look_of(self)
-        for key in (self.along, self.source, self.fit, self.marker, self.settings):
+        for key in (self.along, self.source, self.marker, self.settings):
             key.setFixedWidth(look.px(KEY_WIDTH_PX))
         for widget in (self.shallower, self.deeper, self.depth_slider):
             widget.setFixedWidth(look.px(DEPTH_WIDTH_PX))
@@ -177,8 +185,9 @@ class RadarView(TranslatedWidget):
         if line is not None and place is not None:
             second = presenter.second_of(shown.depth_m, line.axis)
             self.line_plot.set_crosshair(place.along(line.across), second)
-            in_depth = line.axis is Axis.DEPTH_MM
-            self.line_plot.set_spots(line_spots(marked, place, line.across) if in_depth else ())
+            # Nothing lies over the hyperbola while it is fitted.
+            hidden = presenter.hyperbola is not None or line.axis is not Axis.DEPTH_MM
+            self.line_plot.set_spots(() if hidden else line_spots(marked, place, line.across))
             self._show_hyperbola(line)
         if place is not None:
             self.slice_plot.set_crosshair(place.x_mm, place.y_mm)
@@ -209,15 +218,14 @@ class RadarView(TranslatedWidget):
         second = texts.second(shown.line and shown.line.axis)
         self.line_plot.set_labels(texts.across(presenter.settings.along), second)
         self.slice_plot.set_labels(self.tr("X mm"), self.tr("Y mm"))
-        readout = texts.readout(shown)
-        self.readout.setText(readout)
+        self.readout = texts.readout(shown)
         for plot, key, title in (
-            (self.trace_plot, self.trace_key, texts.trace_title(presenter)),
+            (self.trace_plot, self.trace_key, texts.trace_title(presenter, shown)),
             (self.line_plot, self.line_key, texts.line_title(presenter, shown)),
             (self.slice_plot, self.slice_key, texts.slice_title(shown)),
         ):
             first, _line_end, second = title.partition("\n")
-            enlarged = f"{first} {second} ⤡\n{readout}"
+            enlarged = f"{first} ⤡\n{self.readout}"
             key.setText(enlarged if plot is self.enlarged else f"{first} ⤢\n{second}".strip())
         self.note.setText(texts.note(presenter))
         self.along.setText(texts.along_key(presenter.settings.along))
@@ -229,7 +237,6 @@ class RadarView(TranslatedWidget):
         grid = presenter.model.grid
         self.source.setEnabled(grid is not None)
         self.marker.setEnabled(self._can_mark and shown.place is not None)
-        self.fit.setEnabled(shown.place is not None and shown.slice is not None)
 
     def _step_depth(self, steps: int) -> None:
         self.presenter.step_depth(steps)
@@ -249,14 +256,6 @@ class RadarView(TranslatedWidget):
         focused = self.presenter.settings.source is Source.ECHOES
         self.presenter.change(source=Source.FOCUSED if focused else Source.ECHOES)
         self.refresh()
-
-    def _on_fit(self) -> None:
-        # A hyperbola is one of echoes: a focused image has none.
-        self.presenter.change(source=Source.ECHOES)
-        self.presenter.begin_hyperbola()
-        if self.presenter.hyperbola is not None:
-            self.enlarged = None
-            self.enlarge(self.line_plot)
 
     def _on_use(self) -> None:
         self.presenter.take_permittivity()
@@ -330,11 +329,10 @@ class RadarView(TranslatedWidget):
             shown = enlarged is None or plot is enlarged
             plot.setVisible(shown)
             key.setVisible(shown and not fits)
-        for key in (self.along, self.source, self.fit, self.marker, self.settings):
+        for key in (self.along, self.source, self.marker, self.settings):
             key.setVisible(enlarged is None)
         for widget in (self.fit_text, self.use, self.drop):
             widget.setVisible(fits)
-        self.readout.setVisible(enlarged is None)
         self.bar.setVisible(enlarged is None)
         self.top_bar.setVisible(enlarged is not None)
 
@@ -362,14 +360,12 @@ class RadarView(TranslatedWidget):
         self._depths.addWidget(self.shallower)
         self._depths.addWidget(self.depth_slider, 1)
         self._depths.addWidget(self.deeper)
-        for key in (self.along, self.source, self.fit, self.marker, self.settings):
+        for key in (self.along, self.source, self.marker, self.settings):
+            key.setSizePolicy(fixed, QSizePolicy.Policy.Expanding)
             self._keys.addWidget(key)
-        bottom = QGridLayout()
-        bottom.addWidget(self.readout, 0, 0)
-        bottom.addWidget(self.note, 1, 0)
-        bottom.addWidget(self.bar, 0, 1, 2, 1)
-        bottom.setColumnStretch(0, 1)
-        bottom.setSpacing(0)
+        bottom = QHBoxLayout()
+        bottom.addWidget(self.note, 1)
+        bottom.addWidget(self.bar)
         left = QVBoxLayout()
         left.addLayout(pictures, 1)
         left.addLayout(bottom)

@@ -17,7 +17,6 @@ from gpr20_user_interface.mid.hold_question import (
 )
 from gpr20_user_interface.mid.past_surveys import PastSurveys
 from gpr20_user_interface.mid.survey_model import Snapshot
-from gpr20_user_interface.mid.survey_preview import preview
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.hold_sheet import HoldSheet
 
@@ -44,7 +43,7 @@ class StartSheet(HoldSheet):
         """Ask whether to start a survey."""
 
         def make() -> HoldQuestion:
-            known = self._survey.preview_of(parameters) or preview(parameters)
+            known = self._survey.preview_of(parameters)
             return start_question(parameters, known, annotation)
 
         self._ask(make, _can_start, lambda: self._survey.start(parameters, annotation))

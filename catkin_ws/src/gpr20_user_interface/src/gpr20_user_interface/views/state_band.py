@@ -14,7 +14,7 @@ from gpr20_user_interface.views.palette import TextColours
 from gpr20_user_interface.views.translation import TranslatedWidget
 from gpr20_user_interface.views.widgets import set_look
 
-SIGN_PX = 40
+SIGN_PX = 36
 STRIPE_PX = 10
 
 LEVEL_COLOURS: Dict[JobLevel, TextColours] = {

@@ -12,6 +12,7 @@ from gpr20_user_interface.views.look import (
     Look,
 )
 from gpr20_user_interface.views.palette import Mark, TextColours
+from gpr20_user_interface.views.plan_style import plan_style
 from gpr20_user_interface.views.state_band import LEVEL_COLOURS
 
 STOP_WIDTH_PX = 140
@@ -21,7 +22,8 @@ SLIDER_PX = 8
 
 def style_sheet(look: Look) -> str:
     """Return the style sheet of a theme at a scale."""
-    return _texts(look) + _buttons(look) + _fields(look) + _bars(look) + _job(look)
+    own = _texts(look) + _buttons(look) + _fields(look) + _bars(look)
+    return own + _job(look) + plan_style(look)
 
 
 def _css(look: Look, colours: TextColours) -> str:

@@ -95,6 +95,7 @@ class TopBar(TranslatedWidget):
 
     def _lay_out(self) -> None:
         first = QHBoxLayout()
+        first.setSpacing(0)
         first.addWidget(self.title)
         first.addStretch(1)
         first.addWidget(self.simulated)

@@ -21,3 +21,20 @@ def set_look(widget: QWidget, name: str, value: object) -> None:
         widget.setProperty(name, value)
         widget.style().unpolish(widget)
         widget.style().polish(widget)
+
+
+def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:
+    """Return a text with a line break where it is wider than its button.
+
+    Args:
+        text: One line.
+        button: Its font is used.
+        room_px: Width inside the button [px].
+    """
+    if button.fontMetrics().horizontalAdvance(text) <= room_px:
+        return text
+    spaces = [place for place, character in enumerate(text) if character == " "]
+    if not spaces:
+        return text
+    middle = min(spaces, key=lambda place: abs(2 * place - len(text)))
+    return text[:middle] + "\n" + text[middle + 1 :]

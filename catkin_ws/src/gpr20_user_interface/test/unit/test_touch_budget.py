@@ -1,0 +1,146 @@
+"""How many touches a survey takes, counted on a window without ROS."""
+
+import random
+
+import pytest
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from window_helpers import application, close, hold_to_start, new_window, show, snapshot
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.events import Answer, Request, RobotDefaults, Site
+from gpr20_user_interface.mid.plan_tiles import Tile
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application"]
+
+FROM_MEMORY, FROM_FACTORY = 10, 20
+NOTHING_CONFIGURED = RobotDefaults("", Site())
+PREFIXES = ("192.168.", "10.", "172.")
+
+
+class Finger:
+    """Touches what is seen, and counts."""
+
+    def __init__(self):
+        self.touches = 0
+
+    def touch(self, widget):
+        assert widget.isVisible() and widget.isEnabled()
+        self.touches += 1
+        QTest.mouseClick(widget, Qt.LeftButton)
+
+    def start(self, window):
+        """START opens a summary; holding its button begins the survey."""
+        self.touch(window.control.start)
+        self.touches += 1
+        hold_to_start(window)
+
+
+@pytest.fixture
+def opened(application, tmp_path):
+    """Open windows that remember in the same folder, one after the other."""
+    windows = []
+
+    def again():
+        if windows:
+            close(windows.pop())
+        window = new_window(Languages(application, Language.ENGLISH), profiles=tmp_path)
+        windows.append(window)
+        window.show()
+        window.control_binding.begin()
+        show(window, snapshot(SurveyState.IDLE, defaults=NOTHING_CONFIGURED))
+        return window
+
+    yield again
+    close(windows.pop())
+
+
+def plan(window, finger, address):
+    """Enter an address and an area of 300 x 300 mm with a finger."""
+    control, values = window.control, window.values
+    finger.touch(control.tiles[Tile.VNA])
+    prefix = next((one for one in PREFIXES if address.startswith(one)), "")
+    for key in [*([prefix] if prefix else []), *address[len(prefix) :]]:
+        finger.touch(next(one for one in values.keys.keys if one.property("character") == key))
+    finger.touch(values.done)
+    finger.touch(control.tiles[Tile.AREA])
+    finger.touch(values.presets[1])
+    finger.touch(values.done)
+    finger.start(window)
+
+
+def test_an_address_and_an_area_from_factory_values(opened):
+    window, finger = opened(), Finger()
+    plan(window, finger, "192.168.1.10")
+    (started,) = window.survey.asked
+    assert started.vna_address == "192.168.1.10"
+    assert (started.x_start_mm, started.x_stop_mm) == (175.0, 475.0)
+    assert (started.y_start_mm, started.y_stop_mm) == (250.0, 550.0)
+    assert finger.touches <= FROM_FACTORY
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_address_of_a_local_network_from_factory_values(opened, seed):
+    draw = random.Random(seed)
+    last = [str(draw.randint(0, 255)) for _ in range(4)]
+    network = draw.choice((["192", "168"], ["10"], ["172", str(draw.randint(16, 31))]))
+    address = ".".join(network + last[len(network) :])
+    window, finger = opened(), Finger()
+    plan(window, finger, address)
+    assert window.survey.asked[0].vna_address == address
+    assert finger.touches <= FROM_FACTORY, address
+
+
+def test_the_same_survey_again_from_remembered_values(opened):
+    window, finger = opened(), Finger()
+    plan(window, finger, "192.168.1.10")
+    before = window.survey.asked[0]
+    window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
+    window.refresh()
+    assert window.plans.wait(10.0)
+    window, finger = opened(), Finger()
+    finger.start(window)
+    assert window.survey.asked == [before]
+    assert finger.touches <= FROM_MEMORY
+
+
+def test_another_spacing_soil_and_area_from_remembered_values(opened):
+    window, finger = opened(), Finger()
+    plan(window, finger, "10.0.0.2")
+    window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
+    window.refresh()
+    assert window.plans.wait(10.0)
+    window, finger = opened(), Finger()
+    for tile, preset in ((Tile.SPACING, 1), (Tile.SOIL, 1)):
+        finger.touch(window.control.tiles[tile])
+        finger.touch(window.values.presets[preset])
+        finger.touch(window.values.done)
+    finger.start(window)
+    assert window.survey.asked[0].x_points == 31
+    assert finger.touches <= FROM_MEMORY
+
+
+def test_the_last_area_is_offered(opened):
+    window = opened()
+    plan(window, Finger(), "10.0.0.2")
+    window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
+    window.control.form.set_text("x_stop_mm", "200")
+    window.refresh()
+    assert window.plans.wait(10.0)
+    window, finger = opened(), Finger()
+    finger.touch(window.control.tiles[Tile.AREA])
+    finger.touch(window.values.presets[3])
+    assert window.values.presets[3].text() == "Last\nsurvey"
+    assert window.control.form.texts["x_stop_mm"] == "475"
+
+
+def test_a_damaged_memory_is_said_and_the_factory_values_are_used(opened, tmp_path):
+    (tmp_path / "window").mkdir()
+    (tmp_path / "window" / "plan.yaml").write_text("fields: [")
+    window = opened()
+    assert window.notice.isVisible()
+    assert "defaults are used" in window.notice.reason.toPlainText()
+    assert window.control.start.isEnabled()
