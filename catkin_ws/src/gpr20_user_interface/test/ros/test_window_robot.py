@@ -227,10 +227,12 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
         self.touch(view.switch_button)
         self.touch(view.tools.measure)
-        wait_until(lambda: " V" in view.tools.height_found.text(), "the height is measured")
+        wait_until(lambda: " V" in view.tools.height_found.toPlainText(), "the height is measured")
         self.touch(view.tools.test)
-        wait_until(lambda: "Sweep of" in view.tools.analyzer_found.text(), "the VNA is tested")
-        self.assertIn("SIMULATED", view.tools.analyzer_found.text())
+        wait_until(
+            lambda: "Sweep of" in view.tools.analyzer_found.toPlainText(), "the VNA is tested"
+        )
+        self.assertIn("SIMULATED", view.tools.analyzer_found.toPlainText())
         self.window.show_tab(TabName.STATUS)
         wait_until(lambda: not view.in_service, "another tab ends the service")
 
