@@ -105,6 +105,8 @@ class ValueSheet(Overlay):
         self._tile, self._active, self._touched = tile, 0, False
         self._before = dict(self._form.texts)
         self._following = self._form.following
+        # The tile before may have had more fields.
+        self._active, self._touched = 0, False
         names = TILE_FIELDS[tile]
         for number, box in enumerate(self.boxes):
             box.setVisible(number < len(names))
