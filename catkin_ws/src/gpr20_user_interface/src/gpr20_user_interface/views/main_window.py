@@ -242,6 +242,8 @@ class MainWindow(TranslatedWidget):
     def _use_parameters(self, parameters: SurveyParameters) -> None:
         """Put the parameters of a plan into CONTROL, and bring it to the front."""
         self.control.show_parameters(parameters)
+        # The job of the survey before is no longer of interest.
+        self.job_binding.show_plan()
         self.show_tab(TabName.CONTROL)
 
     def use_look(self, look: Look) -> None:
