@@ -112,6 +112,12 @@ class FakeMainControl:
     def visited(self) -> int:
         return self._visited
 
+    @property
+    def parameters(self) -> SurveyParameters:
+        if self._parameters is None:
+            raise AssertionError("no parameters were set")
+        return self._parameters
+
     def listeners(self) -> int:
         return self._data.get_num_connections()
 

@@ -89,7 +89,8 @@ class Describer:
 
     def _with_text(self, text: str) -> Optional[QWidget]:
         for button in self._window.findChildren(QAbstractButton):
-            if button.isVisible() and button.text().replace("&", "") == text:
+            shown = " ".join(button.text().replace("&", "").split())
+            if button.isVisible() and shown == text:
                 return button
         return None
 
@@ -130,7 +131,10 @@ def main() -> None:
     memory = WindowMemory(SettingsFile(given.folder / "window.yaml"))
     languages = Languages(application, memory.settings.language)
     profiles = Profiles(ProfileFolder(given.folder / "profiles"))
-    interface = UserInterface(SurveyModel(Clock()), languages, profiles, memory, given.full_screen)
+    plan = SettingsFile(given.folder / "plan.yaml")
+    interface = UserInterface(
+        SurveyModel(Clock()), languages, profiles, plan, memory, given.full_screen
+    )
     interface.begin()
     describer = Describer(interface.window)
 

@@ -190,10 +190,8 @@ def _run(given: argparse.Namespace) -> int:
             return EXIT_NO_MASTER
         on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
-        if signals.received:
-            _quit_soon()
         try:
-            return _show(application)
+            return _show(application, signals)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
             return EXIT_WRONG_PARAMETER
@@ -222,7 +220,7 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
     leave_now(status)
 
 
-def _show(application: QApplication) -> int:
+def _show(application: QApplication, signals: StopSignals) -> int:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
@@ -241,6 +239,9 @@ def _show(application: QApplication) -> int:
     screen_saver = ScreenSaver()
     _note(screen_saver.switch_off())
     keeper = ConnectionKeeper()
+    # What came before the event loop may have been handled without effect.
+    if signals.received or rospy.is_shutdown():
+        _quit_soon()
     status = application.exec_()
     _note(screen_saver.restore())
     keeper.close()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from PyQt5.QtCore import QPointF, Qt
-from PyQt5.QtGui import QColor, QPainter, QPainterPath, QPaintEvent
+from PyQt5.QtCore import QPointF
+from PyQt5.QtGui import QColor, QPainter, QPainterPath, QPaintEvent, QPolygonF
 from PyQt5.QtWidgets import QPushButton
 
 from gpr20_user_interface.views.look import look_of
@@ -32,17 +32,14 @@ class GearButton(QPushButton):
 
 def _gear(size_px: int) -> QPainterPath:
     pitch = 2.0 * math.pi / TEETH
-    path = QPainterPath()
-    path.setFillRule(Qt.FillRule.OddEvenFill)
     corners = ((-TOOTH_ROOT, ROOT), (-TOOTH_TIP, TIP), (TOOTH_TIP, TIP), (TOOTH_ROOT, ROOT))
+    outline = QPolygonF()
     for tooth in range(TEETH):
         for part, radius in corners:
             angle = (tooth + part) * pitch
-            place = QPointF(math.cos(angle), math.sin(angle)) * (radius * size_px)
-            if path.elementCount() == 0:
-                path.moveTo(place)
-            else:
-                path.lineTo(place)
+            outline.append(QPointF(math.cos(angle), math.sin(angle)) * (radius * size_px))
+    path = QPainterPath()
+    path.addPolygon(outline)
     path.closeSubpath()
     path.addEllipse(QPointF(0.0, 0.0), HOLE * size_px, HOLE * size_px)
     return path

@@ -97,9 +97,8 @@ class JobBinding(Binding):
         self._show_stop()
 
     def draw(self) -> None:
-        """Draw the small map, if it is seen."""
-        if self.view.isVisible():
-            self.view.map.set_model(self._traces.live.map)
+        """Draw the small map."""
+        self.view.draw(self._traces.live.map)
 
     def _note_fault(self, snapshot: Snapshot) -> None:
         state = self._faults.note(snapshot.state)

@@ -93,7 +93,7 @@ QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#arrow:disabled, QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
-QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(10)}px;
+QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(6)}px;
     border: 1px solid {border}; }}
 QTabBar::tab:selected {{ {css(TextColours.CHOSEN)} }}
 """
