@@ -339,3 +339,14 @@ def test_what_was_understood_is_shown_after_done(window):
     enter(window, "x_stop_mm", "600,1234")
     assert lines(window, Tile.AREA)[0] == "X 50 - 600.12"
     assert window.control.parameters.x_stop_mm == 600.1234
+
+
+def test_a_tile_opens_after_one_with_more_fields(window):
+    values = window.values
+    for tile in VALUE_TILES:
+        values.show_tile(Tile.VNA)
+        values.choose(list(values.fields)[-1])
+        values.finish()
+        values.show_tile(tile)
+        assert values.isVisible()
+        values.finish()
