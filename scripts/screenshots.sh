@@ -3,6 +3,7 @@
 # simulated robot.
 #   scripts/screenshots.sh                   every tab, over two targets, into docs/images
 #   scripts/screenshots.sh FOLDER            the same into another folder
+#   scripts/screenshots.sh --sizes FOLDER    every tab and sheet in 3 sizes, 2 languages, 2 themes
 #   scripts/screenshots.sh --faults FOLDER   STATUS, after each fault of the simulator
 #   scripts/screenshots.sh --replay SURVEY   a replay of a recorded survey, into docs/images
 #   scripts/screenshots.sh --candidates SURVEY   the candidates of a survey, into docs/images
@@ -14,6 +15,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 gpr20_use_workspace
 export ROS_IP=127.0.0.1
 export PYTHONPATH="$GPR20_ROOT/benchmarks:$PYTHONPATH"
+if [ "${1:-}" = --sizes ]; then
+    exec python "$GPR20_ROOT/scripts/size_screenshots.py" "${2:?name a folder for the pictures}"
+fi
 if [ "${1:-}" = --faults ]; then
     exec python "$GPR20_ROOT/scripts/fault_screenshots.py" "${2:?name a folder for the pictures}"
 fi

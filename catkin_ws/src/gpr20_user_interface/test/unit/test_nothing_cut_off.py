@@ -1,4 +1,6 @@
-"""Every text of the frame, CONTROL, STATUS and the dialogs fits at 800x480 in each language."""
+"""Every text of the tabs, sheets and dialogs fits, in each language and size of the screen."""
+
+from dataclasses import replace
 
 import pytest
 
@@ -7,7 +9,7 @@ pytest.importorskip("PyQt5")
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
-from window_helpers import application, show, snapshot, window
+from window_helpers import application, close, new_window, show, snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
@@ -42,12 +44,15 @@ from gpr20_user_interface.mid.robot_health import (
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.lines_label import LinesLabel
-from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
+from gpr20_user_interface.views.look import BORDER_PX, TEXT_PX, TOUCH_PX, look_of
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.palette import Theme
+from gpr20_user_interface.views.style_sheet import TAB_PADDING_PX
 from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import Languages
 
-__all__ = ["application", "window"]
+__all__ = ["application"]
 
 # These leave out what has no room, and say so.
 CUT = (ElidedLabel, LinesLabel)
@@ -67,15 +72,38 @@ LARGEST = SurveyPreview(
 )
 
 
-@pytest.fixture(params=list(Language))
-def spoken(request, application, window):
-    languages = Languages(application, request.param)
-    window.survey.preview = LARGEST
-    show(window, busiest())
-    # The change of language is an event.
-    QTest.qWait(1)
+SIZES = ((480, 320), (800, 480), (1280, 800))
+# The colours change no size: each theme once with each size.
+SCREENS = [
+    (size, language, theme)
+    for size in SIZES
+    for language, theme in ((Language.ENGLISH, Theme.SUN), (Language.SPANISH, Theme.NIGHT))
+]
+
+
+@pytest.fixture(scope="module", params=SCREENS, ids=lambda screen: f"{screen[0]}-{screen[1].value}")
+def screen(request, application, tmp_path_factory):
+    """One window for all tests on a screen."""
+    size, language, theme = request.param
+    languages = Languages(application, language)
+    window = new_window(languages, profiles=tmp_path_factory.mktemp("profiles"))
+    window.use_look(replace(window.look, theme=theme))
+    window.show()
+    window.resize(*size)
     yield window
-    languages.close()
+    close(window)
+
+
+@pytest.fixture
+def spoken(screen):
+    for overlay in screen.findChildren(Overlay):
+        overlay.hide()
+    screen.survey.preview = LARGEST
+    screen.show_tab(TabName.CONTROL)
+    show(screen, busiest())
+    # The changes of language, size and theme are events.
+    QTest.qWait(1)
+    return screen
 
 
 def busiest(**other):
@@ -98,7 +126,7 @@ def busiest(**other):
 
 def assert_fits(window):
     QTest.qWait(1)
-    assert (window.width(), window.height()) == (800, 480)
+    assert (window.width(), window.height()) in SIZES
     for kind in (QLabel, QAbstractButton, QLineEdit):
         for widget in window.findChildren(kind):
             if widget.isVisible() and not isinstance(widget, CUT):
@@ -108,7 +136,7 @@ def assert_fits(window):
 
 def assert_inside(window, widget):
     corner = widget.mapTo(window, widget.rect().bottomRight())
-    assert corner.x() < 800 and corner.y() < 480, widget.text()
+    assert corner.x() < window.width() and corner.y() < window.height(), widget.text()
 
 
 def assert_text_fits(widget):
@@ -118,7 +146,7 @@ def assert_text_fits(widget):
         text = widget.text().replace("&", "")
         if isinstance(widget, QLineEdit):
             text = text or widget.placeholderText()
-        frame_px = 0 if isinstance(widget, QLabel) else 2 * BORDER_PX
+        frame_px = 0 if isinstance(widget, QLabel) else 2 * look_of(widget).px(BORDER_PX)
         if isinstance(widget, TouchEdit) and widget.property("fit") == "small":
             return  # its beginning is seen: test_touch_edit.py
         lines = text.splitlines() or [""]
@@ -126,6 +154,37 @@ def assert_text_fits(widget):
         needed_px = max(map(metrics.horizontalAdvance, lines)) + frame_px
         assert needed_px <= widget.contentsRect().width(), text
         assert len(lines) * metrics.height() <= widget.height(), text
+
+
+@pytest.mark.parametrize("code", [SurveyState.IDLE, SurveyState.SURVEYING, SurveyState.FAILED])
+@pytest.mark.parametrize("tab", [TabName.MAP, TabName.RADAR, TabName.SURVEYS, TabName.SERVICE])
+def test_nothing_of_the_other_tabs_is_cut_off(spoken, tab, code):
+    spoken.show_tab(tab)
+    show(spoken, busiest(state=ControlState(code, verbatim(LONG), "id", True)))
+    spoken.notice.hide()
+    assert_fits(spoken)
+
+
+def test_the_settings_are_not_cut_off(spoken):
+    spoken.settings.button.click()
+    assert_fits(spoken)
+    sheet = spoken.settings.sheet
+    for buttons in (sheet.languages, sheet.themes, sheet.dim_choices):
+        for button in buttons.values():
+            assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX)
+
+
+def test_the_start_sheet_is_not_cut_off(spoken):
+    show(spoken, busiest(state=ControlState(SurveyState.IDLE, verbatim(LONG), "id", True)))
+    spoken.control.start.click()
+    assert spoken.start_sheet.isVisible()
+    assert_fits(spoken)
+
+
+def test_text_has_the_size_of_the_design(spoken):
+    for label in spoken.findChildren(QLabel):
+        if label.isVisible() and label.text():
+            assert label.font().pixelSize() >= spoken.look.px(TEXT_PX), label.text()
 
 
 @pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])
@@ -165,7 +224,7 @@ def test_no_dialog_is_cut_off(spoken, name):
     if NOTICES[name].details:
         spoken.notice.details_button.click()
         assert_fits(spoken)
-        assert spoken.notice.details.height() >= TOUCH_PX
+        assert spoken.notice.details.height() >= spoken.look.px(TOUCH_PX)
 
 
 def test_no_question_is_cut_off(spoken):
@@ -175,7 +234,7 @@ def test_no_question_is_cut_off(spoken):
     assert reason.height() >= 3 * reason.fontMetrics().height()
     spoken.question.details_button.click()
     assert_fits(spoken)
-    assert spoken.question.details.height() >= TOUCH_PX
+    assert spoken.question.details.height() >= spoken.look.px(TOUCH_PX)
 
 
 def test_no_problem_of_a_tile_is_cut_off(spoken):
@@ -194,7 +253,7 @@ def test_what_is_longer_than_its_place_is_scrolled_with_a_gloved_finger(spoken):
     QTest.qWait(1)
     bar = spoken.notice.reason.verticalScrollBar()
     assert bar.isVisible()
-    assert bar.width() >= TOUCH_PX
+    assert bar.width() >= spoken.look.px(TOUCH_PX)
     QTest.mouseClick(bar, Qt.LeftButton, pos=bar.rect().center() + QPoint(0, bar.height() // 3))
     assert bar.value() > 0
 
@@ -224,9 +283,9 @@ def test_no_number_pad_is_cut_off(spoken):
     assert_fits(spoken)
 
 
-def test_neither_profiles_nor_their_keys_are_cut_off(spoken, tmp_path):
+def test_neither_profiles_nor_their_keys_are_cut_off(spoken):
     for number in range(20):
-        (tmp_path / f"{'a' * 30}{number:02d}.yaml").touch()
+        spoken.profiles._save(f"{'a' * 30}{number:02d}")
     spoken.profiles.show_profiles(default_parameters())
     spoken.profiles.names.setCurrentRow(0)
     assert_fits(spoken)
@@ -252,12 +311,15 @@ def test_neither_notes_nor_their_keys_are_cut_off(spoken):
         if pad is sheet.text_pad:
             pad.shift.click()
             assert_fits(spoken)
-            assert min(key.height() for key in pad.keys) >= TOUCH_PX, name
+            assert min(key.height() for key in pad.keys) >= spoken.look.px(TOUCH_PX), name
         pad.hide()
 
 
 def test_tabs_are_all_seen(spoken):
     bar = spoken.tabs.tabBar()
     for index in range(bar.count()):
-        text = bar.tabText(index)
-        assert bar.fontMetrics().horizontalAdvance(text) + 28 <= bar.tabRect(index).width(), text
+        text, area = bar.tabText(index), bar.tabRect(index)
+        needed_px = bar.fontMetrics().horizontalAdvance(text) + 2 * spoken.look.px(TAB_PADDING_PX)
+        assert needed_px <= area.width(), text
+        # Otherwise there are small arrows that move the tabs.
+        assert area.right() < bar.width(), text

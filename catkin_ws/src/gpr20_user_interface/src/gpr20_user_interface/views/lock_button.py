@@ -18,6 +18,7 @@ class LockButton(QPushButton):
 
     def __init__(self) -> None:
         super().__init__()
+        self.setObjectName("lock")
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802

@@ -258,6 +258,10 @@ class MainWindow(TranslatedWidget):
         size = event.size()
         self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
 
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self.corner.setSpacing(self.look.px(GAP_PX))
+
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
         self.setWindowTitle(self.tr("GPR-20"))
@@ -276,7 +280,6 @@ class MainWindow(TranslatedWidget):
         for page in self._pages.values():
             self.tabs.addTab(page, "")
         self.corner.setContentsMargins(0, 0, 0, 0)
-        self.corner.setSpacing(GAP_PX)
         self.corner.addWidget(self.settings.button)
         corner = QWidget()
         corner.setLayout(self.corner)

@@ -18,6 +18,7 @@ from gpr20_user_interface.views.state_band import LEVEL_COLOURS
 STOP_WIDTH_PX = 140
 PAUSE_WIDTH_PX = 110
 SLIDER_PX = 8
+TAB_PADDING_PX = 8
 
 
 def style_sheet(look: Look) -> str:
@@ -79,7 +80,7 @@ QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
 QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_PX - 20)}px; }}
 QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
-QPushButton#jog {{ padding: 0; }}
+QPushButton#jog, QPushButton#settings, QPushButton#lock {{ padding: 0; }}
 QPushButton#choice {{ {css(TextColours.ARROW)} }}
 QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
@@ -93,8 +94,8 @@ QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#arrow:disabled, QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
-QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px; padding: 0 {px(6)}px;
-    border: 1px solid {border}; }}
+QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px;
+    padding: 0 {px(TAB_PADDING_PX)}px; border: 1px solid {border}; }}
 QTabBar::tab:selected {{ {css(TextColours.CHOSEN)} }}
 """
 

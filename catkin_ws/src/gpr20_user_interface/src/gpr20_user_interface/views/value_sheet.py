@@ -110,6 +110,8 @@ class ValueSheet(Overlay):
         names = TILE_FIELDS[tile]
         for number, box in enumerate(self.boxes):
             box.setVisible(number < len(names))
+        # The tile before may have had more fields.
+        self._active = 0
         self.retranslate()
         self._show_texts()
         self.open()
