@@ -142,7 +142,6 @@ def main() -> None:
         "RADAR, trace and draw   ",
         milliseconds(lambda: draw(radar_view, lambda: survey.take_trace(again))),
     )
-    radar_view.controls.background.click()
     depth = iter(range(REPETITIONS))
     print(
         "RADAR, slider and draw  ",

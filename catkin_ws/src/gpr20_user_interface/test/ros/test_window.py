@@ -173,7 +173,7 @@ class Window(WindowCase):
             lambda: "7 of 18" in second.window.status.progress.text, "the second window follows"
         )
         mine, other = self.window.control, second.window.control
-        wait_until(lambda: not other.form.isEnabled(), "its parameters are locked")
+        wait_until(lambda: not other.tiles[Tile.AREA].isEnabled(), "its parameters are locked")
         wait_until(lambda: other.parameters == mine.parameters, "it shows the parameters")
         self.assertTrue(second.window.top_bar.stop.isEnabled())
         self.assertEqual(other.parameters.x_points, 3)

@@ -189,6 +189,9 @@ class WindowOnRobot(WindowCase):
         self.assertEqual(self.title(), "PAUSED")
         wait_until(lambda: "resume" in self.enabled(), "RESUME is unlocked")
         self.touch(notice.resume)
+        # It asks, as RESUME beside STOP does.
+        wait_until(self.window.start_sheet.isVisible, "a sheet asks")
+        self.hold()
         wait_until(lambda: self.title() == "FINISHED", "the survey is finished after all")
         self.assertFalse(notice.isVisible())
         self.assertEqual(self.visited(), 18)
@@ -224,10 +227,12 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
         self.touch(view.switch_button)
         self.touch(view.tools.measure)
-        wait_until(lambda: " V" in view.tools.height_found.text(), "the height is measured")
+        wait_until(lambda: " V" in view.tools.height_found.toPlainText(), "the height is measured")
         self.touch(view.tools.test)
-        wait_until(lambda: "Sweep of" in view.tools.analyzer_found.text(), "the VNA is tested")
-        self.assertIn("SIMULATED", view.tools.analyzer_found.text())
+        wait_until(
+            lambda: "Sweep of" in view.tools.analyzer_found.toPlainText(), "the VNA is tested"
+        )
+        self.assertIn("SIMULATED", view.tools.analyzer_found.toPlainText())
         self.window.show_tab(TabName.STATUS)
         wait_until(lambda: not view.in_service, "another tab ends the service")
 

@@ -23,7 +23,7 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.mid.events import Request, RobotDefaults
 from gpr20_user_interface.mid.parameter_form import ANALYZER_FIELDS, FIELDS, default_parameters
 from gpr20_user_interface.mid.plan_form import PERMITTIVITY, X_SPACING, Y_SPACING
-from gpr20_user_interface.mid.plan_tiles import VALUE_TILES, Tile
+from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES, Tile
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.survey_preview import preview
 from gpr20_user_interface.views.key_block import CLEAR, DOWN, ERASE, STEP, UP
@@ -341,12 +341,11 @@ def test_what_was_understood_is_shown_after_done(window):
     assert window.control.parameters.x_stop_mm == 600.1234
 
 
-def test_a_tile_opens_after_one_with_more_fields(window):
-    values = window.values
-    for tile in VALUE_TILES:
-        values.show_tile(Tile.VNA)
-        values.choose(list(values.fields)[-1])
-        values.finish()
-        values.show_tile(tile)
-        assert values.isVisible()
-        values.finish()
+def test_a_tile_with_few_fields_opens_after_the_last_field_of_a_larger_one(window):
+    sheet = window.values
+    by_size = sorted(VALUE_TILES, key=lambda tile: len(TILE_FIELDS[tile]))
+    sheet.show_tile(by_size[-1])
+    sheet.choose(TILE_FIELDS[by_size[-1]][-1])
+    sheet.finish()
+    sheet.show_tile(by_size[0])
+    assert list(sheet.fields) == list(TILE_FIELDS[by_size[0]])

@@ -19,6 +19,7 @@ from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_preview import preview
 
 PARAMETERS = default_parameters()
+FIGURES = preview(PARAMETERS, 9.0)
 FOLDER = "20261121T051000_7c9e6679"
 
 
@@ -27,20 +28,23 @@ def rows(question):
 
 
 def test_start_says_area_spacing_traces_time_and_people():
-    figures = replace(preview(PARAMETERS), cost=SurveyCost(65.0, 1))
-    question = start_question(PARAMETERS, figures, Annotation(operator="Ana", site="El Dorado"))
+    figures = replace(FIGURES, cost=SurveyCost(65.0, 1))
+    question = start_question(
+        PARAMETERS, figures, Annotation(operator="Ana", site="El Dorado", name="field 3")
+    )
     assert rows(question) == {
         "Area": "100 x 100 mm: X 50 to 150, Y 50 to 150",
         "Spacing": "X 25 mm, Y 25 mm",
         "Traces": "50 at 25 stops",
         "Time": "about 2 min",
+        "Name": "field 3",
         "Operator": "Ana",
         "Site": "El Dorado",
     }
 
 
 def test_start_says_nothing_of_people_who_are_not_known():
-    question = start_question(PARAMETERS, preview(PARAMETERS), EMPTY)
+    question = start_question(PARAMETERS, FIGURES, EMPTY)
     assert list(rows(question)) == ["Area", "Spacing", "Traces", "Time"]
     assert rows(question)["Time"] == "not known yet"
 
@@ -82,7 +86,7 @@ def test_a_past_survey_is_named_before_it_is_resumed():
 @pytest.mark.parametrize(
     "question",
     [
-        start_question(PARAMETERS, preview(PARAMETERS), EMPTY),
+        start_question(PARAMETERS, FIGURES, EMPTY),
         resume_question(None),
         resume_past_question(FOLDER, None),
         other_analyzer_question("Anritsu,MS2026C"),
@@ -100,6 +104,6 @@ def test_what_is_deleted_is_named():
 
 def test_long_names_end_where_the_sheet_ends():
     annotation = Annotation(operator="O" * 200, site="S" * 200)
-    shown = rows(start_question(PARAMETERS, preview(PARAMETERS), annotation))
+    shown = rows(start_question(PARAMETERS, FIGURES, annotation))
     assert len(shown["Operator"]) == len(shown["Site"]) == LONGEST_NAME
     assert shown["Site"].endswith("…")

@@ -89,6 +89,21 @@ def test_the_job_is_told_in_large_type(window):
     assert job.percent.fontMetrics().height() >= 2.5 * job.message.fontMetrics().height()
 
 
+def test_the_small_map_is_drawn_only_when_it_changes(window, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(window.job.map, "set_model", drawn.append)
+    window.draw()
+    assert drawn == [], "CONTROL shows the plan"
+    show(window, shown(SurveyState.SURVEYING))
+    for _ in range(3):
+        window.draw()
+    assert len(drawn) == 1
+    window.traces.live.begin(make_grid())
+    window.draw()
+    window.draw()
+    assert len(drawn) == 2
+
+
 @pytest.mark.parametrize("code", [SurveyState.PAUSED, SurveyState.FAILED])
 def test_a_survey_that_rests_differs_from_one_that_measures_without_colours(window, code):
     pictures, words = [], []

@@ -5,7 +5,7 @@ pytest.importorskip("PyQt5")
 from map_kit import FINER, MARKER, SURE, focused
 from PyQt5.QtTest import QTest
 from view_kit import SURVEY, description, make_grid, trace_at
-from window_helpers import application, click, close, new_window, show, snapshot, window
+from window_helpers import application, click, close, hold, new_window, show, snapshot, window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -99,7 +99,9 @@ def test_a_plan_made_while_a_survey_runs_is_kept_and_found_again(filled):
     assert filled.map.finer.text() == "Finer\nplan"
     click(filled.map.finer)
     assert filled.map_binding.finer.plan == plan
+    assert not filled.control.isVisible()
     click(filled.map_binding.finer.use)
+    assert filled.control.isVisible()
     assert filled.survey.finer == plan
 
 
@@ -154,7 +156,7 @@ def test_a_marker_is_removed_only_by_holding(filled):
     sheet.list.setCurrentRow(0)
     click(sheet.remove)
     assert asked(filled, "remove marker") == []
-    sheet.remove.held.emit()
+    hold(sheet.confirm.hold)
     ((_kind, survey, marker_id, _author),) = asked(filled, "remove marker")
     assert (survey, marker_id) == (SURVEY, MARKER.marker_id)
     filled.on_event(MarkersStored(SURVEY, ()))

@@ -14,7 +14,9 @@ from gpr20_common.catalogue import Language
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.start_sheet import StartSheet
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -49,29 +51,34 @@ def closing_buttons(overlay):
 
 
 def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
-    closing, held = {}, {}
+    closing, held = [], {}
     for overlay in window.findChildren(Overlay):
         own = closing_buttons(overlay)
         assert own, f"{type(overlay).__name__}: how is it closed?"
         overlay.open()
         settle()
-        for button in own:
-            # One that closes by a hold takes no bounce.
-            if not isinstance(button, HoldButton):
-                name = f"{type(overlay).__name__}: {button.text()}"
-                closing[name] = place_of(window, button)
+        # One that closes by a hold takes no bounce.
+        taps = [one for one in own if not isinstance(one, HoldButton)]
+        closing += [(overlay, button, place_of(window, button)) for button in taps]
         held.update(places(window, set(overlay.findChildren(HoldButton)) - set(own)))
         overlay.hide()
+    assert {window.start_sheet.hold, window.profiles.confirm.hold} <= set(held)
+    assert_apart(window, held, closing)
+    # Below a tab's own sheets there is that tab, below the others any tab.
+    anywhere = [one for one in closing if isinstance(one[0], (NoticeView, StartSheet))]
     for tab in TabName:
         window.show_tab(tab)
         for page in every_page(window.tabs.currentWidget()):
             settle()
-            held.update(places(window, page.findChildren(HoldButton)))
-    assert {window.start_sheet.hold, window.profiles.confirm.hold} <= set(held)
+            assert_apart(window, places(window, page.findChildren(HoldButton)), anywhere)
+
+
+def assert_apart(window, held, closing):
     for button, place in held.items():
         assert window.rect().contains(place), button.text()
-        for name, below in closing.items():
-            assert not place.intersects(below), f"{name} lies over {button.text()}"
+        for overlay, closer, below in closing:
+            words = f"{type(overlay).__name__}: {closer.text()} lies over {button.text()}"
+            assert not place.intersects(below), words
 
 
 def every_page(tab):

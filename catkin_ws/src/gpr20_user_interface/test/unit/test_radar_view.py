@@ -268,6 +268,16 @@ def test_a_hyperbola_is_dragged_and_its_permittivity_taken_over(view, model, she
     assert not view.use.isVisible()
 
 
+def test_another_survey_ends_the_hyperbola(view, model):
+    add(view, model, *range(40))
+    view.begin_fit()
+    assert view.use.isVisible()
+    model.begin(make_grid(survey_id=ID))
+    view.refresh()
+    assert not view.use.isVisible()
+    assert view.slice_plot.isVisible()
+
+
 def test_a_hyperbola_can_be_dropped(view, model):
     add(view, model, *range(40))
     view.begin_fit()

@@ -146,6 +146,8 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
         field.note_opened()
         assert not raised, f"touch {number} of seed {seed}"
         assert set(wishes(window)) <= HARMLESS, f"touch {number} of seed {seed}"
+        removed = [one for one in window.traces.source.asked if one[0] == "remove marker"]
+        assert not removed, f"touch {number} of seed {seed}"
         assert set(window.tools.asked) <= LOOKED, f"touch {number} of seed {seed}"
     assert {one.name for one in tmp_path.iterdir()} >= KEPT
     # The touches were at the buttons that matter.

@@ -106,7 +106,7 @@ def test_the_language_changes_at_once(application):
     shown.languages.use(Language.SPANISH)
     show(shown, TabName.RADAR)
     views = shown.window
-    assert "Rayado: no medido" in views.radar.note.text()
+    assert "Sin eco no significa sin mina." in views.radar.note.text()
     assert views.map.next_problem.text() == "Siguiente\nincompleto"
     assert views.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
     sheet = views.radar_binding.sheet

@@ -166,7 +166,7 @@ def check_endstops(facts: Facts) -> Iterator[Finding]:
         values = node.values
         if values.get("endstop") != "pressed" or values.get("homed") != "True":
             continue
-        coordinate_mm = float(values.get("coordinate [mm]", "0"))
+        coordinate_mm = _number(values.get("coordinate [mm]", ""))
         if coordinate_mm > ENDSTOP_REACH_MM:
             yield Finding(
                 HealthLevel.ERROR,
@@ -197,6 +197,14 @@ def check_clocks(facts: Facts) -> Iterator[Finding]:
         ),
         Message("Set the clocks of both computers, for example with chrony."),
     )
+
+
+def _number(text: str) -> float:
+    """Return the number of a report; NaN, which fails every comparison, if it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def _part(node: NodeHealth, listening_s: float) -> Finding:

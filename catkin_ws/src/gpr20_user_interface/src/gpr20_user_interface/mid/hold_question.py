@@ -114,6 +114,17 @@ def delete_profile_question(name: str) -> HoldQuestion:
     )
 
 
+def remove_marker_question(place: Message, text: str) -> HoldQuestion:
+    """Return what is asked before a marker is removed from its survey."""
+    note: Tuple[Row, ...] = ((Message("Note"), verbatim(_short(text))),) if text else ()
+    return HoldQuestion(
+        Message("Remove this marker?"),
+        ((Message("Place"), place), *note),
+        Message("It cannot be restored."),
+        Message("HOLD\nTO REMOVE"),
+    )
+
+
 def _area(p: SurveyParameters) -> Message:
     return Message(
         "{width:.6g} x {length:.6g} mm: X {x_start:.6g} to {x_stop:.6g}, "

@@ -78,7 +78,7 @@ def select_place(
     number = 0 if before is None else before.cell.polarization
     near = _near(marks, place_mm, reach_mm)
     last = None if before is None else before.mark
-    after = near[near.index(last) + 1 :] if last in near else near
+    after = near if last is None or last not in near else near[near.index(last) + 1 :]
     if after:
         return select_mark(grid, after[0], number)
     return select_cell(grid, Cell(grid.closest_stop(*place_mm), number))
@@ -95,9 +95,7 @@ def next_candidate(
     return candidates[number % len(candidates)]
 
 
-def _near(
-    marks: Tuple[Mark, ...], place_mm: Tuple[float, float], reach_mm: float
-) -> List[Optional[Mark]]:
+def _near(marks: Tuple[Mark, ...], place_mm: Tuple[float, float], reach_mm: float) -> List[Mark]:
     x_mm, y_mm = place_mm
     found = [
         (math.hypot(one.x_mm - x_mm, one.y_mm - y_mm), number) for number, one in enumerate(marks)

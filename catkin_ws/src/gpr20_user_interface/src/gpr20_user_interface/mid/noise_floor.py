@@ -25,7 +25,9 @@ def noise_of_trace(late: np.ndarray) -> float:
     Args:
         late: Its complex samples at delays where no echo is expected.
     """
-    power = np.quantile(late.real**2 + late.imag**2, QUANTILE)
+    # Much faster than numpy's quantile, which interpolates between two of the samples.
+    place = int(QUANTILE * len(late))
+    power = np.partition(late.real**2 + late.imag**2, place)[place]
     return math.sqrt(float(power) / QUANTILE_OF_POWER)
 
 

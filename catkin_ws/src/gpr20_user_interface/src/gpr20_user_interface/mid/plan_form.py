@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, FrozenSet, Iterable, List, Mapping, Optional, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Set, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -195,11 +195,11 @@ class PlanForm:
         for axis in "xy":
             name = f"{axis}_spacing_mm"
             if all_axes or axis not in self._following or name not in self._texts:
-                derived = spacing_text(*self._ends(axis), self._texts[f"{axis}_points"])
-                self._texts[name] = derived
+                start, stop = self._ends(axis)
+                self._texts[name] = spacing_text(start, stop, self._texts[f"{axis}_points"])
 
-    def _ends(self, axis: str) -> List[str]:
-        return [self._texts[f"{axis}_{end}_mm"] for end in ("start", "stop")]
+    def _ends(self, axis: str) -> Tuple[str, str]:
+        return self._texts[f"{axis}_start_mm"], self._texts[f"{axis}_stop_mm"]
 
 
 def check_plan(

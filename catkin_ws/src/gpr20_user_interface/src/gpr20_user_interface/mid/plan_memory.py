@@ -173,7 +173,9 @@ def _texts(values: Mapping[str, Any], key: str, names: Any) -> Dict[str, str]:
 
 def _annotation(people: Mapping[str, str]) -> Annotation:
     try:
-        return Annotation(**people)
+        return Annotation(
+            people.get("operator", ""), people.get("site", ""), name=people.get("name", "")
+        )
     except ValueError as error:
         raise _damaged(PEOPLE) from error
 

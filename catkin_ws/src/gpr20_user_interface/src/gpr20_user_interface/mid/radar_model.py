@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 
@@ -25,6 +25,8 @@ ABOVE_SURFACE_M = 0.05
 # The scale ends at the strong echoes of some of the traces: a few disturbed ones do not darken it.
 TRACES_FOR_SCALE = 400
 STRONG_PART = 0.98
+# The scale is estimated again when there are so many times more traces, and when all are there.
+SCALE_GROWTH = 1.05
 
 
 class RadarModel:
@@ -59,7 +61,9 @@ class RadarModel:
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self._noises = np.full(shape, np.nan, np.float32)
         self._scales: Dict[bool, SteadyScale] = {}
-        self._scaled_revisions: Dict[bool, int] = {}
+        self._scaled_counts: Dict[bool, int] = {}
+        self._count = 0
+        self._median_height: Tuple[int, float] = (-1, float("nan"))
         self.latest: Optional[Cell] = None
         self.latest_of: Dict[int, Cell] = {}
         self.given_up: Dict[int, Message] = {}
@@ -68,7 +72,7 @@ class RadarModel:
     @property
     def count(self) -> int:
         """How many traces are here."""
-        return int(np.count_nonzero(self._present))
+        return self._count
 
     def add(self, trace: Trace) -> None:
         """Take a trace.
@@ -95,6 +99,8 @@ class RadarModel:
         place = (cell.polarization, cell.stop.row, cell.stop.column)
         if self._present[place]:
             self._sums[cell.polarization] -= self._echoes[place]
+        else:
+            self._count += 1
         self._echoes[place] = echoes
         self._sums[cell.polarization] += echoes
         self._heights_m[place] = trace.antennae_height_m
@@ -143,13 +149,15 @@ class RadarModel:
         All are NaN if none is known.
         """
         own = self._heights_m[polarization]
-        known = self._heights_m[np.isfinite(self._heights_m)]
-        return np.where(np.isfinite(own), own, np.median(known) if known.size else np.nan)
+        return np.where(np.isfinite(own), own, self.typical_height_m())
 
     def typical_height_m(self) -> float:
         """Return the median of the known heights [m]; NaN if none is known."""
-        known = self._heights_m[np.isfinite(self._heights_m)]
-        return float(np.median(known)) if known.size else float("nan")
+        if self._median_height[0] != self.revision:
+            known = self._heights_m[np.isfinite(self._heights_m)]
+            height_m = float(np.median(known)) if known.size else float("nan")
+            self._median_height = (self.revision, height_m)
+        return self._median_height[1]
 
     def background(self, polarization: int) -> Optional[np.ndarray]:
         """Return what the traces of a polarization have in common; None while they are too few."""
@@ -167,14 +175,16 @@ class RadarModel:
                 traces to know it.
             in_db: Whether shades follow the level in dB.
         """
-        if self.transform is None or not self._present.any():
+        if self.transform is None or not self._count:
             return None
         removed = remove_background and self._has_background()
         steady = self._scales.setdefault(
             removed, SteadyScale(self._present.size * self.transform.samples)
         )
-        if self._scaled_revisions.get(removed) != self.revision:
-            self._scaled_revisions[removed] = self.revision
+        before = self._scaled_counts.get(removed, 0)
+        complete = self._count == self._present.size
+        if self._count >= SCALE_GROWTH * before + 1 or (complete and before < self._count):
+            self._scaled_counts[removed] = self._count
             steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
         return steady.scale(in_db)
 

@@ -17,6 +17,7 @@ from gpr20_user_interface.views.translation import TranslatedWidget
 
 WIDTH_PX = 230
 BAR_PX = 18
+UNIT = "dB"
 
 
 class ColourBar(TranslatedWidget):
@@ -26,12 +27,20 @@ class ColourBar(TranslatedWidget):
         super().__init__()
         self._scale: Optional[LevelScale] = None
         self._colours = Colours.ENVELOPE
+        self._has_caption = True
         self.restyle()
 
     def show_scale(self, scale: Optional[LevelScale], colours: Colours) -> None:
         """Show a scale; None: nothing."""
         if (scale, colours) != (self._scale, self._colours):
             self._scale, self._colours = scale, colours
+            self.update()
+
+    def show_caption(self, shown: bool) -> None:
+        """Write below the numbers what they are; else their unit is beside them."""
+        if shown != self._has_caption:
+            self._has_caption = shown
+            self.restyle()
             self.update()
 
     def retranslate(self) -> None:
@@ -42,7 +51,8 @@ class ColourBar(TranslatedWidget):
         """Take the sizes of the look."""
         look = look_of(self)
         self.setFixedWidth(look.px(WIDTH_PX))
-        self.setMinimumHeight(look.px(BAR_PX) + 2 * self.fontMetrics().height() + 2)
+        lines = 2 if self._has_caption else 1
+        self.setMinimumHeight(look.px(BAR_PX) + lines * self.fontMetrics().height() + 2)
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: draw everything."""
@@ -60,10 +70,14 @@ class ColourBar(TranslatedWidget):
         painter.drawRect(bar)
         painter.setPen(QColor(look.colour(Mark.INK)))
         base = bar.bottom() + metrics.ascent() + 1
-        unit = self.tr("dB above noise")
-        middle = (self.width() - metrics.horizontalAdvance(unit)) / 2.0
-        painter.drawText(QPointF(middle, base + metrics.lineSpacing() - 2), unit)
         last = self.width()
+        if self._has_caption:
+            caption = self.tr("dB above noise")
+            middle = (self.width() - metrics.horizontalAdvance(caption)) / 2.0
+            painter.drawText(QPointF(middle, base + metrics.lineSpacing() - 2), caption)
+        else:
+            last -= metrics.horizontalAdvance(UNIT)
+            painter.drawText(QPointF(last, base), UNIT)
         for level_db in self._scale.ticks_db()[::-1]:
             part = self._scale.shade_of(float(level_db))
             if self._colours.signed:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, Mapping, Optional
+from typing import Dict, Iterable, Mapping, Optional
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout
@@ -90,7 +90,7 @@ class ControlView(TranslatedWidget):
         self.form.show_parameters(parameters)
         self.show_plan()
 
-    def restore(self, texts: Mapping[str, str], following: str) -> None:
+    def restore(self, texts: Mapping[str, str], following: Iterable[str]) -> None:
         """Take over the values of an earlier time."""
         self.form.restore(texts, following)
         self.show_plan()

@@ -14,7 +14,7 @@ from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button, set_look
 
-MOST_ROWS = 6
+MOST_ROWS = 7
 HOLD_WIDTH_PX = 230
 MARGIN_PX = 16
 

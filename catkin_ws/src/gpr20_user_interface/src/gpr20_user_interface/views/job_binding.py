@@ -67,7 +67,7 @@ class JobBinding(Binding):
         self._answer_due.setTimerType(Qt.TimerType.PreciseTimer)
         self._answer_due.setInterval(math.ceil(ANSWER_S * 1000.0) + 1)
         self._answer_due.timeout.connect(self._show_stop)
-        self.view.plan_pressed.connect(self._on_plan)
+        self.view.plan_pressed.connect(self.show_plan)
         self.view.fault_pressed.connect(self._show_state)
         top_bar.band.touched.connect(self._show_state)
         top_bar.stop.pressed.connect(self._on_stop)
@@ -97,9 +97,8 @@ class JobBinding(Binding):
         self._show_stop()
 
     def draw(self) -> None:
-        """Draw the small map, if it is seen."""
-        if self.view.isVisible():
-            self.view.map.set_model(self._traces.live.map)
+        """Draw the small map."""
+        self.view.draw(self._traces.live.map)
 
     def _note_fault(self, snapshot: Snapshot) -> None:
         state = self._faults.note(snapshot.state)
@@ -115,7 +114,8 @@ class JobBinding(Binding):
         notice = fault_notice(state) if is_fault(state) else state_notice(state)
         self._dialogs.notice.show_notice(notice)
 
-    def _on_plan(self) -> None:
+    def show_plan(self) -> None:
+        """Show the plan of the next survey; not while one is running."""
         self._screen.leave(self._survey.snapshot)
         self.refresh(self._survey.snapshot)
 

@@ -35,6 +35,7 @@ class JobView(TranslatedWidget):
         super().__init__()
         self._snapshot: Optional[Snapshot] = None
         self._name = ""
+        self._drawn: object = None
         self.band = StateBand()
         self.sign = StateSign()
         self.title = QLabel()
@@ -102,6 +103,13 @@ class JobView(TranslatedWidget):
         self.plan.setVisible(ended and snapshot.replay is None)
         self.plan.setEnabled(not snapshot.pending)
         self.notes.setVisible(snapshot.running and snapshot.replay is None)
+
+    def draw(self, model: MapModel) -> None:
+        """Draw the small map, if it is seen and something has changed."""
+        state = model, model.revision, model.current
+        if self.isVisible() and state != self._drawn:
+            self._drawn = state
+            self.map.set_model(model)
 
     def show_fault_button(self, shown: bool) -> None:
         """Offer the card of a fault that was closed."""

@@ -83,7 +83,9 @@ class MarkPainter:
             self._painter.setPen(pen)
             self._painter.drawEllipse(centre, radius, radius)
 
-    def stop(self, place_mm: Tuple[float, float], spacing_mm: Tuple[float, float], mark: Mark):
+    def stop(
+        self, place_mm: Tuple[float, float], spacing_mm: Tuple[float, float], mark: Mark
+    ) -> None:
         """Frame a stop.
 
         Args:

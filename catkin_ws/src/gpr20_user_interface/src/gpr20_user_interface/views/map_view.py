@@ -205,7 +205,7 @@ class MapView(TranslatedWidget):
     def _on_touch(self, x_mm: float, y_mm: float, reach_mm: float) -> None:
         grid, additions = self._model.grid, self._additions
         if grid is not None:
-            marks = (*additions.candidates, *additions.markers)
+            marks: Tuple[Mark, ...] = (*additions.candidates, *additions.markers)
             self.select(select_place(grid, marks, (x_mm, y_mm), reach_mm, self.selected))
 
     def _on_next_problem(self) -> None:

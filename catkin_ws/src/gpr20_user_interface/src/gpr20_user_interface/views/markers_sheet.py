@@ -8,8 +8,9 @@ from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidget
 
 from gpr20_survey.plan.markers import Marker
+from gpr20_user_interface.mid.hold_question import remove_marker_question
 from gpr20_user_interface.mid.map_texts import place_text
-from gpr20_user_interface.views.hold_button import HoldButton
+from gpr20_user_interface.views.hold_sheet import HoldSheet
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
@@ -34,8 +35,8 @@ class MarkersSheet(Overlay):
         self.details.setTextFormat(Qt.TextFormat.PlainText)
         self.details.setWordWrap(True)
         self.show_button = new_button(self._on_show)
-        self.remove = HoldButton()
-        self.remove.held.connect(self._on_remove)
+        self.confirm = HoldSheet(window)
+        self.remove = new_button(self._on_remove)
         self.close_button = new_button(self.hide)
         self._lay_out()
         self.retranslate()
@@ -62,7 +63,7 @@ class MarkersSheet(Overlay):
         """Write the texts in the language of the application."""
         self.title.setText(self.tr("Markers"))
         self.show_button.setText(self.tr("Show"))
-        self.remove.setText(self.tr("Hold to remove"))
+        self.remove.setText(self.tr("Remove"))
         self.close_button.setText(self.tr("Close"))
         self._show()
 
@@ -89,15 +90,22 @@ class MarkersSheet(Overlay):
             self.show_wanted.emit(self.chosen)
 
     def _on_remove(self) -> None:
-        if self.chosen is not None:
-            self.remove_wanted.emit(self.chosen)
+        marker = self.chosen
+        if marker is not None:
+            place = place_text(marker.x_mm, marker.y_mm, marker.depth_mm)
+            question = remove_marker_question(place, marker.text)
+            self.confirm.ask(question, lambda: self.remove_wanted.emit(marker))
 
     def _lay_out(self) -> None:
         keys = QHBoxLayout()
-        for button in (self.show_button, self.remove, self.close_button):
+        for button in (self.show_button, self.close_button):
             keys.addWidget(button, 1)
+        # Far from where other sheets have OK and CLOSE: a bounced touch must not hold it.
+        top = QHBoxLayout()
+        top.addWidget(self.title, 1)
+        top.addWidget(self.remove)
         column = QVBoxLayout(self)
-        column.addWidget(self.title)
+        column.addLayout(top)
         column.addWidget(self.list, 1)
         column.addWidget(self.details)
         column.addLayout(keys)

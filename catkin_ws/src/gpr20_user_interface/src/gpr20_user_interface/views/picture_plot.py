@@ -167,8 +167,7 @@ class PicturePlot(FixedPlot):
     def _paint_hyperbola(self, painter: QPainter, look: Look) -> None:
         across, second = self._curve
         if across.size:
-            points = [self.to_screen(float(x), float(y)) for x, y in zip(across, second)]
-            stroke(painter, look, Mark.CANDIDATE, points)
+            stroke(painter, look, Mark.CANDIDATE, self.polygon(across, second))
         if self.grip is not None:
             painter.setPen(QPen(QColor(look.colour(Mark.PAPER)), look.px(LINE_PX)))
             painter.setBrush(QColor(look.colour(Mark.CANDIDATE)))

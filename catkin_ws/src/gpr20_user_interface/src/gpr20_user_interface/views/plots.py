@@ -71,11 +71,20 @@ class FixedPlot(QWidget):
 
     def to_screen(self, across: float, second: float) -> QPointF:
         """Return the pixel of a place."""
+        xs, ys = self._pixels(np.array([across]), np.array([second]))
+        return QPointF(float(xs[0]), float(ys[0]))
+
+    def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
+        """Return the pixels of places."""
+        xs, ys = self._pixels(across, second)
+        return QPolygonF([QPointF(x, y) for x, y in zip(xs.tolist(), ys.tolist())])
+
+    def _pixels(self, across: np.ndarray, second: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         area = self.area()
-        part = (across - self._across[0]) / (self._across[1] - self._across[0])
-        down = (second - self._second[0]) / (self._second[1] - self._second[0])
-        down = down if self.axis.downwards else 1.0 - down
-        return QPointF(area.left() + part * area.width(), area.top() + down * area.height())
+        parts = (across - self._across[0]) / (self._across[1] - self._across[0])
+        downs = (second - self._second[0]) / (self._second[1] - self._second[0])
+        downs = downs if self.axis.downwards else 1.0 - downs
+        return area.left() + parts * area.width(), area.top() + downs * area.height()
 
     def to_data(self, pixel: QPointF) -> Tuple[float, float]:
         """Return the place of a pixel; pixels outside of the data count as their edge."""
@@ -131,7 +140,8 @@ class FixedPlot(QWidget):
         area = self.area()
         if self.has_numbers and self.axis is Axis.DEPTH_MM:
             y = self.to_screen(self._across[0], 0.0).y()
-            stroke(painter, look, Mark.SURFACE, [QPointF(area.left(), y), QPointF(area.right(), y)])
+            ends = QPolygonF([QPointF(area.left(), y), QPointF(area.right(), y)])
+            stroke(painter, look, Mark.SURFACE, ends)
         if self.has_numbers:
             self._paint_crosshair(painter, look)
 
@@ -147,11 +157,13 @@ class FixedPlot(QWidget):
         if across is not None:
             x = here.x()
             for ends in ((area.top(), here.y() - free), (here.y() + free, area.bottom())):
-                stroke(painter, look, Mark.SELECTED, [QPointF(x, one) for one in ends])
+                line = QPolygonF([QPointF(x, one) for one in ends])
+                stroke(painter, look, Mark.SELECTED, line)
         if second is not None:
             y = here.y()
             for ends in ((area.left(), here.x() - free), (here.x() + free, area.right())):
-                stroke(painter, look, Mark.SELECTED, [QPointF(one, y) for one in ends])
+                line = QPolygonF([QPointF(one, y) for one in ends])
+                stroke(painter, look, Mark.SELECTED, line)
 
     def _paint_axes(self, painter: QPainter) -> None:
         metrics, area = painter.fontMetrics(), self.area()
@@ -218,13 +230,12 @@ class CurvePlot(FixedPlot):
         if self._curve is not None:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setPen(QPen(QColor(look.colour(Mark.CURVE)), look.px(LINE_PX)))
-            points = [self.to_screen(float(x), float(y)) for x, y in zip(shades, places)]
-            painter.drawPolyline(QPolygonF(points))
+            painter.drawPolyline(self.polygon(shades, places))
 
 
-def stroke(painter: QPainter, look: Look, mark: Mark, points: List[QPointF]) -> None:
+def stroke(painter: QPainter, look: Look, mark: Mark, points: QPolygonF) -> None:
     """Draw a line that is seen on every shade of a picture."""
     painter.setBrush(Qt.BrushStyle.NoBrush)
     for colour, width in ((Mark.PAPER, HALO_PX), (mark, LINE_PX)):
         painter.setPen(QPen(QColor(look.colour(colour)), look.px(width)))
-        painter.drawPolyline(QPolygonF(points))
+        painter.drawPolyline(points)

@@ -15,7 +15,7 @@ class PulledText(QScrollArea):
         self._label = QLabel()
         self._label.setWordWrap(True)
         self._label.setTextFormat(Qt.TextFormat.PlainText)
-        self._label.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
+        self._label.setAlignment(Qt.AlignmentFlag.AlignTop)
         # A touch of the text is one of this widget.
         self._label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._finger_px = 0.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Optional
+from functools import partial
+from typing import Callable, Dict, List, Optional
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QPushButton, QSizePolicy, QWidget
@@ -42,13 +43,13 @@ class RadarSheet(Overlay):
         self._presenter = presenter
         self._own = 9.0
         self.soils: Dict[Optional[Soils], QPushButton] = {
-            soil: self._key(lambda one=soil: self._on_soil(one)) for soil in (*Soils, None)
+            soil: self._key(partial(self._on_soil, soil)) for soil in (*Soils, None)
         }
         self.permittivity = Stepper(PERMITTIVITIES, presenter.settings.permittivity)
         self.fit = self._key(self._on_fit)
         self.gain = Stepper(GAINS_DB_PER_NS, presenter.settings.gain_db_per_ns)
         self.colours: Dict[Colours, QPushButton] = {
-            colours: self._key(lambda one=colours: self._change(colours=one)) for colours in Colours
+            colours: self._key(partial(self._change, colours=colours)) for colours in Colours
         }
         self.polarization = self._key(self._on_polarization)
         self.axis = self._key(lambda: self._toggle("in_depth"))
@@ -115,8 +116,8 @@ class RadarSheet(Overlay):
         stays = self.tr("Crosshair\nstays")
         self.follow.setText(follows if self._presenter.follows else stays)
 
-    def _key(self, act: object) -> QPushButton:
-        button = new_button(act)  # type: ignore[arg-type]
+    def _key(self, act: Callable[[], None]) -> QPushButton:
+        button = new_button(act)
         button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
         return button
 

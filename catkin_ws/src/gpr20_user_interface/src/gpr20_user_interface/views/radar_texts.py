@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Union
 
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES
 from gpr20_user_interface.mid.radar_presenter import RadarPictures, RadarPresenter
-from gpr20_user_interface.mid.radar_records import Axis, Source
+from gpr20_user_interface.mid.radar_records import Axis, Curve, Picture, Source
 from gpr20_user_interface.views.translation import shown_text
 
 
@@ -121,9 +121,10 @@ class RadarTexts:
         """Return the title of a line's first axis."""
         return self.tr("X mm") if along is Axis.X_MM else self.tr("Y mm")
 
-    def second(self, axis: Optional[Axis]) -> str:
-        """Return the title of a second axis."""
-        return self.tr("Delay ns") if axis is Axis.DELAY_NS else self.tr("Depth mm")
+    def second(self, shown: Union[Curve, Picture, None]) -> str:
+        """Return the title of the second axis of what is shown."""
+        in_time = shown is not None and shown.axis is Axis.DELAY_NS
+        return self.tr("Delay ns") if in_time else self.tr("Depth mm")
 
     def _level(self, shown: RadarPictures) -> str:
         picture = shown.slice or shown.line

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
-from PyQt5.QtCore import Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
@@ -15,25 +14,20 @@ from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import DEPTH_STEP_M
 from gpr20_user_interface.mid.radar_presenter import Grip, RadarPictures, RadarPresenter
 from gpr20_user_interface.mid.radar_records import Axis, Colours, Picture, Source
-from gpr20_user_interface.views.colour_bar import ColourBar
-from gpr20_user_interface.views.depth_slider import DepthSlider
-from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX, look_of
-from gpr20_user_interface.views.picture_plot import PicturePlot
-from gpr20_user_interface.views.plots import CurvePlot, FixedPlot
-from gpr20_user_interface.views.radar_spots import line_spots, slice_spots
+from gpr20_user_interface.views.look import look_of
+from gpr20_user_interface.views.plots import FixedPlot
+from gpr20_user_interface.views.radar_panel import RadarPanel
+from gpr20_user_interface.views.radar_spots import Marked, line_spots, slice_spots
 from gpr20_user_interface.views.radar_texts import RadarTexts
-from gpr20_user_interface.views.translation import TranslatedWidget
-from gpr20_user_interface.views.widgets import new_button
+from gpr20_user_interface.views.widgets import connect_click
 
-KEY_WIDTH_PX = 112
-DEPTH_WIDTH_PX = 84
 # A finger nearer to the apex of the hyperbola than this moves it, another one bends the flank.
 GRIP_RADIUS_PX = 45
 # While a finger drags, drawing more often costs a core and shows no more.
 DRAG_MS = 60
 
 
-class RadarView(TranslatedWidget):
+class RadarView(RadarPanel):
     """Draws what a RadarPresenter shows; `refresh` follows it.
 
     Attributes:
@@ -54,28 +48,8 @@ class RadarView(TranslatedWidget):
         self._can_mark = False
         self._problem: Optional[Message] = None
         self._texts = RadarTexts(self)
-        self.trace_plot = CurvePlot()
-        self.line_plot = PicturePlot(true_to_scale=False)
-        self.slice_plot = PicturePlot(true_to_scale=True)
-        self.trace_key = new_button(lambda: self.enlarge(self.trace_plot))
-        self.line_key = new_button(lambda: self.enlarge(self.line_plot))
-        self.slice_key = new_button(lambda: self.enlarge(self.slice_plot))
-        self.top_bar = ColourBar()
-        self.bar = ColourBar()
-        self.shallower = new_button(lambda: self._step_depth(-1), "▲")
-        self.deeper = new_button(lambda: self._step_depth(+1), "▼")
-        self.depth_slider = DepthSlider()
-        self.along = new_button(self._on_along)
-        self.source = new_button(self._on_source)
-        self.marker = new_button(self._on_marker)
-        self.settings = new_button(lambda: None)
-        self.use = new_button(self._on_use)
-        self.drop = new_button(self._on_drop)
-        self.fit_text = QLabel()
         self.readout = ""
-        self.note = QLabel()
         self._slow = QTimer(self)
-        self._lay_out()
         self._connect()
         self.retranslate()
 
@@ -108,6 +82,10 @@ class RadarView(TranslatedWidget):
         if not self.isVisible():
             return
         self.presenter.notice_survey()
+        if self.is_fitting and self.presenter.hyperbola is None:
+            # Another survey has begun meanwhile.
+            self.enlarged = None
+            self.arrange(None, fits=False)
         state = (*self.presenter.state, self._markers, self._can_mark, self._problem)
         if state != self._drawn:
             self._drawn = state
@@ -116,7 +94,7 @@ class RadarView(TranslatedWidget):
     def enlarge(self, plot: Optional[FixedPlot]) -> None:
         """Let one picture fill the tab, or, if it does already, show all three again."""
         self.enlarged = None if plot is self.enlarged else plot
-        self._arrange()
+        self.arrange(self.enlarged, self.presenter.hyperbola is not None)
         self._drawn = ()
         self.refresh()
 
@@ -145,18 +123,7 @@ class RadarView(TranslatedWidget):
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        look = look_of(self)
-        for key in (self.along, self.source, self.marker, self.settings):
-            key.setFixedWidth(look.px(KEY_WIDTH_PX))
-        for widget in (self.shallower, self.deeper, self.depth_slider):
-            widget.setFixedWidth(look.px(DEPTH_WIDTH_PX))
-        for key in (self.trace_key, self.line_key, self.slice_key):
-            key.setFixedHeight(look.px(TOUCH_PX))
-        for layout in (self._titles, self._plots, self._keys, self._depths, self._columns):
-            layout.setSpacing(look.px(GAP_PX))
-        margin = look.px(4)
-        self._whole.setContentsMargins(margin, margin, margin, margin)
-        self._whole.setSpacing(look.px(2))
+        super().restyle()
         self._drawn = ()
 
     def _draw(self) -> None:
@@ -178,7 +145,7 @@ class RadarView(TranslatedWidget):
 
     def _mark(self, shown: RadarPictures) -> None:
         presenter, place, line = self.presenter, shown.place, shown.line
-        marked = (*presenter.candidates, *self._markers)
+        marked: List[Marked] = [*presenter.candidates, *self._markers]
         if shown.curve is not None:
             second = presenter.second_of(shown.depth_m, shown.curve.axis)
             self.trace_plot.set_crosshair(None, second)
@@ -214,8 +181,8 @@ class RadarView(TranslatedWidget):
 
     def _write(self, shown: RadarPictures) -> None:
         presenter, texts = self.presenter, self._texts
-        self.trace_plot.set_labels("dB", texts.second(shown.curve and shown.curve.axis))
-        second = texts.second(shown.line and shown.line.axis)
+        self.trace_plot.set_labels("dB", texts.second(shown.curve))
+        second = texts.second(shown.line)
         self.line_plot.set_labels(texts.across(presenter.settings.along), second)
         self.slice_plot.set_labels(self.tr("X mm"), self.tr("Y mm"))
         self.readout = texts.readout(shown)
@@ -306,6 +273,19 @@ class RadarView(TranslatedWidget):
         self._slow.setInterval(DRAG_MS)
         self._slow.setSingleShot(True)
         self._slow.timeout.connect(self.refresh)
+        for button, act in (
+            (self.trace_key, lambda: self.enlarge(self.trace_plot)),
+            (self.line_key, lambda: self.enlarge(self.line_plot)),
+            (self.slice_key, lambda: self.enlarge(self.slice_plot)),
+            (self.shallower, lambda: self._step_depth(-1)),
+            (self.deeper, lambda: self._step_depth(+1)),
+            (self.along, self._on_along),
+            (self.source, self._on_source),
+            (self.marker, self._on_marker),
+            (self.use, self._on_use),
+            (self.drop, self._on_drop),
+        ):
+            connect_click(button, act)
         self.depth_slider.valueChanged.connect(self._on_slider)
         for plot, on_touch in (
             (self.slice_plot, self._on_slice),
@@ -315,64 +295,3 @@ class RadarView(TranslatedWidget):
             plot.dragged.connect(on_touch)
         self.line_plot.touched.connect(self._on_line_touched)
         self.line_plot.dragged.connect(self._on_line)
-        for key in (self.shallower, self.deeper):
-            key.setAutoRepeat(True)
-
-    def _arrange(self) -> None:
-        """Show what belongs to all three pictures, or to the enlarged one."""
-        enlarged, fits = self.enlarged, self.presenter.hyperbola is not None
-        for plot, key in (
-            (self.trace_plot, self.trace_key),
-            (self.line_plot, self.line_key),
-            (self.slice_plot, self.slice_key),
-        ):
-            shown = enlarged is None or plot is enlarged
-            plot.setVisible(shown)
-            key.setVisible(shown and not fits)
-        for key in (self.along, self.source, self.marker, self.settings):
-            key.setVisible(enlarged is None)
-        for widget in (self.fit_text, self.use, self.drop):
-            widget.setVisible(fits)
-        self.bar.setVisible(enlarged is None)
-        self.top_bar.setVisible(enlarged is not None)
-
-    def _lay_out(self) -> None:
-        self.note.setWordWrap(True)
-        self.note.setObjectName("note")
-        self.note.setTextFormat(Qt.TextFormat.PlainText)
-        self.fit_text.setObjectName("title")
-        ignored, fixed = QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed
-        self._titles, self._plots = QHBoxLayout(), QHBoxLayout()
-        for plot, key, part in (
-            (self.trace_plot, self.trace_key, 4),
-            (self.line_plot, self.line_key, 7),
-            (self.slice_plot, self.slice_key, 7),
-        ):
-            key.setSizePolicy(ignored, fixed)
-            self._titles.addWidget(key, part)
-            self._plots.addWidget(plot, part)
-        for widget in (self.fit_text, self.use, self.drop, self.top_bar):
-            self._titles.addWidget(widget)
-        pictures = QVBoxLayout()
-        pictures.addLayout(self._titles)
-        pictures.addLayout(self._plots, 1)
-        self._depths, self._keys = QVBoxLayout(), QVBoxLayout()
-        self._depths.addWidget(self.shallower)
-        self._depths.addWidget(self.depth_slider, 1)
-        self._depths.addWidget(self.deeper)
-        for key in (self.along, self.source, self.marker, self.settings):
-            key.setSizePolicy(fixed, QSizePolicy.Policy.Expanding)
-            self._keys.addWidget(key)
-        bottom = QHBoxLayout()
-        bottom.addWidget(self.note, 1)
-        bottom.addWidget(self.bar)
-        left = QVBoxLayout()
-        left.addLayout(pictures, 1)
-        left.addLayout(bottom)
-        self._columns = QHBoxLayout()
-        self._columns.addLayout(left, 1)
-        self._columns.addLayout(self._depths)
-        self._columns.addLayout(self._keys)
-        self._whole = QVBoxLayout(self)
-        self._whole.addLayout(self._columns, 1)
-        self._arrange()

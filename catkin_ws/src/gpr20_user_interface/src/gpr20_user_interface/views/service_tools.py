@@ -6,7 +6,7 @@ import math
 from typing import Callable, Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QVBoxLayout
+from PyQt5.QtWidgets import QGridLayout, QTextEdit
 
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.mid.remedies import find_remedy
@@ -27,16 +27,14 @@ class ServiceTools(TranslatedWidget):
         self._state: Optional[ServiceState] = None
         self.measure = new_button(measure_height)
         self.test = new_button(test_analyzer)
-        self.height_found, self.analyzer_found = _text(), _text()
+        self.height_found, self.analyzer_found = _text_area(), _text_area()
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
         for column, (button, text) in enumerate(
             ((self.measure, self.height_found), (self.test, self.analyzer_found))
         ):
-            below = QVBoxLayout()
-            below.addWidget(text)
             self._grid.addWidget(button, 0, column)
-            self._grid.addLayout(below, 1, column)
+            self._grid.addWidget(text, 1, column)
         self._grid.setRowStretch(1, 1)
         self._grid.setColumnStretch(0, 2)
         self._grid.setColumnStretch(1, 3)
@@ -50,8 +48,8 @@ class ServiceTools(TranslatedWidget):
         self._state = state
         for button in (self.measure, self.test):
             button.setEnabled(state.entered and not state.busy)
-        self.height_found.setText(self._height_text(state.height))
-        self.analyzer_found.setText(self._analyzer_text(state.analyzer))
+        self.height_found.setPlainText(self._height_text(state.height))
+        self.analyzer_found.setPlainText(self._analyzer_text(state.analyzer))
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -88,7 +86,7 @@ class ServiceTools(TranslatedWidget):
         if test.identity:
             lines.append(self.tr("Connected to {address}").format(address=test.address))
             lines.append(test.identity)
-        if test.calibration:
+        if test.calibration in CalibrationStatus.__members__:
             meaning = CalibrationStatus[test.calibration].meaning
             lines.append(self.tr("Calibration: {state}").format(state=shown_text(meaning)))
         if test.points:
@@ -107,9 +105,9 @@ class ServiceTools(TranslatedWidget):
         return "\n".join(lines)
 
 
-def _text() -> QLabel:
-    label = QLabel(UNKNOWN)
-    label.setWordWrap(True)
-    label.setTextFormat(Qt.TextFormat.PlainText)
-    label.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
-    return label
+def _text_area() -> QTextEdit:
+    """Return a text that scrolls: a failure may be long."""
+    area = QTextEdit(UNKNOWN)
+    area.setReadOnly(True)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    return area

@@ -39,8 +39,10 @@ class StateBand(QFrame):
 
     def show_level(self, level: JobLevel) -> None:
         """Take the colours of a level."""
-        for widget in (self, *self.findChildren(QLabel)):
-            set_look(widget, "job", level.value)
+        set_look(self, "job", level.value)
+        for label in self.findChildren(QLabel):
+            assert isinstance(label, QLabel)
+            set_look(label, "job", level.value)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Qt: a finger leaves the band, or what is written on it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping
+from typing import Dict, List, Mapping, Optional
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import (
@@ -22,7 +22,7 @@ from gpr20_user_interface.mid.parameter_form import (
     OUTPUT_POWER,
     ROTATIONS,
 )
-from gpr20_user_interface.mid.plan_form import FIELD_HINTS, PlanForm, plan_field_title
+from gpr20_user_interface.mid.plan_form import FIELD_HINTS, PlanCheck, PlanForm, plan_field_title
 from gpr20_user_interface.mid.plan_memory import ARROW_STEPS
 from gpr20_user_interface.mid.plan_presets import Preset, PresetContext, presets_for
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, TILE_TITLES, Tile
@@ -103,6 +103,8 @@ class ValueSheet(Overlay):
         """Open with the fields of a tile; the first key replaces the first value."""
         self._tile, self._before = tile, dict(self._form.texts)
         self._following = self._form.following
+        # The tile before may have had more fields.
+        self._active, self._touched = 0, False
         names = TILE_FIELDS[tile]
         for number, box in enumerate(self.boxes):
             box.setVisible(number < len(names))
@@ -176,11 +178,8 @@ class ValueSheet(Overlay):
         self.hint.setText(shown_text(problem or allowed))
         set_look(self.hint, "level", "wrong" if problem else "")
         self.keys.use(_keys_of(name), self.arrow_step)
-        parameters, permittivity = check.form.parameters, check.permittivity
-        known = parameters is not None and permittivity is not None
-        quarter_mm = quarter_wavelength_mm(parameters, permittivity) if known else None
         context = PresetContext(
-            self._form.travel, self.last_area, self._form.proposed_address, quarter_mm
+            self._form.travel, self.last_area, self._form.proposed_address, _quarter_mm(check)
         )
         self._offered = presets_for(self._tile, name, context)
         for number, button in enumerate(self.presets):
@@ -285,6 +284,12 @@ class ValueSheet(Overlay):
         self._rows = QVBoxLayout(self)
         self._rows.addLayout(self._top)
         self._rows.addLayout(self._body, 1)
+
+
+def _quarter_mm(check: PlanCheck) -> Optional[float]:
+    if check.form.parameters is None or check.permittivity is None:
+        return None
+    return quarter_wavelength_mm(check.form.parameters, check.permittivity)
 
 
 def _keys_of(name: str) -> KeySet:

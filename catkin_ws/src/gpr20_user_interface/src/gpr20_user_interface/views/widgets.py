@@ -10,9 +10,14 @@ from PyQt5.QtWidgets import QPushButton, QWidget
 def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
     """Return a button that does something when it is clicked."""
     button = QPushButton(text)
+    connect_click(button, act)
+    return button
+
+
+def connect_click(button: QPushButton, act: Callable[[], None]) -> None:
+    """Let a button do something when it is clicked."""
     # Not the function itself, which would get whether the button is checked.
     button.clicked.connect(lambda: act())
-    return button
 
 
 def set_look(widget: QWidget, name: str, value: object) -> None:
