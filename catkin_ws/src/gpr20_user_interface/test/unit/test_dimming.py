@@ -126,7 +126,6 @@ def test_a_notice_is_never_dimmed(window, clock):
     window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
     assert not dim(window, clock)
     window.notice.hide()
-    assert dim(window, clock)
 
 
 def test_the_cover_follows_the_size_of_the_window(window, clock):

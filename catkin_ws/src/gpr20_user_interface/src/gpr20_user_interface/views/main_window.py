@@ -158,8 +158,9 @@ class MainWindow(TranslatedWidget):
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
         self.export = self.surveys_binding.export
+        seen = (self.notice, self.question, self.job_binding.stop_warning)
         self.settings = SettingsBinding(
-            *(self, self.top_bar.stop, (self.notice, self.question), languages),
+            *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
         )
         # The traces first: the others show what they have.

@@ -18,7 +18,7 @@ from gpr20_user_interface.views.state_band import LEVEL_COLOURS
 STOP_WIDTH_PX = 140
 PAUSE_WIDTH_PX = 110
 SLIDER_PX = 8
-TAB_PADDING_PX = 8
+TAB_PADDING_PX = 6
 
 
 def style_sheet(look: Look) -> str:
