@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 LIST = (ROOT / "docs" / "traps.md").read_text(encoding="utf-8")
-FAULTS = {f"{number}" for number in range(1, 43)} | {"6b", "6c", "6d", "15b", "15c", "25b"}
+FAULTS = {f"{number}" for number in range(1, 45)} | {"6b", "6c", "6d", "15b", "15c", "25b"}
 
 
 def named_tests(text):

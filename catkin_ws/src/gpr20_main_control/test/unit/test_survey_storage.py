@@ -6,12 +6,14 @@ import threading
 import pytest
 from fake_robot import LIMIT_S, PARAMETERS, Bench, FakeStorage
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid import sampling, survey_ending
 from gpr20_main_control.mid.storage_queue import StorageQueue
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.coverage import SampleState
+from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -53,6 +55,23 @@ def test_what_a_survey_is_started_without_is_that_of_the_robot():
     assert annotated(bench, survey_id) == Annotation(
         "Ana", "there", "wet", Wgs84Position(4.6, -74.1)
     )
+
+
+def test_a_finer_survey_says_which_one_it_refines_and_others_say_nothing():
+    bench = Bench()
+    bench.control.set_parameters(PARAMETERS)
+    coarse = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+    for wrong in ("x", "../x", coarse.upper(), coarse + " "):
+        with pytest.raises(InvalidValueError, match="refines is"):
+            bench.control.start(refines=wrong)
+    bench.control.start(refines=coarse)
+    bench.wait_for(State.FINISHED)
+    bench.control.start()
+    bench.wait_for(State.FINISHED)
+    records = [json.loads(one.metadata_json) for one in bench.storage.records]
+    assert records[0]["refines"] == coarse
+    assert "refines" not in records[1]
+    assert [refines_of(one) for one in records] == [coarse, ""]
 
 
 def test_a_full_disk_at_the_start_is_refused_before_anything_moves(bench):

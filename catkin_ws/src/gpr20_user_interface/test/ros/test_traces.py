@@ -265,7 +265,12 @@ class Traces(unittest.TestCase):
         view, additions = window.window.map, window.window.additions
         self.start(4)
         wait_until(lambda: self.code == ControlStatus.SURVEYING, "the survey is measuring")
-        wait_until(lambda: window.traces.shown.map.grid is not None, "its plan is here")
+        survey = window.window.survey
+        wait_until(
+            lambda: window.traces.shown.survey_id == survey.snapshot.running_survey != "",
+            "its plan is here",
+        )
+        wait_until(lambda: additions.survey_id == window.traces.shown.survey_id, "it is followed")
         view.select_stop(Stop(1, 2))
         QTest.mouseClick(view.set_marker, Qt.LeftButton)
         pad = window.window.map_binding.note_pad

@@ -26,6 +26,7 @@ from gpr20_user_interface.mid.robot_health import AlarmKind
 from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.key_block import DOWN, STEP
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import VERDICT
 
 
 class WindowOnRobot(WindowCase):
@@ -121,7 +122,9 @@ class WindowOnRobot(WindowCase):
         self.window.show_tab(TabName.SURVEYS)
         past = self.window.past
         wait_until(lambda: past.table.rowCount() > 0, "the list is there")
-        wait_until(lambda: past.table.item(0, 1).text().startswith("complete"), "it is listed")
+        wait_until(
+            lambda: past.table.item(0, VERDICT).text().startswith("complete"), "it is listed"
+        )
         past.table.selectRow(0)
         self.touch(past.notes)
         self.write_note("notes", ", then dry")

@@ -70,7 +70,7 @@ def test_a_failure_is_followed_by_another_request_later(storage, additions):
 
 
 def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
-    additions.add_marker(1.0, 2.0, None, "metal")
+    additions.add_marker(SURVEY, 1.0, 2.0, None, "metal")
     _kind, survey, marker = storage.asked[-1]
     assert (survey, marker.text, marker.author, marker.depth_mm) == (SURVEY, "metal", "Ana", None)
     assert additions.markers == ()
@@ -82,7 +82,7 @@ def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
 
 def test_a_marker_that_is_not_allowed_is_not_sent(storage, additions):
     with pytest.raises(InvalidValueError):
-        additions.add_marker(1.0, 2.0, None, "a\nb")
+        additions.add_marker(SURVEY, 1.0, 2.0, None, "a\nb")
     assert len(storage.asked) == 1
 
 

@@ -200,9 +200,9 @@ def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
     window.on_event(AnnotationRead(FOLDER, EMPTY))
     write(sheet, "site", "here")
     click(sheet.save)
-    window.on_event(AnnotationFailed(verbatim("the disk is full")))
+    window.on_event(AnnotationFailed(verbatim("The disk is full")))
     assert window.notice.isVisible()
-    assert window.notice.reason.toPlainText() == "the disk is full"
+    assert window.notice.reason.toPlainText() == "The disk is full"
     click(window.notice.close_button)
     assert sheet.isVisible()
     assert sheet.fields["site"].text() == "here"

@@ -1,6 +1,7 @@
 import dataclasses
 
 import pytest
+from PyQt5.QtWidgets import QApplication
 from view_kit import SURVEY, description, make_grid, trace_at
 from window_helpers import (
     Storage,
@@ -29,6 +30,7 @@ from gpr20_user_interface.mid.trace_events import (
     TracesRead,
 )
 from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES
+from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT, WHAT
 from gpr20_user_interface.views.translation import Languages
@@ -294,3 +296,14 @@ def test_the_target_is_the_current_stop(window):
     assert window.traces.live.map.current == Stop(1, 1)
     show(window, snapshot_of(SurveyState.FINISHED, SURVEY))
     assert window.traces.live.map.current is None
+
+
+def test_map_and_radar_have_room_for_the_band(window):
+    window.traces.open_survey(FOLDER)
+    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), tuple(range(40))))
+    for tab, page in ((TabName.MAP, window.map_page), (TabName.RADAR, window.radar_page)):
+        window.show_tab(tab)
+        QApplication.processEvents()
+        assert page.band.isVisible()
+        assert page.view.minimumSizeHint().height() <= page.view.height()
+        assert page.band.back.height() >= TOUCH_PX

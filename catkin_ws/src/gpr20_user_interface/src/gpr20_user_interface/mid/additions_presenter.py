@@ -167,14 +167,23 @@ class AdditionsPresenter:
         problem, self.problem = self.problem, None
         return problem
 
-    def add_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str) -> None:
+    def add_marker(
+        self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str
+    ) -> None:
         """Ask the storage to add a marker.
+
+        Args:
+            survey: Id of the survey; another one may be shown since its place was touched.
+            x_mm: Where it is.
+            y_mm: Where it is.
+            depth_mm: Below the surface; None: not known.
+            text: One line.
 
         Raises:
             InvalidValueError: The text or the place is not allowed.
         """
         marker = Marker(str(uuid.uuid4()), x_mm, y_mm, depth_mm, text, self._author())
-        self._source.add_marker(self.survey_id, marker)
+        self._source.add_marker(survey, marker)
 
     def remove_marker(self, marker_id: str) -> None:
         """Ask the storage to remove a marker."""

@@ -113,7 +113,7 @@ def candidates_from(text: str, survey_id: str) -> ShownCandidates:
     try:
         values = json.loads(text)
         _check(isinstance(values, dict) and values["format"] == FORMAT, "format")
-        # Whoever made a list without it meant another kind of list.
+        # A list without it is of another kind.
         _check(isinstance(values["warning"], str) and bool(values["warning"]), "warning")
         _check(values["survey_id"] == survey_id, "survey_id")
         _check(isinstance(values["simulated"], bool), "simulated")

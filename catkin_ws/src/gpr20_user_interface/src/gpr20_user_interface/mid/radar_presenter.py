@@ -87,7 +87,7 @@ class RadarPresenter:
 
     @property
     def state(self) -> Tuple[object, ...]:
-        """Whatever the pictures depend on."""
+        """Everything that the pictures depend on."""
         image = None if self._image is None else self._image.image
         revision, settings = self.model.revision, self.settings
         return (self.model, revision, settings, self._chosen, self.hyperbola, id(image))

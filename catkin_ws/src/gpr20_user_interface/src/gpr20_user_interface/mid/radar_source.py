@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Protocol
+from typing import Optional, Protocol, Tuple
 
 import numpy as np
 
@@ -150,7 +150,7 @@ class FocusedSource:
         level = float(self.image.levels_db[self._layer(settings), row, column])
         return level if np.isfinite(level) else None
 
-    def _index(self, place: Place) -> tuple:
+    def _index(self, place: Place) -> Tuple[int, int]:
         row = int(np.argmin(np.abs(self.image.y_mm - place.y_mm)))
         return row, int(np.argmin(np.abs(self.image.x_mm - place.x_mm)))
 

@@ -113,8 +113,10 @@ class MapBinding(Binding):
         """Ask for the text of a marker, and store it."""
         if not self._additions.can_mark:
             return
+        # Another survey may begin while the text is written.
+        survey = self._additions.survey_id
         self.note_pad.ask(
-            lambda text: self._add_marker(x_mm, y_mm, depth_mm, text),
+            lambda text: self._add_marker(survey, x_mm, y_mm, depth_mm, text),
             shown_text(Message("Text of the marker")),
             shown_text(Message("at most {count} characters", count=MAX_TEXT_CHARACTERS)),
             "",
@@ -122,9 +124,11 @@ class MapBinding(Binding):
             several_lines=False,
         )
 
-    def _add_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str) -> None:
+    def _add_marker(
+        self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str
+    ) -> None:
         try:
-            self._additions.add_marker(x_mm, y_mm, depth_mm, text)
+            self._additions.add_marker(survey, x_mm, y_mm, depth_mm, text)
         except InvalidValueError as error:
             self._show_refusal(Refused.MARKER, error.message)
 

@@ -42,11 +42,12 @@ class ProfilesView(Overlay):
         row = QHBoxLayout()
         for button in (self.load, self.save, self.delete, self.close_button):
             row.addWidget(button, 1)
+        # Below the top bar: other sheets have their buttons to hold farther down.
         layout = QVBoxLayout(self)
         layout.setContentsMargins(16, 10, 16, 10)
+        layout.addLayout(row)
         layout.addWidget(self.title)
         layout.addWidget(self.names, 1)
-        layout.addLayout(row)
         self.retranslate()
 
     def show_profiles(self, parameters: Optional[SurveyParameters]) -> None:

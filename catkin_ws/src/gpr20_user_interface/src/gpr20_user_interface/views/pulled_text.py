@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import QSize, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import QFrame, QLabel, QScrollArea
 
@@ -34,6 +34,10 @@ class PulledText(QScrollArea):
         if text != self._label.text():
             self._label.setText(text)
             self.verticalScrollBar().setValue(0)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it may be as small as it must, since it can be pulled."""
+        return QSize(0, self.fontMetrics().lineSpacing())
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Qt: a finger touches the text."""

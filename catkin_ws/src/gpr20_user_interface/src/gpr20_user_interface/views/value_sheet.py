@@ -101,7 +101,9 @@ class ValueSheet(Overlay):
 
     def show_tile(self, tile: Tile) -> None:
         """Open with the fields of a tile; the first key replaces the first value."""
-        self._tile, self._before = tile, dict(self._form.texts)
+        # The tile before may have had more fields.
+        self._tile, self._active, self._touched = tile, 0, False
+        self._before = dict(self._form.texts)
         self._following = self._form.following
         # The tile before may have had more fields.
         self._active, self._touched = 0, False
