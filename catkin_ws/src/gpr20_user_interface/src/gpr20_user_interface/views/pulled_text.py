@@ -36,13 +36,8 @@ class PulledText(QScrollArea):
             self.verticalScrollBar().setValue(0)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-<<<<<<< HEAD
         """Qt: it may be as small as it must, since it can be pulled."""
         return QSize(0, self.fontMetrics().lineSpacing())
-=======
-        """Qt: two lines are enough; the rest can be pulled."""
-        return QSize(0, 2 * self.fontMetrics().lineSpacing())
->>>>>>> safety
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Qt: a finger touches the text."""
