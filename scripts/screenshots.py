@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import rospy
-from PyQt5.QtWidgets import QApplication
+from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
@@ -24,11 +24,24 @@ TARGET_STOP = Stop(6, 7)  # above the metallic sphere
 SLICE_STEPS = 12  # 60 mm, between the depths of the two targets
 
 
+def keep(window: QWidget, path: Path) -> None:
+    """Write what the window shows."""
+    run_events(1.0)
+    if not window.grab().save(str(path)):
+        raise SystemExit(f"{path} cannot be written")
+    print(path)
+
+
 def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
-    """Run two surveys and take a picture of each tab in each language during the second."""
+    """Take pictures of the plan, and of each tab during a survey, in each language."""
     languages = Languages(application, Language.ENGLISH)
     interface = new_window(languages, data)
     interface.begin()
+    window = interface.window
+    run_until(lambda: window.survey.snapshot.can_start, "the robot is ready", LIMIT_S)
+    for language in Language:
+        languages.use(language)
+        keep(window, folder / f"plan_{language.value}.png")
     operator = Operator()
     operator.start(**SMALL_SURVEY)
     run_until(lambda: operator.code == ControlStatus.FINISHED, "a small survey ends", LIMIT_S)
@@ -36,22 +49,22 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     live = interface.window.traces.live
     wanted = round(PART_SHOWN * 21 * 21 * 2)
     run_until(lambda: live.radar.count >= wanted, "the survey shows both targets", LIMIT_S)
-    window = interface.window
     window.map.select_stop(TARGET_STOP)
     window.radar.depth_slider.setValue(SLICE_STEPS)
     for language in Language:
         languages.use(language)
         for tab in TabName:
             window.show_tab(tab)
-            run_events(1.0)
             if tab is TabName.SURVEYS:
                 run_until(lambda: window.past.table.rowCount() == 2, "the list is there", LIMIT_S)
                 window.past.table.selectRow(1)
-                run_events(0.5)
-            path = folder / f"{tab.value}_{language.value}.png"
-            if not window.grab().save(str(path)):
-                raise SystemExit(f"{path} cannot be written")
-            print(path)
+            keep(window, folder / f"{tab.value}_{language.value}.png")
+    window.show_tab(TabName.RADAR)
+    window.radar.source.click()
+    run_until(lambda: window.radar.presenter.image is not None, "an image is focused", LIMIT_S)
+    for language in Language:
+        languages.use(language)
+        keep(window, folder / f"focused_{language.value}.png")
     operator.stop()
     run_until(lambda: operator.code == ControlStatus.STOPPED, "the survey stops", LIMIT_S)
     interface.end()

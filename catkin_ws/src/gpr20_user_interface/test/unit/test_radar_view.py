@@ -1,4 +1,5 @@
 import os
+from dataclasses import replace
 
 import pytest
 
@@ -16,6 +17,7 @@ from view_kit import depth_echo, make_grid, trace_at
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
+from gpr20_user_interface.mid.focused_image import CandidateMark
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_records import Axis, Colours, Source
 from gpr20_user_interface.mid.soils import Soils
@@ -330,6 +332,31 @@ def test_the_focused_image_and_its_candidates_are_drawn(view, model):
     click(view.source)
     assert view.presenter.settings.source is Source.ECHOES
     assert view.slice_plot.colour_numbers.shape == (4, 5)
+
+
+def test_a_focused_image_begins_at_its_first_candidate(view, model):
+    add(view, model, 0)
+    click(view.source)
+    view.set_image(image_of(model.grid), None)
+    view.refresh()
+    assert (view.presenter.place.x_mm, view.presenter.place.y_mm) == (150.0, 90.0)
+    assert view.line_plot.colour_numbers is not None
+
+
+def test_doubtful_candidates_have_numbers_where_there_is_room(view, model):
+    add(view, model, *range(40))
+    click(view.source)
+    sure = CandidateMark(1, 150.0, 90.0, 50.0, 40.0, False)
+    doubtful = CandidateMark(2, 100.0, 50.0, 50.0, 20.0, True)
+    view.set_image(replace(image_of(model.grid), candidates=(sure, doubtful)), None)
+    view.refresh()
+    assert [(one.text, one.doubtful) for one in view.slice_plot.spots] == [
+        ("1", False),
+        ("", True),
+    ]
+    click(view.slice_key)
+    view.refresh()
+    assert [one.text for one in view.slice_plot.spots] == ["1", "2"]
 
 
 @pytest.mark.parametrize("colours", list(Colours))

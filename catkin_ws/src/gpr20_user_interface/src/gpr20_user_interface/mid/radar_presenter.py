@@ -63,7 +63,8 @@ class RadarPictures:
 class RadarPresenter:
     """Belongs to one thread.
 
-    Until the operator chooses a place, the crosshair follows the trace that came last.
+    Until the operator chooses a place, the crosshair follows the trace that came last; in a
+    focused image it is at the first candidate.
 
     Attributes:
         model: The echoes of the survey that is shown.
@@ -122,6 +123,10 @@ class RadarPresenter:
         """Where the crosshair is; None before the first trace."""
         if self._chosen is not None:
             return self._source.nearest(self._chosen)
+        if self.shows_focused and self.candidates:
+            # The newest stop may not be in the image yet.
+            first = self.candidates[0]
+            return self._source.nearest(Place(first.x_mm, first.y_mm))
         grid = self.model.grid
         # Of this polarization: the other one may not be measured yet at the newest stop.
         latest = self.model.latest_of.get(self.settings.polarization, self.model.latest)

@@ -154,11 +154,17 @@ class RadarView(RadarPanel):
             self.line_plot.set_crosshair(place.along(line.across), second)
             # Nothing lies over the hyperbola while it is fitted.
             hidden = presenter.hyperbola is not None or line.axis is not Axis.DEPTH_MM
-            self.line_plot.set_spots(() if hidden else line_spots(marked, place, line.across))
+            self.line_plot.set_spots(
+                ()
+                if hidden
+                else line_spots(marked, place, line.across, self.enlarged is self.line_plot)
+            )
             self._show_hyperbola(line)
         if place is not None:
             self.slice_plot.set_crosshair(place.x_mm, place.y_mm)
-        self.slice_plot.set_spots(slice_spots(marked, shown.depth_m))
+        self.slice_plot.set_spots(
+            slice_spots(marked, shown.depth_m, self.enlarged is self.slice_plot)
+        )
 
     def _show_hyperbola(self, line: Picture) -> None:
         hyperbola = self.presenter.hyperbola
