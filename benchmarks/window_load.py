@@ -92,6 +92,7 @@ class Delays(QObject):
         self.traces += 1
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: something happens to the slice."""
         if event.type() == QEvent.Type.Paint:
             # Painted after this.
             QTimer.singleShot(0, self._look)
