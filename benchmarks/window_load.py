@@ -194,7 +194,7 @@ def watch(
             flush=True,
         )
     print(f"core, mean: {100 * statistics.mean(cores):.1f} %")
-    if delays.delays_s:
+    if delays.delays_s and len(tabs) == 1:
         low, high = np.percentile(delays.delays_s, [50.0, 99.0])
         print(
             f"from the topic to the slice, {len(delays.delays_s)} traces: median {low:.3f} s, "
