@@ -28,7 +28,7 @@ FEW_DRAWS = {
     "GPR20_ROUND_TRIPS": "2",
     "GPR20_SCENES": "2",
     "GPR20_SEEDS": "1",
-    "GPR20_TOUCHES": "1000",
+    "GPR20_TOUCHES": "3000",
 }
 
 
