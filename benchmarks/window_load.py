@@ -4,10 +4,12 @@ Surveys of the simulated robot follow each other at full speed while the window 
 after the other, and each axis publishes at 50 Hz while it moves. Everything of the window runs in
 this process, so its own counters are those of the window.
 
-    scripts/bench.sh window_load --minutes 120        (memory over two hours)
+    scripts/bench.sh window_load --minutes 120                              (memory over two hours)
+    scripts/bench.sh window_load --tab radar --time-scale 150 --minutes 5   (one tab)
 
 A heartbeat of 10 ms measures how long the window's thread was busy with something else: beyond
-50 ms it could not have drawn 20 frames a second.
+50 ms it could not have drawn 20 frames a second. While RADAR is shown, the time from the arrival of
+a trace to its first drawing in the slice is measured. `--rest` starts no survey.
 """
 
 from __future__ import annotations
@@ -17,10 +19,11 @@ import gc
 import resource
 import statistics
 import time
-from typing import List
+from typing import Dict, List
 
+import numpy as np
 import rospy
-from PyQt5.QtCore import Qt, QTimer
+from PyQt5.QtCore import QEvent, QObject, Qt, QTimer
 from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import resident_mib, simulated_robot
 from window_kit import (
@@ -32,9 +35,11 @@ from window_kit import (
 )
 
 from gpr20_common.catalogue import Language
-from gpr20_msgs.msg import ControlStatus
+from gpr20_common.high.raw_message import deserialized
+from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.shade_colours import NOT_MEASURED
 from gpr20_user_interface.views.translation import Languages
 
 HEARTBEAT_MS = 10
@@ -69,6 +74,43 @@ class Heartbeat:
         self._last_s = now_s
 
 
+class Delays(QObject):
+    """Notes when a trace arrives and when the slice of RADAR is first painted with it."""
+
+    def __init__(self, interface: UserInterface) -> None:
+        super().__init__()
+        self.delays_s: List[float] = []
+        self.traces = 0
+        self._radar = interface.window.radar
+        self._arrived_s: Dict[int, float] = {}
+        # As the window receives them: the subscriptions of one process are of one type.
+        self._subscriber = rospy.Subscriber("trace", rospy.AnyMsg, self._note)
+        self._radar.slice_plot.installEventFilter(self)
+
+    def _note(self, message: rospy.AnyMsg) -> None:
+        self._arrived_s[deserialized(Trace, message._buff).index] = time.monotonic()
+        self.traces += 1
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: something happens to the slice."""
+        if event.type() == QEvent.Type.Paint:
+            # Painted after this.
+            QTimer.singleShot(0, self._look)
+        return False
+
+    def _look(self) -> None:
+        numbers, grid = self._radar.slice_plot.colour_numbers, self._radar.presenter.model.grid
+        if numbers is None or grid is None:
+            return
+        now_s, drawn = time.monotonic(), numbers != NOT_MEASURED
+        for index in list(self._arrived_s):
+            cell = grid.cell(index) if index < grid.planned else None
+            if cell is None or cell.polarization != self._radar.presenter.settings.polarization:
+                del self._arrived_s[index]
+            elif drawn[cell.stop.row, cell.stop.column]:
+                self.delays_s.append(now_s - self._arrived_s.pop(index))
+
+
 def processor_s() -> float:
     used = resource.getrusage(resource.RUSAGE_SELF)
     return used.ru_utime + used.ru_stime
@@ -91,13 +133,15 @@ def growth_mb_per_h(minutes: List[float], memory_mb: List[float]) -> float:
     return slope * 60.0
 
 
-def one_minute(interface: UserInterface, operator: Operator) -> int:
-    """Let the surveys go on and look at each tab; return how many surveys were started."""
+def one_minute(
+    interface: UserInterface, operator: Operator, tabs: List[TabName], rest: bool
+) -> int:
+    """Let the surveys go on and look at the tabs; return how many surveys were started."""
     started = 0
     end_s = time.monotonic() + 60.0
-    tabs = list(TabName)
+    tabs = list(tabs)
     while time.monotonic() < end_s:
-        if operator.code in ENDED:
+        if operator.code in ENDED and not rest:
             operator.start()
             started += 1
         interface.window.show_tab(tabs[0])
@@ -110,7 +154,10 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--minutes", type=int, default=10)
     parser.add_argument("--time-scale", type=float, default=50.0)
+    parser.add_argument("--tab", choices=[tab.value for tab in TabName], help="show only this one")
+    parser.add_argument("--rest", action="store_true", help="start no survey")
     arguments = parser.parse_args()
+    tabs = list(TabName) if arguments.tab is None else [TabName(arguments.tab)]
     with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as robot:
         application = QApplication([])
         rospy.init_node("window_load", disable_signals=True)
@@ -119,19 +166,21 @@ def main() -> None:
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)
-        watch(interface, operator, arguments.minutes)
+        watch(interface, operator, arguments.minutes, tabs, arguments.rest)
         interface.end()
         rospy.signal_shutdown("measured")
 
 
-def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
-    print("minute  memory MB  objects  core %  away > 50 ms  longest ms  traces shown  surveys")
-    heartbeat, surveys = Heartbeat(), 0
+def watch(
+    interface: UserInterface, operator: Operator, minutes: int, tabs: List[TabName], rest: bool
+) -> None:
+    print("minute  memory MB  objects  core %  away > 50 ms  longest ms  traces/s  surveys")
+    heartbeat, delays, surveys = Heartbeat(), Delays(interface), 0
     at, memory_mb, cores = [], [], []
     for minute in range(1, minutes + 1):
         heartbeat.gaps_s.clear()
-        begin_s, used_s = time.monotonic(), processor_s()
-        surveys += one_minute(interface, operator)
+        begin_s, used_s, traces = time.monotonic(), processor_s(), delays.traces
+        surveys += one_minute(interface, operator, tabs, rest)
         core = (processor_s() - used_s) / (time.monotonic() - begin_s)
         late = sum(1 for gap in heartbeat.gaps_s if gap > FRAME_S)
         at.append(float(minute))
@@ -140,11 +189,17 @@ def watch(interface: UserInterface, operator: Operator, minutes: int) -> None:
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
             f"{100 * core:7.1f} {late:13d} "
-            f"{1e3 * max(heartbeat.gaps_s):11.1f} {interface.window.traces.live.radar.count:13d} "
+            f"{1e3 * max(heartbeat.gaps_s):11.1f} {(delays.traces - traces) / 60.0:9.1f} "
             f"{surveys:8d}",
             flush=True,
         )
     print(f"core, mean: {100 * statistics.mean(cores):.1f} %")
+    if delays.delays_s and len(tabs) == 1:
+        low, high = np.percentile(delays.delays_s, [50.0, 99.0])
+        print(
+            f"from the topic to the slice, {len(delays.delays_s)} traces: median {low:.3f} s, "
+            f"99th percentile {high:.3f} s, at most {max(delays.delays_s):.3f} s"
+        )
     for tab in TabName:
         interface.window.show_tab(tab)
         run_events(0.5)

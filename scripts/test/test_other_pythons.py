@@ -20,10 +20,15 @@ LIMIT_S = 900.0
 EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))
 # As few as the examples of hypothesis: what is random is drawn under Debian's Python.
 FEW_DRAWS = {
+    "GPR20_ANNOTATION_DRAWS": "5",
     "GPR20_DAMAGES": "10",
+    "GPR20_MARKER_DRAWS": "4",
     "GPR20_NOISE_SURVEYS": "4",
+    "GPR20_REPLAY_SEQUENCES": "30",
     "GPR20_ROUND_TRIPS": "2",
     "GPR20_SCENES": "2",
+    "GPR20_SEEDS": "1",
+    "GPR20_TOUCHES": "3000",
 }
 
 

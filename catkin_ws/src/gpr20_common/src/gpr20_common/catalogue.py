@@ -20,12 +20,6 @@ class Language(enum.Enum):
         """What its speakers call it."""
         return {Language.ENGLISH: "English", Language.SPANISH: "Español"}[self]
 
-    @property
-    def next(self) -> Language:
-        """The language that follows in a round through all."""
-        every = list(Language)
-        return every[(every.index(self) + 1) % len(every)]
-
 
 def language_from_code(code: object) -> Language:
     """Return the language with a code.

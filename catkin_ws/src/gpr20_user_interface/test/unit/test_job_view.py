@@ -41,6 +41,7 @@ from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.lines_label import LinesLabel
 from gpr20_user_interface.views.look import BORDER_PX, Look
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.palette import Theme
 from gpr20_user_interface.views.translation import Languages
 
@@ -227,8 +228,9 @@ CASES = {
 }
 
 
-@pytest.fixture(params=[(size, one) for size in SIZES for one in Language], ids=str)
-def sized(request, application):
+@pytest.fixture(scope="module", params=[(size, one) for size in SIZES for one in Language], ids=str)
+def screen(request, application):
+    """One window for all tests on a screen."""
     size, language = request.param
     languages = Languages(application, language)
     window = new_window(languages)
@@ -237,6 +239,16 @@ def sized(request, application):
     window.show()
     yield window
     close(window)
+
+
+@pytest.fixture
+def sized(screen):
+    for overlay in screen.findChildren(Overlay):
+        overlay.hide()
+    screen.show_tab(TabName.CONTROL)
+    # Without a survey, so that the next fault opens its card again.
+    show(screen, snapshot(SurveyState.IDLE))
+    return screen
 
 
 def assert_fits(window, parts):
@@ -263,6 +275,7 @@ def test_nothing_of_the_job_is_cut_off(sized, case):
     show(sized, CASES[case])
     assert_fits(sized, [sized.top_bar, sized.job, sized.notice])
     assert sized.top_bar.message.height() >= sized.top_bar.message.fontMetrics().lineSpacing()
+    assert sized.notice.isVisible() is (case in ("paused", "failed"))
     if sized.notice.isVisible():
         click(sized.notice.details_button)
         assert_fits(sized, [sized.notice])

@@ -10,6 +10,7 @@ from gpr20_common.catalogue import Language
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.mid.parameter_form import default_parameters, texts_of
 from gpr20_user_interface.mid.plan_form import PLAN_FIELDS
 from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
@@ -17,6 +18,7 @@ from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.field_box import FieldBox
 from gpr20_user_interface.views.lines_label import LinesLabel
 from gpr20_user_interface.views.look import GAP_PX, TEXT_PX, TOUCH_PX
+from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application"]
@@ -52,16 +54,27 @@ LONGEST = {
 }
 
 
-@pytest.fixture(params=[(one, size) for one in Language for size in SIZES], ids=str)
-def shown(request, application, tmp_path):
+@pytest.fixture(scope="module", params=[(one, size) for one in Language for size in SIZES], ids=str)
+def screen(request, application, tmp_path_factory):
+    """One window for all tests on a screen."""
     language, size = request.param
-    window = new_window(Languages(application, language), profiles=tmp_path)
+    window = new_window(
+        Languages(application, language), profiles=tmp_path_factory.mktemp("profiles")
+    )
     window.resize(*size)
     window.show()
     window.survey.preview = LARGEST
-    show(window, snapshot(SurveyState.IDLE))
     yield window
     close(window)
+
+
+@pytest.fixture
+def shown(screen):
+    for overlay in screen.findChildren(Overlay):
+        overlay.hide()
+    screen.control.form.set_texts(texts_of(default_parameters()))
+    show(screen, snapshot(SurveyState.IDLE))
+    return screen
 
 
 def parts(page, kind):

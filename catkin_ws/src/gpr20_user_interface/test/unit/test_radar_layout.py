@@ -14,6 +14,7 @@ from window_helpers import application, close, new_window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
+from gpr20_user_interface.mid.radar_records import RadarSettings
 from gpr20_user_interface.mid.shown_band import ShownBand
 from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
@@ -28,9 +29,10 @@ PADDING_PX = 4
 BAND = ShownBand(Message("PAST SURVEY: {name}", name="2026-11-21 05:10:00 UTC"), True)
 
 
-@pytest.fixture(params=itertools.product(Language, SIZES, (None, BAND)))
-def window(request, application):
-    language, size, band = request.param
+@pytest.fixture(scope="module", params=itertools.product(Language, SIZES), ids=str)
+def screen(request, application):
+    """One window for all tests on a screen, with a survey of some traces."""
+    language, size = request.param
     window = new_window(Languages(application, language))
     window.show()
     window.resize(*size)
@@ -42,12 +44,20 @@ def window(request, application):
         noise = 1e-4 * (rng.standard_normal(501) + 1j * rng.standard_normal(501))
         live.take_trace(trace_at(grid, index, depth_echo(0.1, level=0.05) + noise))
     window.show_tab(TabName.RADAR)
-    window.radar_page.band.show_band(band)
-    window.radar.presenter.set_depth(0.455)
-    window.radar.refresh()
-    QTest.qWait(1)
     yield window
     close(window)
+
+
+@pytest.fixture(params=(None, BAND), ids=("live", "past"))
+def window(request, screen):
+    screen.radar_binding.sheet.hide()
+    screen.radar_page.band.show_band(request.param)
+    screen.radar.presenter.settings = RadarSettings(depth_m=0.455)
+    screen.radar.presenter.end_hyperbola()
+    screen.radar.enlarge(None)
+    screen.radar.refresh()
+    QTest.qWait(1)
+    return screen
 
 
 def assert_fits(window, part):

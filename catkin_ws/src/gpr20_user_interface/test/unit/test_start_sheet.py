@@ -42,7 +42,16 @@ def texts(sheet):
     return [label.text() for label in sheet.findChildren(QLabel) if label.isVisible()]
 
 
-@pytest.mark.parametrize(("size", "language"), list(itertools.product(SIZES, Language)), ids=str)
+@pytest.fixture(scope="module", params=itertools.product(SIZES, Language), ids=str)
+def screen(request, application):
+    size, language = request.param
+    window = new_window(Languages(application, language))
+    window.resize(*size)
+    window.show()
+    yield window
+    close(window)
+
+
 @pytest.mark.parametrize(
     "ask",
     [
@@ -52,11 +61,8 @@ def texts(sheet):
     ],
     ids=["start", "resume", "other VNA"],
 )
-def test_nothing_of_the_sheet_is_cut_off(application, tmp_path, size, language, ask):
-    window = new_window(Languages(application, language), profiles=tmp_path)
-    window.resize(*size)
-    window.show()
-    sheet = window.start_sheet
+def test_nothing_of_the_sheet_is_cut_off(screen, ask):
+    window, sheet = screen, screen.start_sheet
     ask(sheet)
     for _ in range(3):
         QApplication.processEvents()
@@ -68,7 +74,6 @@ def test_nothing_of_the_sheet_is_cut_off(application, tmp_path, size, language, 
         assert window.rect().contains(place_of(window, button))
         widest = max(map(button.fontMetrics().horizontalAdvance, button.text().split("\n")))
         assert widest < button.width()
-    close(window)
 
 
 def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_hold(window):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 from typing import Mapping
 
@@ -14,8 +15,11 @@ from gpr20_common.message import Message
 FOLDER = Path(__file__).resolve().parent.parent / "translations"
 
 
+@functools.lru_cache(maxsize=None)
 def read_catalogue(language: Language) -> Catalogue:
     """Return the catalogue of a language; the templates themselves are the English one.
+
+    Its file is read once: reading it takes longer than opening a window.
 
     Raises:
         InvalidValueError: The file is missing or is no catalogue.

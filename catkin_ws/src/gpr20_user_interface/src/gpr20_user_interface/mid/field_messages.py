@@ -93,14 +93,6 @@ def corrections(check: FormCheck, travel: RobotTravel) -> Dict[str, Message]:
     return {name: _correction(name, check, travel) for name in check.wrong_fields}
 
 
-def field_problems(check: FormCheck, travel: RobotTravel) -> Dict[str, Message]:
-    """Return a sentence for each field that is wrong."""
-    return {
-        name: Message("{field}: {allowed}", field=field_title(name), allowed=allowed)
-        for name, allowed in corrections(check, travel).items()
-    }
-
-
 def _correction(name: str, check: FormCheck, travel: RobotTravel) -> Message:
     allowed = _spacing(name, check, travel) or _size(name, check) or allowed_values(name, travel)
     if name in check.unreadable and name in DECIMALS:

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import Tuple
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
     SurveyParameters,
@@ -52,12 +51,6 @@ class FinerPlan:
     def y_range_mm(self) -> Tuple[float, float]:
         """First and last stop along Y."""
         return self.parameters.y_start_mm, self.parameters.y_stop_mm
-
-    @property
-    def reaches_place(self) -> bool:
-        """Whether the place is inside of the area."""
-        (left, right), (low, high) = self.x_range_mm, self.y_range_mm
-        return left <= self.x_mm <= right and low <= self.y_mm <= high
 
     def refined_by(self, parameters: SurveyParameters) -> str:
         """Return the id of the survey that other parameters refine; empty if they do not.
@@ -123,15 +116,6 @@ def plan_finer(
     )
     check(parameters, grid.travel)
     return FinerPlan(grid.survey_id, x_mm, y_mm, size_mm, spacing_mm, parameters)
-
-
-def can_plan(grid: SurveyGrid, x_mm: float, y_mm: float) -> bool:
-    """Return whether a finer survey around a place is possible at all."""
-    try:
-        plan_finer(grid, x_mm, y_mm, SIZES_MM[0], proposed_spacing(grid))
-    except InvalidValueError:
-        return False
-    return True
 
 
 def _stops(

@@ -178,13 +178,6 @@ class PlanForm:
         """Check all fields."""
         return check_plan(self._texts, self._following, self.travel)
 
-    def problem_with(self, name: str, text: str) -> Optional[Message]:
-        """Return what a field allows, if a text would be wrong in it."""
-        trial = PlanForm(self.travel)
-        trial.restore(self._texts, self._following)
-        trial.set_text(name, text)
-        return trial.check().problems.get(name)
-
     def _derive_points(self, axis: str) -> None:
         length_mm = length_from_texts(*self._ends(axis))
         spacing_mm = spacing_from_text(self._texts[f"{axis}_spacing_mm"])

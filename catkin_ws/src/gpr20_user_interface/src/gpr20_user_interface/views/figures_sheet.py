@@ -62,7 +62,7 @@ class FiguresSheet(Overlay):
         """Write the texts in the language of the application."""
         self.title.setText(self.tr("Figures of this survey"))
         self.close_button.setText(self.tr("CLOSE"))
-        self.show_preview(self._preview)
+        self._write()
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -75,7 +75,12 @@ class FiguresSheet(Overlay):
 
     def show_preview(self, preview: Optional[SurveyPreview]) -> None:
         """Show the figures; None while the parameters are wrong."""
-        self._preview = preview
+        if preview != self._preview:
+            self._preview = preview
+            self._write()
+
+    def _write(self) -> None:
+        preview = self._preview
         for (title, figure), label, value in zip(
             figure_texts(preview), self._titles, self._figures
         ):

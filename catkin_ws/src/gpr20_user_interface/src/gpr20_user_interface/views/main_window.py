@@ -91,108 +91,22 @@ class MainWindow(TranslatedWidget):
         super().__init__()
         memory = memory or WindowMemory()
         self.look = Look(memory.settings.theme)
-        survey, traces = presenters.survey, presenters.traces
-        self.survey = survey
-        self.traces = traces
-        self.top_bar = TopBar()
-        self.tabs = QTabWidget()
-        self.control = ControlView()
-        self.status = StatusView()
-        self.additions = AdditionsPresenter(
-            traces.source,
-            lambda: self.control_binding.next_annotation.value.operator,
-            presenters.imaging.focus,
-        )
-        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
-        self.radar = RadarView(traces.shown.radar)
-        self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
-        self.past = PastSurveysView(traces.past)
-        self.service = ServiceView()
-        # Planning a survey, or the job while there is one.
-        self.control_pages = QStackedWidget()
-        self.control_pages.addWidget(self.control)
-        # At the right of the tabs.
-        self.corner = QHBoxLayout()
-        self._pages: Dict[TabName, QWidget] = {
-            TabName.CONTROL: self.control_pages,
-            TabName.STATUS: self.status,
-            TabName.MAP: self.map_page,
-            TabName.RADAR: self.radar_page,
-            TabName.SURVEYS: self.past,
-            TabName.SERVICE: self.service,
-        }
-        self.start_sheet = StartSheet(self, survey, traces.past)
-        self.survey_binding = SurveyBinding(
-            self, survey, self.top_bar, self.status, self.start_sheet
-        )
-        self.job_binding = JobBinding(
-            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding
-        )
-        self.job = self.job_binding.view
-        self.control_binding = ControlBinding(
-            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
-            *(self.survey_binding.show_refusal, self.start_sheet),
-        )
-        self.surveys_binding = SurveysBinding(
-            self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
-        )
-        self.job.notes_pressed.connect(self.control_binding.show_notes)
-        self.map_binding = MapBinding(
-            self,
-            survey,
-            traces,
-            self.additions,
-            self.map,
-            self._use_parameters,
-            self.survey_binding.show_refusal,
-        )
-        self.radar_binding = RadarBinding(
-            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
-        )
-        # What lies over the tabs; the bindings open and close it.
-        self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
-        self.values = self.control_binding.values
+        self.survey, self.traces = presenters.survey, presenters.traces
         self.plans = presenters.plans
-        self.stop_warning = self.job_binding.stop_warning
-        self.profiles = self.control_binding.profiles
-        self.annotation = self.control_binding.annotation
-        self.candidates = self.surveys_binding.candidates
-        self.export = self.surveys_binding.export
-        seen = (self.notice, self.question, self.job_binding.stop_warning)
+        self._imaging = presenters.imaging
+        self._make_tabs()
+        self._bind_tabs(presenters, languages)
+        self._name_sheets()
+        seen = (self.notice, self.question, self.stop_warning)
         self.settings = SettingsBinding(
             *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
         )
-        # The traces first: the others show what they have.
-        self._imaging = presenters.imaging
-        self._bindings: Tuple[Binding, ...] = (
-            ImagingBinding(
-                traces,
-                presenters.imaging,
-                lambda: self.map.isVisible() or self.radar.isVisible(),
-                lambda: self.radar.presenter.settings.permittivity,
-            ),
-            TracesBinding(
-                survey, traces, self.map_page, self.radar_page, lambda: self.show_tab(TabName.RADAR)
-            ),
-            self.survey_binding,
-            self.job_binding,
-            self.map_binding,
-            self.control_binding,
-            self.surveys_binding,
-            self.radar_binding,
-            self.settings,
-            ServiceBinding(
-                survey,
-                presenters.service,
-                self.service,
-                lambda: self.tabs.currentWidget() is self.service,
-            ),
-        )
+        self._bindings = self._all_bindings(presenters)
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
-            self._timer(MASTER_CHECK_MS, survey.check_master),
+            self._timer(MASTER_CHECK_MS, self.survey.check_master),
         ]
         self._lay_out()
         self.touch_binding = TouchBinding(self, self.top_bar.stop, clock)
@@ -276,6 +190,106 @@ class MainWindow(TranslatedWidget):
         }
         for name, page in self._pages.items():
             self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
+
+    def _make_tabs(self) -> None:
+        traces = self.traces
+        self.top_bar = TopBar()
+        self.tabs = QTabWidget()
+        self.control = ControlView()
+        self.status = StatusView()
+        self.additions = AdditionsPresenter(
+            traces.source,
+            lambda: self.control_binding.next_annotation.value.operator,
+            self._imaging.focus,
+        )
+        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
+        self.radar = RadarView(traces.shown.radar)
+        self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
+        self.past = PastSurveysView(traces.past)
+        self.service = ServiceView()
+        # Planning a survey, or the job while there is one.
+        self.control_pages = QStackedWidget()
+        self.control_pages.addWidget(self.control)
+        # At the right of the tabs.
+        self.corner = QHBoxLayout()
+        self._pages: Dict[TabName, QWidget] = {
+            TabName.CONTROL: self.control_pages,
+            TabName.STATUS: self.status,
+            TabName.MAP: self.map_page,
+            TabName.RADAR: self.radar_page,
+            TabName.SURVEYS: self.past,
+            TabName.SERVICE: self.service,
+        }
+
+    def _bind_tabs(self, presenters: Presenters, languages: Languages) -> None:
+        """Connect each tab, and what it opens, with its presenters."""
+        survey, traces = self.survey, self.traces
+        self.start_sheet = StartSheet(self, survey, traces.past)
+        self.survey_binding = SurveyBinding(
+            self, survey, self.top_bar, self.status, self.start_sheet
+        )
+        self.job_binding = JobBinding(
+            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding
+        )
+        self.job = self.job_binding.view
+        self.control_binding = ControlBinding(
+            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
+            *(self.survey_binding.show_refusal, self.start_sheet),
+        )
+        self.surveys_binding = SurveysBinding(
+            self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
+        )
+        self.job.notes_pressed.connect(self.control_binding.show_notes)
+        self.map_binding = MapBinding(
+            self,
+            survey,
+            traces,
+            self.additions,
+            self.map,
+            self._use_parameters,
+            self.survey_binding.show_refusal,
+        )
+        self.radar_binding = RadarBinding(
+            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
+        )
+
+    def _name_sheets(self) -> None:
+        """Name what lies over the tabs; the bindings open and close it."""
+        self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.values = self.control_binding.values
+        self.stop_warning = self.job_binding.stop_warning
+        self.profiles = self.control_binding.profiles
+        self.annotation = self.control_binding.annotation
+        self.candidates = self.surveys_binding.candidates
+        self.export = self.surveys_binding.export
+
+    def _all_bindings(self, presenters: Presenters) -> Tuple[Binding, ...]:
+        # The traces first: the others show what they have.
+        return (
+            ImagingBinding(
+                self.traces,
+                self._imaging,
+                lambda: self.map.isVisible() or self.radar.isVisible(),
+                lambda: self.radar.presenter.settings.permittivity,
+            ),
+            TracesBinding(
+                *(self.survey, self.traces, self.map_page, self.radar_page),
+                lambda: self.show_tab(TabName.RADAR),
+            ),
+            self.survey_binding,
+            self.job_binding,
+            self.map_binding,
+            self.control_binding,
+            self.surveys_binding,
+            self.radar_binding,
+            self.settings,
+            ServiceBinding(
+                self.survey,
+                presenters.service,
+                self.service,
+                lambda: self.tabs.currentWidget() is self.service,
+            ),
+        )
 
     def _lay_out(self) -> None:
         for page in self._pages.values():

@@ -22,7 +22,6 @@ class TextColours(enum.Enum):
     PLAIN = enum.auto()
     QUIET = enum.auto()
     WRONG = enum.auto()
-    PROBLEM = enum.auto()
     LOCKED = enum.auto()
     DISABLED = enum.auto()
     BUTTON = enum.auto()
@@ -84,7 +83,6 @@ _SUN = Palette(
         TextColours.PLAIN: ColourPair("#111111", "#ffffff"),
         TextColours.QUIET: ColourPair("#444444", "#ffffff"),
         TextColours.WRONG: ColourPair("#8f0000", "#ffe3e3"),
-        TextColours.PROBLEM: ColourPair("#9c0000", "#ffffff"),
         TextColours.LOCKED: ColourPair("#333333", "#e8e8e8"),
         TextColours.DISABLED: ColourPair("#444444", "#dddddd"),
         TextColours.BUTTON: ColourPair("#ffffff", "#1f4e8c"),
@@ -129,7 +127,6 @@ _NIGHT = Palette(
         TextColours.PLAIN: ColourPair("#e6e6e6", "#101418"),
         TextColours.QUIET: ColourPair("#b4bcc4", "#101418"),
         TextColours.WRONG: ColourPair("#ffc9c9", "#4a0f0f"),
-        TextColours.PROBLEM: ColourPair("#ff9d9d", "#101418"),
         TextColours.LOCKED: ColourPair("#c8ced4", "#22292f"),
         TextColours.DISABLED: ColourPair("#b2bac2", "#22282e"),
         TextColours.BUTTON: ColourPair("#ffffff", "#23507f"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
+from typing import List, Optional, Tuple, TypeVar
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
@@ -24,6 +24,8 @@ MIN_PLOT_PX = 40
 
 # The place of a number on an axis, and the number.
 Ticks = List[Tuple[float, str]]
+# One place or many.
+Places = TypeVar("Places", float, np.ndarray)
 
 
 class FixedPlot(QWidget):
@@ -71,15 +73,14 @@ class FixedPlot(QWidget):
 
     def to_screen(self, across: float, second: float) -> QPointF:
         """Return the pixel of a place."""
-        xs, ys = self._pixels(np.array([across]), np.array([second]))
-        return QPointF(float(xs[0]), float(ys[0]))
+        return QPointF(*self._pixels(across, second))
 
     def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
         """Return the pixels of places."""
         xs, ys = self._pixels(across, second)
         return QPolygonF([QPointF(x, y) for x, y in zip(xs.tolist(), ys.tolist())])
 
-    def _pixels(self, across: np.ndarray, second: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _pixels(self, across: Places, second: Places) -> Tuple[Places, Places]:
         area = self.area()
         parts = (across - self._across[0]) / (self._across[1] - self._across[0])
         downs = (second - self._second[0]) / (self._second[1] - self._second[0])

@@ -43,7 +43,6 @@ QLabel#title {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#preview {{ font-weight: bold; }}
 QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
-QLabel#problem {{ {css(TextColours.PROBLEM)} font-weight: bold; }}
 QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
 QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
 QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
@@ -78,20 +77,18 @@ QPushButton#start {{ {css(TextColours.START)} font-size: {px(TITLE_PX)}px;
 QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
     min-width: {px(STOP_WIDTH_PX)}px; }}
 QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_PX - 20)}px; }}
-QPushButton#arrow {{ {css(TextColours.ARROW)} font-size: {px(TITLE_PX)}px; padding: 0; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog, QPushButton#settings, QPushButton#lock {{ padding: 0; }}
 QPushButton#choice {{ {css(TextColours.ARROW)} }}
 QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
-QPushButton#choice {{ {css(TextColours.ARROW)} }}
-QPushButton:checked, QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
+QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
-QPushButton#arrow:pressed, QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
 QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
-QPushButton#arrow:disabled, QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
+QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
 QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
 QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px;

@@ -76,10 +76,6 @@ class Languages:
         self._application.installTranslator(translator)
         self._translator = translator
 
-    def use_next(self) -> None:
-        """Change to the next language."""
-        self.use(self.language.next)
-
     def close(self) -> None:
         """Remove the translator of this object from the application."""
         if self._translator is not None:
