@@ -217,11 +217,11 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: "closed" in row.lamp.text(), "the endstop is touched")
         wait_until(lambda: view.outcome.text() == "The x axis is homed.", "it is homed")
         wait_until(lambda: row.place.text() == "X 0.00", "it is at its zero")
-        self.touch(row.jogs[4])
+        self.hold_down(row.jogs[4])
         wait_until(lambda: row.place.text() == "X 10.00", "it moves by 10 mm")
         wait_until(row.home.isEnabled, "the move has ended")
         self.keep_picture("robot_service_axes")
-        self.touch(row.jogs[5])
+        self.hold_down(row.jogs[5])
         self.assertFalse(row.home.isEnabled())
         stop = self.window.top_bar.stop
         wait_until(stop.isEnabled, "STOP is unlocked")

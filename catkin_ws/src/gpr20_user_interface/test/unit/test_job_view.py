@@ -81,7 +81,8 @@ def test_control_shows_the_job_from_its_begin_until_the_next_is_planned(window, 
 def test_the_job_is_told_in_large_type(window):
     target = TargetPosition(150.0, 50.0, 0.0)
     progress = Progress("id", 42.7, 242, 103, 1080.0)
-    window.on_event(SurveyDescribed(description(annotation={"name": "Field 4", "site": "x"})))
+    called = {"name": "Field 4", "site": "x"}
+    window.on_event(SurveyDescribed(description(survey_id="id", annotation=called)))
     show(window, shown(SurveyState.SURVEYING, progress=progress, target=target))
     job = window.job
     assert (job.title.text(), job.left.text()) == ("SURVEYING", "18 min left")
@@ -99,10 +100,30 @@ def test_the_small_map_is_drawn_only_when_it_changes(window, monkeypatch):
     for _ in range(3):
         window.draw()
     assert len(drawn) == 1
-    window.traces.live.begin(make_grid())
+    window.traces.live.begin(make_grid(survey_id="id"))
     window.draw()
     window.draw()
     assert len(drawn) == 2
+
+
+@pytest.mark.parametrize("code", (SurveyState.CHECKING, SurveyState.HOMING), ids=str)
+def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, monkeypatch, code):
+    drawn = []
+    monkeypatch.setattr(window.job.map, "set_model", drawn.append)
+    window.on_event(SurveyDescribed(description(survey_id="id", annotation={"name": "Field 4"})))
+    show(window, shown(SurveyState.FINISHED))
+    window.draw()
+    assert "Field 4" in window.job.area.whole
+    assert drawn[-1].grid.survey_id == "id"
+    begun = ControlState(code, verbatim("as it is"), "next", True)
+    show(window, shown(code, state=begun))
+    window.draw()
+    assert "Field 4" not in window.job.area.whole
+    assert drawn[-1].grid is None
+    window.on_event(SurveyDescribed(description(survey_id="next", annotation={"name": "East"})))
+    window.draw()
+    assert window.job.area.whole.startswith("East, ")
+    assert drawn[-1].grid.survey_id == "next"
 
 
 @pytest.mark.parametrize("code", [SurveyState.PAUSED, SurveyState.FAILED])
@@ -210,10 +231,11 @@ def test_the_warning_is_closed_by_a_hold_and_not_by_a_tap(window):
 
 
 def test_a_name_is_read_from_a_description_whatever_it_holds():
-    assert survey_name('{"annotation": {"name": "A", "site": "B"}}') == "A"
-    assert survey_name('{"annotation": {"name": "", "site": "B"}}') == "B"
+    named = '{"survey_id": "7", "annotation": {"name": "A", "site": "B"}}'
+    assert survey_name(named) == ("7", "A")
+    assert survey_name('{"annotation": {"name": "", "site": "B"}}') == ("", "B")
     for text in ("", "{}", "[]", '{"annotation": null}', '{"annotation": {}}'):
-        assert survey_name(text) == ""
+        assert survey_name(text) == ("", "")
 
 
 CASES = {

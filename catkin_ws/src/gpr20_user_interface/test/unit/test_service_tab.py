@@ -6,6 +6,7 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
+from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QTabBar, QToolButton
 from test_nothing_cut_off import assert_fits
@@ -53,11 +54,14 @@ def test_a_tap_does_not_begin_the_service_but_a_hold_does(service):
     assert service.service.in_service
 
 
-def test_a_tap_jogs_and_only_a_hold_homes(service):
+def test_only_a_hold_moves_an_axis(service):
     begin(service)
     row = service.service.axes.row(AxisId.Y)
-    click(row.home)
-    click(row.jogs[1])
+    for button in row.buttons:
+        click(button)
+        QTest.mouseDClick(button, Qt.LeftButton)
+    assert service.tools.asked == []
+    hold(row.jogs[1])
     assert service.tools.asked == [("y", "JOG", -10.0)]
     # At once: a second touch sends nothing.
     assert not any(button.isEnabled() for button in row.buttons)

@@ -90,11 +90,20 @@ def test_silent_axes_are_believed_to_rest_only_at_the_end(stop):
     assert stop.warning(snapshot(SurveyState.STOPPED)) is None
 
 
-@pytest.mark.parametrize("code", [SurveyState.STOPPING, SurveyState.STOPPED])
-def test_the_status_confirms_a_stop_without_a_master(stop, code):
+def test_without_a_master_only_the_end_of_the_survey_confirms_a_stop(stop):
     stop.press(NO_MASTER)
-    assert stop.warning(NO_MASTER) is not None
-    assert stop.warning(snapshot(code, master_alive=False)) is None
+    stop.on_event(ACCEPTED)
+    for code in (SurveyState.SURVEYING, SurveyState.STOPPING):
+        warning = stop.warning(snapshot(code, master_alive=False))
+        assert "ROS master" in str(warning.text)
+    assert stop.warning(snapshot(SurveyState.STOPPED, master_alive=False)) is None
+
+
+def test_recordings_that_were_not_finished_leave_no_doubt_about_the_stop(stop):
+    stop.press(NO_MASTER)
+    lost = Message("the recordings could not be finished: {reason}", reason=verbatim("no answer"))
+    ended = ControlState(SurveyState.STOPPED, lost, "id", True)
+    assert stop.warning(snapshot(SurveyState.STOPPED, state=ended)) is None
 
 
 def test_an_old_status_confirms_nothing(stop):

@@ -210,16 +210,24 @@ class ControlClient(RosEvents):
         try:
             answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
         except ServiceUnavailableError as error:
-            answers, all_answered = self._stop_axes()
-            message = Message(
-                "{reason}; the axes were asked to stop directly; {answers}",
-                reason=_no_answer(error),
-                answers=answers,
-            )
-            self._emit(Answer(Request.STOP, False, message, contact=all_answered))
+            self._stop_directly(_no_answer(error))
             self._repeat_stop()
-        else:
+            return
+        if answer.success:
             self._emit(answer)
+        else:
+            # A main control that was restarted does not know that an axis still moves.
+            self._stop_directly(answer.message)
+
+    def _stop_directly(self, reason: Message) -> None:
+        """Ask the axes to stop, and report their answers."""
+        answers, all_answered = self._stop_axes()
+        message = Message(
+            "{reason}; the axes were asked to stop directly; {answers}",
+            reason=reason,
+            answers=answers,
+        )
+        self._emit(Answer(Request.STOP, False, message, contact=all_answered))
 
     def _repeat_stop(self) -> None:
         # One thread is enough, however often STOP is pressed.

@@ -18,7 +18,8 @@ _WRAPPERS = (
 _ON_REQUEST = "Paused on request."
 _NOTICES = ("Warning: ", "Waiting")
 # What may be wrong at the end of a survey that was stopped on request.
-_BAD_ENDS = ("AN AXIS IS STILL MOVING", "the recordings could not be finished")
+_STILL_MOVING = "AN AXIS IS STILL MOVING"
+_BAD_ENDS = (_STILL_MOVING, "the recordings could not be finished")
 
 
 def reason_of(message: Message) -> Message:
@@ -39,6 +40,13 @@ def is_fault(state: ControlState) -> bool:
     if state.code is SurveyState.STOPPED:
         return any(one.template.startswith(_BAD_ENDS) for one in state.message.nested())
     return False
+
+
+def axis_may_move(state: ControlState) -> bool:
+    """Return whether an axis may still move although the survey has ended."""
+    if state.code is SurveyState.STOPPED:
+        return any(one.template.startswith(_STILL_MOVING) for one in state.message.nested())
+    return is_fault(state)
 
 
 def is_notice(state: ControlState) -> bool:

@@ -9,7 +9,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.mid.events import Answer, HealthLevel, Request
-from gpr20_user_interface.mid.fault_messages import is_fault
+from gpr20_user_interface.mid.fault_messages import axis_may_move
 from gpr20_user_interface.mid.survey_model import Snapshot
 
 # A main control that works answers sooner [s].
@@ -39,24 +39,27 @@ class StopConfirmation:
         self._state_at_press: Optional[SurveyState] = None
         # Why the stop is doubtful although nothing has failed yet.
         self._doubt: Optional[Message] = None
-        self._axes_silent = False
+        # Whether a STOP that the main control has accepted may not reach the axes.
+        self._cut_off = False
         self._answer: Optional[Message] = None
 
     def press(self, snapshot: Snapshot) -> None:
         """Note that STOP was pressed."""
         self._pressed_s = self._clock.now_s()
         self._state_at_press = None if snapshot.state is None else snapshot.state.code
-        self._axes_silent = _axes_are_silent(snapshot)
-        self._doubt = _doubt(snapshot, self._axes_silent)
+        axes_silent = _axes_are_silent(snapshot)
+        self._cut_off = axes_silent or not snapshot.master_alive
+        self._doubt = _doubt(snapshot, axes_silent)
         self._answer = None
 
     def on_event(self, event: object) -> None:
         """Take an event."""
         if not isinstance(event, Answer) or event.request is not Request.STOP:
             return
+        if event.success and self._cut_off:
+            return  # only the end of the survey, or the answers of the axes, confirm it
         self._answer = event.message
-        # An accepted STOP does not reach axes that are silent; their own answers do.
-        if event.contact and not (event.success and self._axes_silent):
+        if event.contact:
             self.close()
 
     def close(self) -> None:
@@ -81,8 +84,8 @@ class StopConfirmation:
         if state is None or not snapshot.control_alive or state.code is self._state_at_press:
             return False
         if state.code in ENDED:
-            return not is_fault(state)
-        return state.code is SurveyState.STOPPING and not self._axes_silent
+            return not axis_may_move(state)
+        return state.code is SurveyState.STOPPING and not self._cut_off
 
 
 def _axes_are_silent(snapshot: Snapshot) -> bool:

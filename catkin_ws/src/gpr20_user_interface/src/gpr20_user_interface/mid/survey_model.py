@@ -123,7 +123,9 @@ class Snapshot:
         if self.replay is not None:
             return False
         asked = self.fields_locked or Request.RESUME in self.pending or self.service is not None
-        return asked or not self.control_alive or not self.master_alive
+        # A main control that was restarted knows nothing of what its axes still do.
+        interrupted = self.alarm is not None and self.alarm.kind is AlarmKind.SURVEY_INTERRUPTED
+        return asked or interrupted or not self.control_alive or not self.master_alive
 
     @property
     def paused(self) -> bool:

@@ -82,8 +82,11 @@ class TracePresenter:
     @property
     def shown(self) -> ShownSurvey:
         """The survey on every tab: a past one that was opened, else the one that runs."""
-        if self._opened is not None:
-            return self._opened
+        return self.running if self._opened is None else self._opened
+
+    @property
+    def running(self) -> ShownSurvey:
+        """The survey that runs or ran last; empty while the plan of one that begins is awaited."""
         waits = self._expected_id not in ("", self.live.survey_id)
         return self._awaited if waits else self.live
 

@@ -13,7 +13,7 @@ from gpr20_user_interface.mid.service_model import STEPS, AxisState, ServiceStat
 from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget
-from gpr20_user_interface.views.widgets import new_button, set_look
+from gpr20_user_interface.views.widgets import set_look
 
 UNKNOWN = "—"
 DISTANCES = (*(-step for step in reversed(STEPS)), *STEPS)
@@ -47,11 +47,10 @@ class AxisRow:
         zero = [] if self.set_zero is None else [self.set_zero]
         return [*self.jogs, *zero, self.home]
 
-    def _jog_button(self, distance: int, move: Move) -> QPushButton:
-        button = new_button(
-            lambda: move(self.axis, AxisAction.JOG, float(distance)), f"{distance:+d}"
-        )
+    def _jog_button(self, distance: int, move: Move) -> HoldButton:
+        button = HoldButton(f"{distance:+d}")
         button.setObjectName("jog")
+        button.held.connect(lambda: move(self.axis, AxisAction.JOG, float(distance)))
         return button
 
 

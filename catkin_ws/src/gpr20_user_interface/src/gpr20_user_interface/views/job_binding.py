@@ -58,7 +58,9 @@ class JobBinding(Binding):
         self._screen = JobScreen()
         self._faults = FaultWatch()
         self._stop = StopConfirmation(Clock())
-        self.view = JobView(traces.live.map)
+        # The survey that was described last, and its name.
+        self._named = ("", "")
+        self.view = JobView(traces.running.map)
         self.stop_warning = StopWarningView(window)
         self._plan_page = pages.currentIndex()
         self._job_page = pages.addWidget(self.view)
@@ -80,7 +82,8 @@ class JobBinding(Binding):
             self._show_stop()
         content = event.event if isinstance(event, Received) else event
         if isinstance(content, SurveyDescribed) and self._survey.is_shown(event):
-            self.view.set_name(survey_name(content.text))
+            self._named = survey_name(content.text)
+            self._show_name()
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
@@ -88,6 +91,7 @@ class JobBinding(Binding):
         page = self._job_page if self._screen.visible else self._plan_page
         if self._pages.currentIndex() != page:
             self._pages.setCurrentIndex(page)
+        self._show_name()
         self.view.refresh(snapshot)
         self.view.map.set_carriage(self._traces.carriage_mm)
         fault = snapshot.replay is None and snapshot.state is not None and is_fault(snapshot.state)
@@ -98,7 +102,13 @@ class JobBinding(Binding):
 
     def draw(self) -> None:
         """Draw the small map."""
-        self.view.draw(self._traces.live.map)
+        self.view.draw(self._traces.running.map)
+
+    def _show_name(self) -> None:
+        """Show the name of the survey; not that of the one before it, until it is described."""
+        survey_id, name = self._named
+        state = self._survey.snapshot.state
+        self.view.set_name(name if state is not None and state.survey_id == survey_id else "")
 
     def _note_fault(self, snapshot: Snapshot) -> None:
         state = self._faults.note(snapshot.state)

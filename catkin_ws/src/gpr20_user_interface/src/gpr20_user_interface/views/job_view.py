@@ -79,8 +79,8 @@ class JobView(TranslatedWidget):
 
     def set_name(self, name: str) -> None:
         """Show what people call the survey."""
-        self._name = name
-        if self._snapshot is not None:
+        changed, self._name = name != self._name, name
+        if changed and self._snapshot is not None:
             self.refresh(self._snapshot)
 
     def refresh(self, snapshot: Snapshot) -> None:

@@ -81,12 +81,12 @@ QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog, QPushButton#settings, QPushButton#lock {{ padding: 0; }}
 QPushButton#choice {{ {css(TextColours.ARROW)} }}
 QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
-QPushButton#hold {{ {css(TextColours.ARROW)} }}
+QPushButton#hold, QPushButton#jog {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}
 QPushButton:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton:pressed, QPushButton#start:pressed, QPushButton#stop:pressed,
 QPushButton#key:pressed {{ {css(TextColours.PRESSED)} }}
-QPushButton#hold:pressed {{ {css(TextColours.ARROW)} }}
+QPushButton#hold:pressed, QPushButton#jog:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
