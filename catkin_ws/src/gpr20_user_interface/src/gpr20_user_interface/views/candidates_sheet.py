@@ -100,11 +100,13 @@ class CandidatesSheet(Overlay):
         """Write the texts in the language of the application."""
         survey = self.search.survey
         self.title.setText(
-            self.tr("Candidates of {survey}").format(survey=survey.folder if survey else "")
+            self.tr("Candidates of {survey}").format(
+                survey="" if survey is None else survey.name or survey.local_time()
+            )
         )
         self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
-        self.permittivity_label.setText(self.tr("permittivity"))
+        self.permittivity_label.setText(self.tr("Permittivity"))
         self.find_button.setText(self.tr("FIND"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))

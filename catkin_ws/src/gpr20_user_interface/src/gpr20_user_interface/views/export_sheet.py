@@ -97,7 +97,7 @@ class ExportSheet(Overlay):
             ExportPart.CANDIDATES_GEOJSON: self.tr("Candidates\nGeoJSON"),
             ExportPart.SURVEY_ZIP: self.tr("All data\nZIP"),
         }
-        self.permittivity_label.setText(self.tr("permittivity"))
+        self.permittivity_label.setText(self.tr("Permittivity"))
         self.export_button.setText(self.tr("EXPORT"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))
