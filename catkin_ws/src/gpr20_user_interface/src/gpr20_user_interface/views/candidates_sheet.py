@@ -34,6 +34,8 @@ MM_PER_M = 1e3
 SMALLEST_ALARM = 1e-6
 NONE = "—"
 LONGEST_REMARK = 220
+# There is no list beside it, which would need the room.
+LONGEST_PROBLEM = 500
 # Nothing in a row is touched.
 ROW_PX = 40
 
@@ -162,7 +164,7 @@ class CandidatesSheet(Overlay):
             text = self.tr("Searching for {seconds} s.")
             return text.format(seconds=int(search.running_s))
         if search.problem is not None:
-            return shown_text(search.problem)[-LONGEST_REMARK:]
+            return shown_text(search.problem)[:LONGEST_PROBLEM]
         found = search.found
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")
