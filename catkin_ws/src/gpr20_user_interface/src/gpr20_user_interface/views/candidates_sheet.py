@@ -133,7 +133,7 @@ class CandidatesSheet(Overlay):
         self.find_button.setEnabled(search.can_start and wrong is None)
         self.cancel.setEnabled(running)
         self.progress.setVisible(running)
-        self.table.setVisible(not running)
+        self.table.setVisible(not running and search.problem is None)
         self.simulated.setVisible(
             (survey is not None and survey.simulated) or (found is not None and found.simulated)
         )
