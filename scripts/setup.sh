@@ -97,7 +97,7 @@ install_python_packages() {
         list="$GPR20_ROOT/requirements/$list"
         is_installed "$list" || { arguments+=(-r "$list"); inputs+=("$list"); }
     done
-    # Most surveys are analysed elsewhere than on the robot. The command gpr20 runs from its sources.
+    # Most surveys are analysed elsewhere than on the robot. gpr20 runs from its sources.
     list="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml"
     if { [ "$robot" = no ] || [ "$analysis" = yes ]; } && ! is_installed "$list"; then
         arguments+=(--editable "$(dirname "$list")[all]")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Callable, Dict
 
@@ -61,7 +62,8 @@ class Pictures:
 
     def _close_sheets(self) -> None:
         for sheet in self._window.findChildren(Overlay):
-            sheet.hide()
+            if isinstance(sheet, Overlay):
+                sheet.hide()
 
     def _write(self, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -71,14 +73,13 @@ class Pictures:
 
 def tabs(window: MainWindow) -> Dict[str, Callable[[], None]]:
     """Return what shows each tab."""
-    return {tab.value: lambda tab=tab: window.show_tab(tab) for tab in TabName}
+    return {tab.value: partial(window.show_tab, tab) for tab in TabName}
 
 
 def sheets(window: MainWindow) -> Dict[str, Callable[[], None]]:
     """Return what opens each sheet of a robot at rest."""
     openers: Dict[str, Callable[[], None]] = {
-        f"tile_{tile.value}": lambda tile=tile: window.values.show_tile(tile)
-        for tile in VALUE_TILES
+        f"tile_{tile.value}": partial(window.values.show_tile, tile) for tile in VALUE_TILES
     }
     return {
         **openers,

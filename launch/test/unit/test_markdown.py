@@ -11,7 +11,14 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 LONGEST_LINE = 100
 # Files of a robot's configuration, which users create outside the project.
-ROBOT_FILES = {"analyzer.yaml", "height.yaml", "site.yaml", "storage.yaml", "survey.yaml"}
+ROBOT_FILES = {
+    "plan.yaml",
+    "analyzer.yaml",
+    "height.yaml",
+    "site.yaml",
+    "storage.yaml",
+    "survey.yaml",
+}
 
 
 def project_files():

@@ -37,7 +37,8 @@ def _gear(size_px: int) -> QPainterPath:
     for tooth in range(TEETH):
         for part, radius in corners:
             angle = (tooth + part) * pitch
-            outline.append(QPointF(math.cos(angle), math.sin(angle)) * (radius * size_px))
+            reach = radius * size_px
+            outline.append(QPointF(reach * math.cos(angle), reach * math.sin(angle)))
     path = QPainterPath()
     path.addPolygon(outline)
     path.closeSubpath()

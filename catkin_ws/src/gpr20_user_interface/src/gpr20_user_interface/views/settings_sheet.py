@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Callable, Dict, Tuple
 
 from PyQt5.QtCore import pyqtSignal
@@ -36,11 +37,11 @@ class SettingsSheet(Overlay):
         self.themes: Dict[Theme, QPushButton] = {}
         self.dim_choices: Dict[int, QPushButton] = {}
         for language in Language:
-            self.languages[language] = _choice(lambda one=language: self.language_chosen.emit(one))
+            self.languages[language] = _choice(partial(self.language_chosen.emit, language))
         for theme in Theme:
-            self.themes[theme] = _choice(lambda one=theme: self.theme_chosen.emit(one))
+            self.themes[theme] = _choice(partial(self.theme_chosen.emit, theme))
         for minutes in DIM_CHOICES_MIN:
-            self.dim_choices[minutes] = _choice(lambda one=minutes: self.dimming_chosen.emit(one))
+            self.dim_choices[minutes] = _choice(partial(self.dimming_chosen.emit, minutes))
         self._layout = QGridLayout(self)
         self._lay_out()
         self.retranslate()
