@@ -124,7 +124,9 @@ def test_random_scenes_are_within_the_range_or_refused():
 @pytest.mark.parametrize("kind", Clutter.ALL)
 @pytest.mark.parametrize("seed", range(SCENES))
 def test_noise_is_refused_with_advice(kind, seed):
-    with pytest.raises(WrongDatasetError, match="--permittivity: measure it with a soil probe"):
+    with pytest.raises(
+        WrongDatasetError, match="give the permittivity: measure it with a soil probe"
+    ):
         estimate(random_noise(500 + seed, kind))
 
 

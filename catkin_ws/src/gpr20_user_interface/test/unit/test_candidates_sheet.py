@@ -130,6 +130,14 @@ def test_nothing_is_cut_off_in_any_state(window):
     assert_fits(window)
 
 
+def test_a_refusal_is_shown_from_its_beginning(window):
+    reason = "the echoes agree with every permittivity. " + "word " * 60 + "give the permittivity"
+    sheet = search(window)
+    failed(window, reason)
+    assert sheet.details.text() == reason
+    assert_fits(window)
+
+
 def test_the_sentence_is_visible_in_every_state(window):
     window.past.candidates.click()
     sheet = window.candidates

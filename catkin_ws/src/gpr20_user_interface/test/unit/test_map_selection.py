@@ -52,3 +52,11 @@ def test_a_survey_around_is_shown_too_unless_the_stops_become_too_small():
     far = fit(grid.xs_mm, grid.ys_mm, room, [Area(0.0, 650.0, 0.0, 800.0)])
     assert far.px_per_mm > 0.5 * alone.px_per_mm
     assert far.to_ground(*far.to_screen(120.0, 60.0)) == (120.0, 60.0)
+
+
+def test_a_small_survey_in_a_large_one_fills_most_of_the_map():
+    grid = make_grid()
+    room = (0.0, 0.0, 400.0, 400.0)
+    alone = fit(grid.xs_mm, grid.ys_mm, room)
+    around = Area(0.0, 300.0, 0.0, 300.0)
+    assert fit(grid.xs_mm, grid.ys_mm, room, [around]).px_per_mm > 0.5 * alone.px_per_mm

@@ -130,7 +130,7 @@ def test_a_touch_says_what_the_stop_is_and_offers_its_trace(shown):
 def test_a_failed_stop_says_why(shown):
     shown.touch(Stop(1, 4))
     assert "ADC: no answer" in shown.view.text.text()
-    assert "no trace to show" in shown.view.text.text()
+    assert "No trace to show" in shown.view.text.text()
 
 
 def test_what_is_not_done_is_found_one_after_the_other(shown):
@@ -203,7 +203,7 @@ def test_a_candidate_is_touched_and_described(shown):
     touch_place(shown, SURE.x_mm, SURE.y_mm)
     assert shown.view.selected.mark == DOUBTED
     assert "doubtful" in shown.view.text.text()
-    assert "close to the edge" in shown.view.text.text()
+    assert "Close to the edge" in shown.view.text.text()
     assert clicked(shown, shown.view.set_marker, shown.view.marker_wanted) == [(125.0, 90.0, 140.0)]
 
 
@@ -260,6 +260,32 @@ def test_a_finer_survey_is_framed_and_named(shown):
     x_px, y_px = shown.view.canvas.geometry_now.to_screen(150.0, 100.0)
     picture = shown.view.canvas.grab().toImage()
     assert QColor(picture.pixel(round(x_px), round(y_px))).name() == Look().colour(Mark.INK)
+
+
+def test_the_frame_of_a_larger_survey_crosses_no_axis(shown):
+    canvas = shown.view.canvas
+    related = RelatedSurvey(
+        FINER, "20261121T061000_7c9e6679", False, Area(-900.0, 900.0, 62.0, 900.0)
+    )
+    shown.additions.on_event(AdditionsRead(shown.grid.survey_id, (), (related,)))
+    geometry = canvas.geometry_now
+    picture = canvas.grab().toImage()
+    y_px = round(geometry.to_screen(0.0, 62.0)[1])
+    left_px = round(geometry.to_screen(geometry.shown.left_mm, 0.0)[0])
+    ink = Look().colour(Mark.INK)
+    assert QColor(picture.pixel(left_px + 3, y_px)).name() == ink
+    assert QColor(picture.pixel(left_px - 8, y_px)).name() != ink
+
+
+def test_a_sentence_begins_with_a_capital(shown):
+    shown.model.set_coverage(
+        CoverageRuns(
+            *(shown.grid.survey_id, 40, (0,), (1,), {}),
+            verbatim("complete: all 40 planned traces are stored"),
+        )
+    )
+    shown.view.refresh()
+    assert shown.view.text.text().startswith("Complete: all 40 planned traces are stored")
 
 
 def test_a_place_is_measured_finer_or_marked(shown):

@@ -272,3 +272,14 @@ def test_what_was_not_measured_is_no_level_of_the_image(presenter, model):
     assert shown.level_db is None
     assert shown.curve is None
     assert np.isnan(shown.slice.shades[:, :5]).all()
+
+
+def test_the_soil_that_was_chosen_last_counts(presenter):
+    presenter.take_plan(8.0)
+    assert presenter.settings.permittivity == 8.0
+    presenter.change(permittivity=15.0)
+    for unchanged in (8.0, None, 8.0):
+        presenter.take_plan(unchanged)
+        assert presenter.settings.permittivity == 15.0
+    presenter.take_plan(20.0)
+    assert presenter.settings.permittivity == 20.0

@@ -111,8 +111,8 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
 
 def _advice() -> Message:
     return Message(
-        "give it with --permittivity: measure it with a soil probe, or bury a metal object at a "
-        "known depth and choose the value that shows it there"
+        "give the permittivity: measure it with a soil probe, or bury a metal object at a known "
+        "depth and choose the value that shows it there"
     )
 
 

@@ -8,7 +8,7 @@ from typing import Iterable, Tuple
 import numpy as np
 
 # A survey is not drawn smaller than this part of the map to show all of one around it.
-SMALLEST_PART = 1.0 / 3.0
+SMALLEST_PART = 1.0 / 2.0
 # What is then shown of the ground around it, as a part of its own size on each side.
 GROUND_AROUND = 0.25
 
@@ -61,12 +61,14 @@ class MapGeometry:
 
     Args:
         area: The stops, each with its share of the ground around it.
+        shown: All that is drawn: the stops, and what is shown around them.
         left_px: Where the left edge of the area is drawn.
         bottom_px: Where its lower edge is drawn.
         px_per_mm: Scale, the same in both directions.
     """
 
     area: Area
+    shown: Area
     left_px: float
     bottom_px: float
     px_per_mm: float
@@ -113,6 +115,7 @@ def fit(
     scale = max(min(room_width_px / shown.width_mm, room_height_px / shown.height_mm), 1e-6)
     return MapGeometry(
         own,
+        shown,
         left_px
         + (room_width_px - shown.width_mm * scale) / 2.0
         + (own.left_mm - shown.left_mm) * scale,

@@ -76,6 +76,7 @@ class RadarPresenter:
         self.settings = RadarSettings()
         self.hyperbola: Optional[Hyperbola] = None
         self._image: Optional[FocusedSource] = None
+        self._planned_permittivity: Optional[float] = None
         self.show_model(model)
 
     def show_model(self, model: RadarModel) -> None:
@@ -175,6 +176,15 @@ class RadarPresenter:
         self.settings = dataclasses.replace(self.settings, **changes)  # type: ignore[arg-type]
         if "permittivity" in changes:
             self.set_depth(self.settings.depth_m)
+
+    def take_plan(self, permittivity: Optional[float]) -> None:
+        """Use the soil of the plan when it changes; None: it is wrong, keep the last one.
+
+        A soil that is chosen here after that stays until the plan has another one.
+        """
+        if permittivity is not None and permittivity != self._planned_permittivity:
+            self._planned_permittivity = permittivity
+            self.change(permittivity=permittivity)
 
     def next_polarization(self) -> None:
         """Show the next antenna rotation."""

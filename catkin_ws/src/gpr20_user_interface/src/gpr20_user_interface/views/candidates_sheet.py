@@ -34,6 +34,8 @@ MM_PER_M = 1e3
 SMALLEST_ALARM = 1e-6
 NONE = "—"
 LONGEST_REMARK = 220
+# There is no list beside it, which would need the room.
+LONGEST_PROBLEM = 500
 # Nothing in a row is touched.
 ROW_PX = 40
 
@@ -100,11 +102,13 @@ class CandidatesSheet(Overlay):
         """Write the texts in the language of the application."""
         survey = self.search.survey
         self.title.setText(
-            self.tr("Candidates of {survey}").format(survey=survey.folder if survey else "")
+            self.tr("Candidates of {survey}").format(
+                survey="" if survey is None else survey.name or survey.local_time()
+            )
         )
         self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
-        self.permittivity_label.setText(self.tr("permittivity"))
+        self.permittivity_label.setText(self.tr("Permittivity"))
         self.find_button.setText(self.tr("FIND"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))
@@ -129,7 +133,7 @@ class CandidatesSheet(Overlay):
         self.find_button.setEnabled(search.can_start and wrong is None)
         self.cancel.setEnabled(running)
         self.progress.setVisible(running)
-        self.table.setVisible(not running)
+        self.table.setVisible(not running and search.problem is None)
         self.simulated.setVisible(
             (survey is not None and survey.simulated) or (found is not None and found.simulated)
         )
@@ -160,7 +164,7 @@ class CandidatesSheet(Overlay):
             text = self.tr("Searching for {seconds} s.")
             return text.format(seconds=int(search.running_s))
         if search.problem is not None:
-            return shown_text(search.problem)[-LONGEST_REMARK:]
+            return shown_text(search.problem)[:LONGEST_PROBLEM]
         found = search.found
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")

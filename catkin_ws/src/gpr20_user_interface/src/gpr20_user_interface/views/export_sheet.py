@@ -22,13 +22,13 @@ from gpr20_user_interface.mid.survey_export import ExportPart, ExportState, Surv
 from gpr20_user_interface.views.key_pad import KeyPad
 from gpr20_user_interface.views.look import GAP_PX
 from gpr20_user_interface.views.overlay import Overlay
+from gpr20_user_interface.views.pulled_text import PulledText
 from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
 
 MOST_STICKS = 3
 LONGEST_NAME = 12
-LONGEST_SENTENCE = 240
 BYTES_PER_MB, BYTES_PER_GB = 1e6, 1e9
 
 
@@ -61,9 +61,7 @@ class ExportSheet(Overlay):
         self.place.setWordWrap(True)
         self.place.setTextFormat(Qt.TextFormat.PlainText)
         self.sticks: List[QPushButton] = [self._stick(number) for number in range(MOST_STICKS)]
-        self.details = QLabel()
-        self.details.setWordWrap(True)
-        self.details.setTextFormat(Qt.TextFormat.PlainText)
+        self.details = PulledText()
         self.progress = QProgressBar()
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.export_button = new_button(self._on_export)
@@ -97,7 +95,7 @@ class ExportSheet(Overlay):
             ExportPart.CANDIDATES_GEOJSON: self.tr("Candidates\nGeoJSON"),
             ExportPart.SURVEY_ZIP: self.tr("All data\nZIP"),
         }
-        self.permittivity_label.setText(self.tr("permittivity"))
+        self.permittivity_label.setText(self.tr("Permittivity"))
         self.export_button.setText(self.tr("EXPORT"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))
@@ -123,7 +121,7 @@ class ExportSheet(Overlay):
         self.export_button.setEnabled(model.can_start and wrong is None)
         self.cancel.setEnabled(running)
         self.progress.setVisible(running)
-        self.details.setText(self._sentence()[:LONGEST_SENTENCE])
+        self.details.setText(self._sentence())
 
     def _show_sticks(self, running: bool) -> None:
         volumes = self.model.volumes[:MOST_STICKS]

@@ -90,7 +90,7 @@ class JobView(TranslatedWidget):
         self.band.show_level(job.level)
         self.sign.show_level(job.level)
         self.title.setText(shown_text(job.title))
-        self.left.setText("" if job.left is None else shown_text(job.left))
+        self.left.setText("" if job.left is None else sentence_text(job.left))
         self.left.setVisible(job.left is not None)
         self.percent.setText(UNKNOWN if job.percent is None else f"{job.percent} %")
         self.line.setText("" if job.line is None else shown_text(job.line))

@@ -240,6 +240,9 @@ class MainWindow(TranslatedWidget):
             self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
         )
         self.job.notes_pressed.connect(self.control_binding.show_notes)
+        self.control.plan_changed.connect(
+            lambda: self.radar.presenter.take_plan(self.control.permittivity)
+        )
         self.map_binding = MapBinding(
             self,
             survey,

@@ -130,9 +130,13 @@ class MapCanvas(TranslatedWidget):
                 self.tr("No survey yet: the map appears when one starts."),
             )
             return
-        area = _pixels_of(geometry)
-        self._draw_stops(painter, area)
-        self._draw_axes(painter, geometry, area)
+        self._draw_stops(painter, _pixels_of(geometry, geometry.area))
+        shown = _pixels_of(geometry, geometry.shown)
+        self._draw_axes(painter, geometry, shown)
+        # The frame of a larger survey ends where the axes begin.
+        painter.setClipRect(shown)
+        self._draw_frames(MarkPainter(painter, geometry, look_of(self)))
+        painter.setClipping(False)
         self._draw_marks(MarkPainter(painter, geometry, look_of(self)))
 
     def _draw_stops(self, painter: QPainter, area: QRectF) -> None:
@@ -161,13 +165,13 @@ class MapCanvas(TranslatedWidget):
             self._picture = stops_image(self._pattern, shown, look)
         return self._picture
 
-    def _draw_axes(self, painter: QPainter, geometry: MapGeometry, area: QRectF) -> None:
+    def _draw_axes(self, painter: QPainter, geometry: MapGeometry, shown: QRectF) -> None:
         grid = self._model.grid
         if grid is None:
             return
         metrics = QFontMetrics(painter.font())
         gap = look_of(self).px(GAP_PX) / 2.0
-        below = area.bottom() + metrics.ascent() + gap
+        below = shown.bottom() + metrics.ascent() + gap
         painter.setPen(self._ink(Mark.INK))
         ends = (float(grid.xs_mm.min()), float(grid.xs_mm.max()))
         for x_mm in ends:
@@ -176,17 +180,28 @@ class MapCanvas(TranslatedWidget):
             painter.drawText(QPointF(min(x_px, self.width() - metrics.horizontalAdvance(text)),
                                      below), text)  # fmt: skip
         title = self.tr("X mm")
-        middle = area.center().x() - metrics.horizontalAdvance(title) / 2.0
+        middle = (
+            geometry.to_screen(float(np.mean(ends)), 0.0)[0]
+            - metrics.horizontalAdvance(title) / 2.0
+        )
         painter.drawText(QPointF(middle, below), title)
         names = [(float(one), f"{one:.5g}") for one in (grid.ys_mm.min(), grid.ys_mm.max())]
         for y_mm, text in [*names, (float(np.mean([y for y, _text in names])), self.tr("Y mm"))]:
             y_px = geometry.to_screen(0.0, y_mm)[1] + metrics.ascent() / 2.0
-            x_px = area.left() - metrics.horizontalAdvance(text) - gap
+            x_px = shown.left() - metrics.horizontalAdvance(text) - gap
             painter.drawText(QPointF(max(x_px, 0.0), y_px), text)
         if self._shows_candidates:
             rest = QRectF(0.0, below + metrics.descent(), self.width(), metrics.height())
             place = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
             painter.drawText(rest, place, self.tr("No echo does not mean no mine."))
+
+    def _draw_frames(self, marks: MarkPainter) -> None:
+        """Frame the surveys that belong to this one, and the one that is planned."""
+        for one in self._additions.related:
+            marks.area(one.area, Mark.INK, dashed=False)
+        grid, plan = self._model.grid, self._additions.plan
+        if plan is not None and grid is not None and plan.refines == grid.survey_id:
+            marks.area(_area_of(plan), Mark.CURRENT, dashed=True)
 
     def _draw_marks(self, marks: MarkPainter) -> None:
         grid, states = self._model.grid, self._model.stop_states
@@ -200,11 +215,6 @@ class MapCanvas(TranslatedWidget):
             failed = np.argwhere(states == StopState.FAILED)[:MAX_RINGS]
             for row, column in failed:
                 marks.failed((grid.xs_mm[column], grid.ys_mm[row]))
-        for one in self._additions.related:
-            marks.area(one.area, Mark.INK, dashed=False)
-        plan = self._additions.plan
-        if plan is not None and plan.refines == grid.survey_id:
-            marks.area(_area_of(plan), Mark.CURRENT, dashed=True)
         current = self._model.current
         if current is not None:
             place_mm = grid.xs_mm[current.column], grid.ys_mm[current.row]
@@ -236,9 +246,9 @@ class MapCanvas(TranslatedWidget):
         return QColor(look_of(self).colour(mark))
 
 
-def _pixels_of(geometry: MapGeometry) -> QRectF:
-    left, top = geometry.to_screen(geometry.area.left_mm, geometry.area.high_mm)
-    right, bottom = geometry.to_screen(geometry.area.right_mm, geometry.area.low_mm)
+def _pixels_of(geometry: MapGeometry, area: Area) -> QRectF:
+    left, top = geometry.to_screen(area.left_mm, area.high_mm)
+    right, bottom = geometry.to_screen(area.right_mm, area.low_mm)
     return QRectF(left, top, right - left, bottom - top)
 
 

@@ -33,7 +33,7 @@ from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.map_canvas import MapCanvas, stops_image
 from gpr20_user_interface.views.pulled_text import PulledText
-from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.views.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.views.widgets import new_button
 
 PANEL_WIDTH_PX = 416
@@ -200,7 +200,7 @@ class MapView(TranslatedWidget):
             if selected is None or not there
             else place_lines(selected, self._model, self._radar)
         )
-        self.text.setText("\n".join(shown_text(one) for one in lines))
+        self.text.setText("\n".join(sentence_text(one) for one in lines))
 
     def _on_touch(self, x_mm: float, y_mm: float, reach_mm: float) -> None:
         grid, additions = self._model.grid, self._additions
