@@ -132,7 +132,7 @@ def main() -> None:
     print("take the coverage       ", milliseconds(lambda: survey.map.set_coverage(coverage)))
     survey.map.set_target((300.0, 300.0))
     touched = iter(range(REPETITIONS))
-    again = make_trace(grid, 1234)
+    again = make_trace(grid, grid.planned // 2)
     map_view, radar_view = views
     print(
         "MAP, touch and draw     ",

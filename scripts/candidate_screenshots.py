@@ -12,12 +12,17 @@ from PyQt5.QtWidgets import QApplication, QVBoxLayout, QWidget
 from window_kit import run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.clock import Clock
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging import Imaging
+from gpr20_main_control.mid.survey_status import NO_PARAMETERS
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
+from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.imaging_events import CandidatesFound
 from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
 from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.views.look import DESIGN_HEIGHT_PX, DESIGN_WIDTH_PX, Look
 from gpr20_user_interface.views.style_sheet import style_sheet
@@ -52,6 +57,13 @@ class LocalImaging:
         self._imaging.cancel(request_id)
 
 
+def idle_robot() -> Snapshot:
+    """Return what the window knows of a simulated robot that waits for a survey."""
+    model = SurveyModel(Clock())
+    model.handle(ControlState(SurveyState.IDLE, NO_PARAMETERS, "", simulated=True))
+    return model.snapshot()
+
+
 def take_pictures(folder: Path, survey: Path, application: QApplication) -> None:
     """Search for candidates and take a picture in each language."""
     languages = Languages(application, Language.ENGLISH)
@@ -65,7 +77,9 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     window.resize(DESIGN_WIDTH_PX, DESIGN_HEIGHT_PX)
     column = QVBoxLayout(window)
     column.setContentsMargins(0, 0, 0, 0)
-    column.addWidget(TopBar())
+    bar = TopBar()
+    bar.refresh(idle_robot())
+    column.addWidget(bar)
     column.addStretch(1)
     ended: list = []
     imaging = Imaging(survey.parent, AnalysisCommand(), UsbVolumes(), lambda *_: None)
