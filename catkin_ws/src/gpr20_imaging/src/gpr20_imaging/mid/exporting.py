@@ -58,7 +58,7 @@ class Exporter:
     Args:
         command: The command gpr20.
         volumes: The sticks.
-        report: Told what is being done.
+        report: Called with what is being done.
     """
 
     def __init__(

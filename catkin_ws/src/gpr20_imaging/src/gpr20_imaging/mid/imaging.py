@@ -31,7 +31,7 @@ IDLE_S = 60.0
 LISTED = (0, 1)
 LONGEST_REASON = 1000
 Progress = Callable[[str, Message], None]
-"""Told the id of a request and what is done for it."""
+"""Called with the id of a request and what is done for it."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Imaging:
         data: Folder of the surveys.
         command: The command gpr20.
         volumes: The sticks.
-        progress: Told what is done for a request.
+        progress: Called with what is done for a request.
     """
 
     def __init__(

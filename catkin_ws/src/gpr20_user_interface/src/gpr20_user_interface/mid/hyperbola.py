@@ -16,7 +16,7 @@ from gpr20_user_interface.mid.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
 
 # Halvings of an interval: more than single precision needs.
 HALVINGS = 40
-# The apex lies at least so far below the surface: closer to it the shape tells nothing.
+# The apex lies at least so far below the surface: closer to it the shape says nothing.
 SHALLOWEST_M = 0.005
 
 

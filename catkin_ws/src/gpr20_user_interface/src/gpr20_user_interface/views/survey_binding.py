@@ -75,8 +75,8 @@ class SurveyBinding(Binding):
 
     def show_fault(self, card: Notice) -> None:
         """Show the card of a fault, unless a dialog asks about it or says it already."""
-        told = self.notice.notice if self.notice.isVisible() else None
-        if not self.question.isVisible() and (told is None or told.text != card.text):
+        shown = self.notice.notice if self.notice.isVisible() else None
+        if not self.question.isVisible() and (shown is None or shown.text != card.text):
             self.notice.show_notice(card)
 
     def hide_resumable(self) -> None:

@@ -21,7 +21,7 @@ class TopBar(TranslatedWidget):
     """Shows the state of the robot, and stops it; during a replay, a bar that says so instead."""
 
     pause_pressed = pyqtSignal()
-    # Resuming moves the robot: whoever takes this asks first.
+    # Resuming moves the robot: the receiver asks first.
     resume_pressed = pyqtSignal()
 
     def __init__(self) -> None:
