@@ -42,7 +42,7 @@ def test_neighbouring_inks_differ_by_three_to_one(theme):
         inks = {Ink(one) for one in np.unique(inks_of(state, 24))} - {Ink.GRID}
         assert len(inks) == 2, state
         assert contrast(*(marks[INKS[one]] for one in inks)) >= 3.0, state
-    # Missing is empty, so that partly and done are told from it by their brightness.
+    # Missing is empty, so that partly and done differ from it by their brightness.
     for one, other in (
         (Mark.STOP_PARTLY, Mark.PAPER),
         (Mark.STOP_DONE, Mark.STOP_PARTLY),

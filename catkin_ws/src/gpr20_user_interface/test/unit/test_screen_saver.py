@@ -19,7 +19,7 @@ DPMS (Display Power Management Signaling):
 
 
 class Screen:
-    """Remembers what it was told; answers like xset."""
+    """Remembers its commands; answers like xset."""
 
     def __init__(self, printed="", error=None):
         self.printed, self.error = printed, error
