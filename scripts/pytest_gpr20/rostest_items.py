@@ -16,6 +16,7 @@ from pytest_gpr20.last_line import INSIDE
 from pytest_gpr20.processes import Ended, run_limited
 from pytest_gpr20.workspace import has_ros
 
+OFF_SCREEN = "QT_QPA_PLATFORM"
 # Far more than any of them takes: it ends what hangs.
 LIMIT_S = 900.0
 LINES_SHOWN = 120
@@ -62,7 +63,9 @@ class RostestItem(pytest.Item):
     def _environment(folder: Path) -> Dict[str, str]:
         own = {"ROS_HOME": folder, "ROS_LOG_DIR": folder / "log"}
         own["ROS_TEST_RESULTS_DIR"] = folder / "results"
-        return {**os.environ, **{name: str(path) for name, path in own.items()}}
+        # Unit tests in this process draw off screen; a rostest chooses its screen itself.
+        inherited = {name: value for name, value in os.environ.items() if name != OFF_SCREEN}
+        return {**inherited, **{name: str(path) for name, path in own.items()}}
 
 
 class RostestFile(pytest.File):

@@ -51,6 +51,12 @@ def test_a_rostest_that_passes_passes(run):
     assert (ended.ret, ended.outlines[-1]) == (0, "1 passed, 0 failed, 0 skipped, 0 rerun")
 
 
+def test_a_rostest_chooses_its_screen_itself(run, monkeypatch):
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    ended = run("def test_screen(self): self.assertNotIn('QT_QPA_PLATFORM', os.environ)")
+    assert ended.ret == 0
+
+
 def test_a_failure_names_the_test_and_shows_the_output_and_is_repeated_once(run):
     ended = run("def test_bad(self): self.fail('the reason')")
     ended.stdout.fnmatch_lines(["failed: trial.rosunit-trial/test_bad; logs are in *"])

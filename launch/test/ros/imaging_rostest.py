@@ -148,4 +148,4 @@ class Imaging(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("gpr20", "imaging", Imaging)
+    rostest.rosrun("gpr20", "survey_to_image", Imaging)
