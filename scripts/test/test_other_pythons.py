@@ -54,20 +54,27 @@ class OtherPython:
         return ROOT / self.venv / "bin/python"
 
 
-# Images, estimates and views of the analysis: two Pythons compute them.
-LONG_COMPUTATIONS = [
+# Long tests of the analysis whose computations two other Pythons repeat.
+LONG_TESTS = [
     *("test_analyst_steps", "test_antenna_delay", "test_back_projection", "test_candidates"),
-    *("test_cluster", "test_focused_images", "test_image_grid", "test_image_noise"),
-    *("test_imaging_methods", "test_kirchhoff_of_the_group", "test_permittivity_estimate"),
-    *("test_texts_of_figures", "test_varying_heights", "test_view_model", "test_view_picks"),
-    "test_view_window",
+    *("test_cluster", "test_damage_of_every_kind", "test_damaged_input", "test_flips_unseen"),
+    *(
+        "test_focused_images",
+        "test_image_grid",
+        "test_image_noise",
+        "test_image_of_damaged_surveys",
+    ),
+    *("test_imaging_methods", "test_interrupted_command", "test_kirchhoff_of_the_group"),
+    *("test_large_surveys", "test_lazy_steps", "test_notebook", "test_permittivity_estimate"),
+    *("test_survey_report", "test_texts_of_figures", "test_varying_heights", "test_verify"),
+    *("test_view_model", "test_view_picks", "test_view_window", "test_work_in_parts"),
 ]
+# A simulated disk loses power; what it keeps does not depend on the Python.
+POWER_CUTS = ["test_power_cuts"]
 # That of ROS Noetic, and a new one: the analysis also runs on other computers.
 PYTHONS = [
-    OtherPython("3.8", ".venv38", EVERYTHING),
-    OtherPython(
-        "3.13", ".venv313", ["gpr20_analysis", "gpr20_common", "gpr20_survey"], LONG_COMPUTATIONS
-    ),
+    OtherPython("3.8", ".venv38", EVERYTHING, POWER_CUTS),
+    OtherPython("3.13", ".venv313", ["gpr20_analysis", "gpr20_common", "gpr20_survey"], LONG_TESTS),
 ]
 RUNS = [
     pytest.param(python, package, id=f"{python.version}-{package}")
