@@ -20,7 +20,7 @@ def make_trace(survey_id: str, index: int, changes=MappingProxyType({})) -> Trac
     now = rospy.Time(MEASURED_S)
     later = rospy.Time(now.secs, 123_456_789)  # nanoseconds are cut off everywhere
     trace = Trace(
-        header=Header(seq=index, stamp=later, frame_id=ANTENNA_LINK),
+        header=Header(seq=index, frame_id=ANTENNA_LINK),
         format="gpr20-trace/1",
         survey_id=survey_id,
         sample_id=f"{survey_id}-{index:06d}",
@@ -40,6 +40,7 @@ def make_trace(survey_id: str, index: int, changes=MappingProxyType({})) -> Trac
     )
     for name, value in changes.items():
         setattr(trace, name, value)
+    trace.header.stamp = trace.timestamp
     return trace
 
 
