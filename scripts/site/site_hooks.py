@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 from typing import Any, Dict, Set
@@ -15,6 +16,7 @@ from ros_interfaces import interfaces_markdown
 from site_files import DOCS, INTERFACES, ROOT, outside_pages, repository_path, site_path
 from site_markdown import heading_anchor, indent_lists, relative_link, rewrite_links
 
+STATES = "![States of a survey](images/states.svg)"
 PAGES = outside_pages()
 SOURCES = {site: source for source, site in PAGES.items()}
 
@@ -53,7 +55,12 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
             raise PluginError(f"{source} links to {target}, which is not on the site")
         return relative_link(here, site, anchor)
 
-    return indent_lists(rewrite_links(markdown, change))
+    return indent_lists(rewrite_links(_without_mermaid(markdown), change))
+
+
+def _without_mermaid(markdown: str) -> str:
+    """Return the text with the picture of the states, whose Mermaid text needs a network."""
+    return re.sub(r"^```mermaid\n.*?^```$", STATES, markdown, flags=re.DOTALL | re.MULTILINE)
 
 
 def _outside_page(source: str) -> str:

@@ -7,6 +7,7 @@ import re
 from typing import Callable, Iterator, List, Optional, Tuple
 
 FENCE = re.compile(r"\s*(```|~~~)")
+HEADING = re.compile(r"#{1,6} ")
 MARKER = re.compile(r"([-*+]|\d+[.)])( +)(?=\S)")
 INLINE_LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 REFERENCE_LINK = re.compile(r"^(\[[^\]]+\]: +)(\S+)()$", re.MULTILINE)
@@ -45,10 +46,11 @@ def indent_lists(text: str) -> str:
         marker = None if code else MARKER.match(body)
         begins = not written or not written[-1] or bool(marker)
         # A line that continues a paragraph may be indented less than its item.
-        if FENCE.match(body) or (begins and not code):
+        heading = not code and HEADING.match(body)
+        if FENCE.match(body) or heading or (begins and not code):
             while items and column < items[-1]:
                 items.pop()
-        if marker and _is_paragraph(written[-1:]):
+        if heading or (marker and _is_paragraph(written[-1:])):
             written.append("")
         kept = max(column - items[-1], 0) if items else column
         written.append(" " * (LEVEL_COLUMNS * len(items) + kept) + body)
