@@ -17,6 +17,7 @@ from site_files import DOCS, INTERFACES, ROOT, outside_pages, repository_path, s
 from site_markdown import heading_anchor, indent_lists, relative_link, rewrite_links
 
 STATES = "![States of a survey](images/states.svg)"
+API = '\n<a href="api/gpr20_analysis.html">The complete reference</a>\n'
 PAGES = outside_pages()
 SOURCES = {site: source for source, site in PAGES.items()}
 
@@ -47,6 +48,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     """Return the Markdown of a page as MkDocs reads it, with links to where the pages are."""
     here = page.file.src_uri
     source = _source(here)
+    if here == "api.md":
+        markdown += API
 
     def change(target: str) -> str:
         name, _hash, anchor = target.partition("#")
