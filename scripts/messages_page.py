@@ -51,7 +51,7 @@ do first; a message without it says itself what to do, or needs nothing done.
 palabras del mensaje que no sean números ni nombres. «Primero» es lo que la ventana indica hacer
 primero.*
 
-{value} stand for a value. `scripts/messages_page.py` writes this page
+{value} stand for a [value](#values). `scripts/messages_page.py` writes this page
 from the catalogue of the messages.
 """
 
@@ -71,10 +71,10 @@ def page() -> str:
             lines.append("*First: " + _markdown(first.template, "en") + "*")
             lines.append("*Primero: " + _markdown(spanish[first.template], "es") + "*")
         sections[_package(entry)].append(_item(lines))
-    text = [INTRODUCTION.format(value=_value("Words in these signs")), *_values()]
+    text = [INTRODUCTION.format(value=_value("Words in these signs"))]
     for package, title in SECTIONS.items():
         text.append(f"## {title}\n\nPackage `{package}`.\n\n" + "\n".join(sections[package]) + "\n")
-    return "\n".join(text)
+    return "\n".join([*text, *_values()])
 
 
 def _values() -> Iterator[str]:

@@ -10,6 +10,7 @@ from svg import Picture
 WIDTH = 250.0
 GAP = 28.0
 LINE = 15.5
+COLUMNS = 4
 HEAD = 26.0
 AXIS = "<axis>_axis/axis_driver"
 # Where the nodes of a robot run, from left to right. Every other node is beside the robot.
@@ -22,6 +23,7 @@ MACHINES = {
     ],
     "Robot: moves, measures the height, shows": ["height_sensor", AXIS, "user_interface"],
 }
+EVERY_NODE = "every node"
 BESIDE = "Beside the robot"
 # Client and node: who calls whom.
 CALLS = [
@@ -47,9 +49,10 @@ def nodes_of(architecture: str) -> Dict[str, List[Interface]]:
     name = ""
     for row in table.splitlines()[2:]:
         first, interfaces, kind = row.strip().strip("|").split("|")
-        if "`" in first:
-            name = ", ".join(re.findall(r"`([^`]+)`", first))
-            nodes[name] = []
+        # A cell such as "for x, y, z" explains the node above.
+        if first.strip() and not first.strip().startswith("for "):
+            name = ", ".join(re.findall(r"`([^`]+)`", first)) or EVERY_NODE
+            nodes.setdefault(name, [])
         for one in re.findall(r"`([^`]+)`", interfaces):
             nodes[name].append((one.replace("<axis>_axis/", ""), _kind(kind)))
     return nodes
@@ -72,8 +75,9 @@ def graph_picture(architecture: str) -> str:
     placed = {name for row in MACHINES.values() for name in row}
     # The window is a client only, and shares a row of the table with the terminal client.
     beside = [name for name in nodes if name not in placed and "user_interface" not in name]
-    rows = [*MACHINES.items(), (BESIDE, beside)]
-    width = GAP + 4 * (WIDTH + GAP) + GAP
+    chunks = [beside[at : at + COLUMNS] for at in range(0, len(beside), COLUMNS)]
+    rows = [*MACHINES.items(), *((BESIDE, chunk) for chunk in chunks)]
+    width = GAP + COLUMNS * (WIDTH + GAP) + GAP
     heights = [max(_height(nodes.get(name, [])) for name in row) for _title, row in rows]
     total = sum(heights) + len(rows) * (HEAD + 3 * GAP)
     picture = Picture(width, total, "Nodes of the ROS graph, their interfaces and who calls whom")
@@ -82,7 +86,7 @@ def graph_picture(architecture: str) -> str:
     top = GAP / 2
     for (title, row), height in zip(rows, heights):
         picture.box((GAP / 2, top), (width - GAP, height + HEAD + GAP), "band")
-        picture.words((GAP, top + 20), title, "title")
+        picture.words((width - GAP, top + 20), title, "title", "end")
         for column, name in enumerate(row):
             corners[name] = (GAP + column * (WIDTH + GAP) + GAP / 2, top + HEAD + 8)
             bottoms[name] = corners[name][1] + _height(nodes.get(name, []))
