@@ -76,7 +76,7 @@ install_debian_packages() {
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
     local lists=(nodes.in) arguments=() inputs=() version pins list
-    [ "$dev" = no ] || lists+=(test.in lint.in scikit_rf.in)
+    [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
     version="$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
