@@ -172,8 +172,11 @@ def shell(*commands, **variables):
     sources = [f"source {ROOT}/scripts/{name}.sh" for name in NEEDED]
     text = "\n".join(["root=''", *sources, *commands])
     return subprocess.run(
-        ["bash", "-c", text], env={"PATH": "/usr/bin:/bin", **variables}, check=False,
-        capture_output=True, text=True,
+        ["bash", "-c", text],
+        env={"PATH": "/usr/bin:/bin", **variables},
+        check=False,
+        capture_output=True,
+        text=True,
     )
 
 
@@ -214,9 +217,10 @@ def test_a_remote_shell_cannot_lock_itself_out(client, refused):
     assert (f"--admin {client}" in done.stdout) is refused
 
 
+OPTIONS = ["--robot", "--server", "--admin", "--no-firewall", "--one-machine", "--no-window"]
+OPTIONS += ["--user", "--data", "--dry-run", "--uninstall", "--root"]
+
+
 def test_every_option_is_described_in_the_help(robot):
     printed = robot.run("--help")
-    for option in ("--robot", "--server", "--admin", "--no-firewall", "--one-machine", "--no-window"):
-        assert option in printed
-    for option in ("--user", "--data", "--dry-run", "--uninstall", "--root"):
-        assert option in printed
+    assert [option for option in OPTIONS if option not in printed] == []

@@ -8,12 +8,13 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import guide
+import install_page
 import machine_tree
 import pytest
-from gpr20_axis_driver.low.scheduling import PRIORITY
 from machine_tree import ADMIN
 from user_shell import ROOT
+
+from gpr20_axis_driver.low.scheduling import PRIORITY
 
 UNITS = {
     machine_tree.robot: ["gpr20-firewall", "gpr20-robot", "gpr20-window"],
@@ -137,7 +138,7 @@ def rules_after(commands):
 def test_the_firewall_has_the_rules_of_the_page(robot):
     program("nft")
     file = robot.folder / "etc/gpr20/firewall.nft"
-    own = rules_after([*guide.firewall(), guide.remote_shell_rule(ADMIN[1])])
+    own = rules_after([*install_page.firewall(), install_page.remote_shell_rule(ADMIN[1])])
     assert rules_after([f"nft -c -f {file}", f"nft -f {file}"]) == own
     # Loaded again, they replace themselves; stopped, nothing is left.
     assert rules_after([f"nft -f {file}", f"nft -f {file}"]) == own
@@ -165,7 +166,9 @@ def test_logrotate_accepts_its_file(robot, tmp_path):
     (tmp_path / "conf").write_text(text)
     (tmp_path / "conf").chmod(0o644)
     state = tmp_path / "state"
-    printed = printed_by(logrotate, "--verbose", "--force", "--state", str(state), tmp_path / "conf")
+    printed = printed_by(
+        logrotate, "--verbose", "--force", "--state", str(state), tmp_path / "conf"
+    )
     assert "error" not in printed
     assert log.stat().st_size == 0
     assert (logs / "node.log.1.gz").stat().st_size < 2**16
