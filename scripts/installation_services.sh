@@ -136,8 +136,8 @@ read_udev_rules() { udevadm control --reload && udevadm trigger; }
 activate_unit() {
     if ! systemctl is-active -q "$1"; then
         step "start $1" systemctl start --no-block "$1"
-    elif [ "$1" != gpr20-firewall ] && was_written "$UNITS/$1.service" ||
-        was_written "$SETTINGS"; then
+    elif [ "$1" != gpr20-firewall ] &&
+        { was_written "$UNITS/$1.service" || was_written "$SETTINGS"; }; then
         echo "left: $1 runs with its former settings; when no survey runs: systemctl restart $1"
     else
         there "$1 runs"
@@ -155,7 +155,7 @@ finish() {
 # --- uninstall ---
 
 uninstall() {
-    local records kind path value unit
+    local records line kind path value unit
     if [ ! -f "$root$MANIFEST" ]; then echo "already there: nothing is installed"; return; fi
     mapfile -t records < <(tac "$root$MANIFEST")
     if systemd_runs; then
@@ -163,8 +163,8 @@ uninstall() {
             if systemctl is-active -q "$unit"; then step "stop $unit" systemctl stop "$unit"; fi
         done
     fi
-    for record in "${records[@]}"; do
-        IFS=$'\t' read -r kind path value <<<"$record"
+    for line in "${records[@]}"; do
+        IFS=$'\t' read -r kind path value <<<"$line"
         case "$kind" in
             file) remove_file "$path" "$value" ;;
             link) remove_link "$path" "$value" ;;
@@ -173,21 +173,21 @@ uninstall() {
         esac
     done
     step "delete $MANIFEST" rm "$root$MANIFEST"
-    for record in "${records[@]}"; do
-        IFS=$'\t' read -r kind path value <<<"$record"
+    for line in "${records[@]}"; do
+        IFS=$'\t' read -r kind path value <<<"$line"
         if [ "$kind" = folder ]; then remove_folder "$path"; fi
     done
-    for record in "${records[@]}"; do
-        IFS=$'\t' read -r kind path value <<<"$record"
+    for line in "${records[@]}"; do
+        IFS=$'\t' read -r kind path value <<<"$line"
         case "$kind" in
             user) remove_user "$path" ;;
             group) remove_group "$path" ;;
         esac
     done
     echo "left: Debian packages, $GPR20_VENV and the build, which belong to the checkout"
-    if systemd_runs && [ "$dry" = no ]; then
-        systemctl daemon-reload
-        systemctl try-restart chrony systemd-journald
+    if systemd_runs; then
+        step "read what is left" systemctl daemon-reload
+        step "restart the journal and chrony" systemctl try-restart systemd-journald chrony
     fi
 }
 
@@ -238,7 +238,7 @@ remove_folder() {
 
 # What is left belongs to somebody.
 remove_user() {
-    if [ "$dry" = no ] && [ -e "$DEFAULT_HOME" ] || [ -e /var/log/gpr20 ] && [ "$dry" = no ]; then
+    if [ "$dry" = no ] && is_real && { [ -e "$DEFAULT_HOME" ] || [ -e /var/log/gpr20 ]; }; then
         echo "left: user $1, the owner of what is left"
         return
     fi

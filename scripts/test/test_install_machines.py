@@ -217,6 +217,48 @@ def test_a_remote_shell_cannot_lock_itself_out(client, refused):
     assert (f"--admin {client}" in done.stdout) is refused
 
 
+ACTIVATE = """
+systemd_runs() { true; }
+is_real() { true; }
+systemctl() { echo "systemctl $*" >&2; [ "$1" != is-active ] || [[ "$3" = $RUNNING ]]; }
+udevadm() { echo "udevadm $*" >&2; }
+SETTINGS=/etc/gpr20/environment dry=no
+units=(gpr20-firewall gpr20-robot)
+"""
+
+
+def activated(written, running="none", *more):
+    """Return the commands that are run and the lines that are printed after files were written."""
+    done = shell(ACTIVATE, f"written=({written})", *more, "activate", RUNNING=running)
+    assert done.returncode == 0
+    commands = [one for one in done.stderr.splitlines() if " is-active " not in one]
+    return commands, done.stdout
+
+
+def test_new_services_are_started_at_once():
+    commands, _printed = activated("/etc/udev/rules.d/60-gpr20.rules /etc/systemd/system/a.service")
+    assert commands == [
+        "udevadm control --reload",
+        "udevadm trigger",
+        "systemctl daemon-reload",
+        "systemctl start --no-block gpr20-firewall",
+        "systemctl start --no-block gpr20-robot",
+    ]
+
+
+def test_a_robot_that_needs_a_reboot_is_not_started():
+    commands, printed = activated("", "none", "reboot=yes")
+    assert commands == []
+    assert "reboot now" in printed
+
+
+def test_a_service_that_runs_is_not_restarted_because_a_survey_may_run():
+    commands, printed = activated("/etc/gpr20/environment /etc/gpr20/firewall.nft", "gpr20-*")
+    assert commands == ["systemctl reload gpr20-firewall"]
+    assert "left: gpr20-robot runs with its former settings" in printed
+    assert "gpr20-firewall runs\n" in printed
+
+
 OPTIONS = ["--robot", "--server", "--admin", "--no-firewall", "--one-machine", "--no-window"]
 OPTIONS += ["--user", "--data", "--dry-run", "--uninstall", "--root"]
 
