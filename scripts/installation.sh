@@ -268,5 +268,14 @@ ensure_configuration() {
 }
 
 make_configuration() {
-    (gpr20_use_workspace && rosrun gpr20_launch robot_config create "$1" >/dev/null)
+    local scratch status=0
+    # ROS would leave a cache in the home of root.
+    scratch="$(mktemp -d)"
+    (
+        export ROS_HOME="$scratch"
+        gpr20_use_workspace
+        rosrun gpr20_launch robot_config create "$1" >/dev/null
+    ) || status=$?
+    rm -r "$scratch"
+    [ "$status" -eq 0 ] || fail "the robot's configuration $1 was not written; the lines above say why"
 }

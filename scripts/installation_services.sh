@@ -169,7 +169,7 @@ uninstall() {
             file) remove_file "$path" "$value" ;;
             link) remove_link "$path" "$value" ;;
             block) remove_block "$path" ;;
-            member) system_step "take user $value out of group $path" gpasswd -q -d "$value" "$path" ;;
+            member) remove_member "$path" "$value" ;;
         esac
     done
     step "delete $MANIFEST" rm "$root$MANIFEST"
@@ -225,6 +225,17 @@ sys.stdout.buffer.write(before + after)
 END
         write_file "$root$1" "$(stat -c %a "$root$1")"
 }
+
+remove_member() {
+    if ! is_real; then return; fi
+    if ! id -nG "$2" 2>/dev/null | tr ' ' '\n' | grep -qxF "$1"; then
+        there "no user $2 in group $1"
+        return
+    fi
+    step "take user $2 out of group $1" take_out "$1" "$2"
+}
+
+take_out() { gpasswd -d "$2" "$1" >/dev/null; }
 
 remove_folder() {
     if [ "$dry" = yes ]; then
