@@ -1,6 +1,6 @@
 # Sourced by install_robot.sh and install_server.sh: what both do, and the steps they are made of.
-# Every step prints one line: "done", "already there", "would do" (--dry-run), "left" or "not with
-# --root". What is installed is recorded in /etc/gpr20/installed, by which --uninstall removes it.
+# Every step prints one line: "done", "already there", "already gone", "would do" (--dry-run), "left",
+# "not here" or "not with --root". What is installed is recorded in /etc/gpr20/installed, by which --uninstall removes it.
 # shellcheck shell=bash
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

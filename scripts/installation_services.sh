@@ -156,7 +156,7 @@ finish() {
 
 uninstall() {
     local records line kind path value unit
-    if [ ! -f "$root$MANIFEST" ]; then echo "already there: nothing is installed"; return; fi
+    if [ ! -f "$root$MANIFEST" ]; then echo "already gone: nothing is installed"; return; fi
     mapfile -t records < <(tac "$root$MANIFEST")
     if systemd_runs; then
         for unit in gpr20-window gpr20-robot gpr20-server gpr20-firewall; do
@@ -192,19 +192,19 @@ uninstall() {
 }
 
 remove_file() {
-    if [ ! -e "$root$1" ]; then there "no $1"; return; fi
+    if [ ! -e "$root$1" ]; then gone "$1"; return; fi
     if [ "$(sum_of "$root$1")" != "$2" ]; then echo "left: $1, changed by hand"; return; fi
     step "delete $1" rm "$root$1"
 }
 
 remove_link() {
-    if [ "$(readlink "$root$1" || true)" != "$2" ]; then there "no link $1"; return; fi
+    if [ "$(readlink "$root$1" || true)" != "$2" ]; then gone "$1"; return; fi
     step "delete $1" rm "$root$1"
 }
 
 remove_block() {
     if ! grep -qsxF -e "$BLOCK_BEGIN" -e "$BLOCK_JOINED" "$root$1"; then
-        there "no lines in $1"
+        gone "the lines in $1"
         return
     fi
     step "remove the lines from $1" cut_block "$1"
@@ -229,7 +229,7 @@ END
 remove_member() {
     if ! is_real; then return; fi
     if ! id -nG "$2" 2>/dev/null | tr ' ' '\n' | grep -qxF "$1"; then
-        there "no user $2 in group $1"
+        gone "user $2 in group $1"
         return
     fi
     step "take user $2 out of group $1" take_out "$1" "$2"
@@ -257,7 +257,7 @@ remove_user() {
 }
 
 remove_group() {
-    if ! getent group "$1" >/dev/null; then there "no group $1"; return; fi
+    if ! getent group "$1" >/dev/null; then gone "group $1"; return; fi
     if [ -n "$(getent group "$1" | cut -d : -f 4)" ] ||
         getent passwd | cut -d : -f 4 | grep -qx "$(getent group "$1" | cut -d : -f 3)"; then
         echo "left: group $1, which has members"

@@ -19,6 +19,8 @@ step() {
 
 there() { echo "already there: $1"; }
 
+gone() { echo "already gone: $1"; }
+
 # is_real: whether this changes the running system, not a folder below --root.
 is_real() { [ -z "$root" ]; }
 
