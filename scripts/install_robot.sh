@@ -6,10 +6,10 @@
 #   sudo scripts/install_robot.sh --uninstall       remove what it installed; data stay
 # Options:
 #   --robot, --server ADDRESS   this computer and the PC, on their own link
-#   --admin ADDRESS             who may open a remote shell; also a network; may be repeated
-#   --no-firewall               no firewall: whoever reaches this computer can move the robot
+#   --admin ADDRESS             address or network allowed to use ssh; may be repeated
+#   --no-firewall               no firewall: anyone who reaches this computer can move the robot
 #   --no-window                 no window on this computer's screen
-#   --user NAME                 run as this user, who exists, instead of a new user gpr20
+#   --user NAME                 run as this existing user instead of a new user gpr20
 #   --data FOLDER               where surveys are kept (default /var/lib/gpr20/surveys)
 #   --dry-run                   print every change, make none
 #   --root FOLDER               write below this folder; run nothing

@@ -5,9 +5,9 @@
 #   sudo scripts/install_server.sh --uninstall      remove what it installed; data stay
 # Options:
 #   --robot, --server ADDRESS   the robot and this computer, on their own link
-#   --admin ADDRESS             who may open a remote shell; also a network; may be repeated
-#   --no-firewall               no firewall: whoever reaches this computer can move the robot
-#   --user NAME                 run as this user, who exists, instead of a new user gpr20
+#   --admin ADDRESS             address or network allowed to use ssh; may be repeated
+#   --no-firewall               no firewall: anyone who reaches this computer can move the robot
+#   --user NAME                 run as this existing user instead of a new user gpr20
 #   --data FOLDER               where surveys are kept (default /var/lib/gpr20/surveys)
 #   --dry-run                   print every change, make none
 #   --root FOLDER               write below this folder; run nothing
@@ -29,7 +29,7 @@ packages=(chrony logrotate)
 ensure_packages "${packages[@]}"
 ensure_software
 begin_records server
-ensure_user video
+ensure_user
 ensure_settings
 ensure_folder "$data" "$user"
 ensure_configuration

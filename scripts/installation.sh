@@ -1,6 +1,7 @@
 # Sourced by install_robot.sh and install_server.sh: what both do, and the steps they are made of.
-# Every step prints one line: "done", "already there", "already gone", "would do" (--dry-run), "left",
-# "not here" or "not with --root". What is installed is recorded in /etc/gpr20/installed, by which --uninstall removes it.
+# Every step prints one line: "done", "already there", "already gone", "would do" (--dry-run),
+# "left", "not here" or "not with --root". What is installed is recorded in /etc/gpr20/installed,
+# by which --uninstall removes it.
 # shellcheck shell=bash
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -173,7 +174,7 @@ ensure_software() {
 
 set_up() {
     "$GPR20_ROOT/scripts/setup.sh" "$@"
-    # Whoever owns the checkout can run setup.sh again without root.
+    # The owner of the checkout can run setup.sh again without root.
     chown -R --reference "$GPR20_ROOT" "$GPR20_VENV" "$GPR20_WORKSPACE"
 }
 
@@ -191,7 +192,7 @@ ensure_user() {
     # Its home, for the counted steps of the antennas, the settings of the window and the surveys.
     if [ "$user" = "$DEFAULT_USER" ]; then
         ensure_folder "$DEFAULT_HOME" "$user"
-        # git describes the checkout of another owner only for who trusts it.
+        # git describes the checkout of another owner only if it is listed as safe.
         ensure_file "$DEFAULT_HOME/.gitconfig" "[safe]
 	directory = $GPR20_ROOT"
     fi
@@ -277,5 +278,6 @@ make_configuration() {
         rosrun gpr20_launch robot_config create "$1" >/dev/null
     ) || status=$?
     rm -r "$scratch"
-    [ "$status" -eq 0 ] || fail "the robot's configuration $1 was not written; the lines above say why"
+    [ "$status" -eq 0 ] ||
+        fail "the robot's configuration $1 was not written; the lines above say why"
 }

@@ -24,7 +24,7 @@ ensure_clock() {
 ensure_firewall() {
     local admin text
     if [ "$firewall" = no ]; then
-        [ "$one_machine" = yes ] || echo "left: no firewall (--no-firewall); docs/install.md says why"
+        [ "$one_machine" = yes ] || echo "left: no firewall (--no-firewall)"
         return
     fi
     check_remote_shell

@@ -110,7 +110,10 @@ put_link() {
 
 # ensure_block PATH TEXT: marked lines at the end of a file that others own.
 ensure_block() {
-    if grep -qsxF -e "$BLOCK_BEGIN" -e "$BLOCK_JOINED" "$root$1"; then there "lines in $1"; return; fi
+    if grep -qsxF -e "$BLOCK_BEGIN" -e "$BLOCK_JOINED" "$root$1"; then
+        there "lines in $1"
+        return
+    fi
     step "add to $1: ${2//$'\n'/; }" put_block "$@"
     written+=("$1")
 }

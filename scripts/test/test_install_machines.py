@@ -113,7 +113,7 @@ def test_other_addresses_are_set_in_the_settings_and_the_rest_of_them_stays(robo
     assert "left: /etc/gpr20/environment" in robot.uninstall()
 
 
-def test_the_chrony_of_ubuntu_is_told_to_read_the_file(tmp_path):
+def test_the_chrony_of_ubuntu_reads_the_file_too(tmp_path):
     server = machine_tree.server(tmp_path)
     server.write("etc/os-release", UBUNTU)
     main = server.write("etc/chrony/chrony.conf", "pool ntp.ubuntu.com\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
@@ -12,7 +13,8 @@ import install_page
 import machine_tree
 import pytest
 from machine_tree import ADMIN
-from user_shell import ROOT
+from network_namespaces import two_machines
+from user_shell import ROOT, wait_until
 
 from gpr20_axis_driver.low.scheduling import PRIORITY
 
@@ -181,3 +183,25 @@ def test_chrony_accepts_its_file(request, name):
     printed = printed_by(chronyd, "-p", "-f", str(file))
     wanted = {"robot": "server 10.20.0.2", "server": "allow 10.20.0.1"}
     assert wanted[name] in printed
+
+
+@needs_root
+def test_the_robot_follows_the_clock_of_the_pc_behind_the_firewall(robot, server, tmp_path):
+    chronyd = program("chronyd")
+    rules = robot.folder / "etc/gpr20/firewall.nft"
+    with two_machines() as places, contextlib.ExitStack() as started:
+        logs = []
+        for machine, place in zip((server, robot), places):
+            place.load_rules(rules)
+            file = tmp_path / f"{machine.script}.conf"
+            settings = (machine.folder / "etc/chrony/conf.d/gpr20.conf").read_text("utf-8")
+            file.write_text(f"{settings}pidfile {file}.pid\nbindcmdaddress /\ncmdport 0\n")
+            log = started.enter_context(file.with_suffix(".log").open("wb"))
+            # -x: the clock of this computer is not touched.
+            command = [*place.prefix, chronyd, "-x", "-d", "-u", "root", "-f", str(file)]
+            process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+            started.callback(process.wait)
+            started.callback(process.terminate)
+            logs.append((file.with_suffix(".log"), process))
+        log, process = logs[1]
+        wait_until(lambda: "Selected source 10.20.0.2" in log.read_text(), process, limit_s=60.0)
