@@ -20,7 +20,7 @@ DEBIAN_PACKAGES=(
     python3-visualization-msgs rosbash x11-xserver-utils
 )
 DEBIAN_DEV_PACKAGES=(
-    gettext iproute2 nftables openbox procps python3-psutil xdotool xvfb
+    gettext iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
 dev=no robot=no analysis=no scikit_rf=no check=no
