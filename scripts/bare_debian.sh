@@ -15,10 +15,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 RELEASE=bookworm
 MIRROR=http://deb.debian.org/debian
 LIMIT_S=5400
-# Run in this order in the checkout. One that begins with ./ is left out where it does not exist.
+# Run in this order in the checkout.
 COMMANDS=(
     "scripts/survey.sh"
-    "scripts/survey.sh --resume nothing; test \$? -eq 1"
     "scripts/setup.sh --check"
 )
 
@@ -68,10 +67,8 @@ make_chroot() {
     rm -rf --one-file-system "$root"
     cp -a --reflink=auto "$folder/base" "$root"
     cp /etc/resolv.conf "$root/etc/resolv.conf"
-    [ ! -e /etc/pip.conf ] || cp /etc/pip.conf "$root/etc/pip.conf"
     # A machine behind a proxy has certificates of its own.
-    mkdir -p "$root/etc/ssl/certs"
-    cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
+    cp /etc/ssl/certs/ca-certificates.crt "$root/etc/certificates_of_the_host.crt"
     if [ "$1" = user ]; then
         chroot "$root" sh -ec "apt-get update && apt-get install -y --no-install-recommends sudo
             useradd --create-home --shell /bin/bash user
@@ -99,10 +96,16 @@ run_in_chroot() {
             mkdir -p "$1/dev/shm"
             mount -t tmpfs tmpfs "$1/dev/shm"
             exec env --ignore-environment HOME="$3" USER="$2" PATH=/usr/bin:/bin:/usr/sbin:/sbin \
-                chroot --userspec="$2:$2" --groups="$2" "$1" \
+                "${@:5}" chroot --userspec="$2:$2" --groups="$2" "$1" \
                 bash -c "cd ~/gpr20 && $4"' \
-        bash "$root" "$1" "$home" "$2" </dev/null >"$3" 2>&1
+        bash "$root" "$1" "$home" "$2" "${network[@]}" </dev/null >"$3" 2>&1
 }
+
+# How pip reaches the network here.
+network=(PIP_CERT=/etc/certificates_of_the_host.crt)
+for name in http_proxy https_proxy no_proxy; do
+    [ -z "${!name:-}" ] || network+=("$name=${!name}")
+done
 
 used_mb() {
     du -sxm "$1" | cut -f1
