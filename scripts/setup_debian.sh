@@ -3,7 +3,7 @@
 
 # How long another installation is waited for [s], and how often apt is tried [s].
 APT_WAIT_S="${GPR20_APT_WAIT_S:-900}"
-APT_RETRY_S=2
+APT_RETRY_S="${GPR20_APT_RETRY_S:-2}"
 # Where ROS Noetic is on Ubuntu 20.04.
 ROS_PREFIX="${GPR20_ROS_PREFIX:-/opt/ros/noetic}"
 OS_RELEASE="${GPR20_OS_RELEASE:-/etc/os-release}"
