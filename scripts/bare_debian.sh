@@ -67,6 +67,8 @@ make_chroot() {
     rm -rf --one-file-system "$root"
     cp -a --reflink=auto "$folder/base" "$root"
     cp /etc/resolv.conf "$root/etc/resolv.conf"
+    # Like every installed system; its own name stays unknown.
+    echo "127.0.0.1 localhost" >"$root/etc/hosts"
     # A machine behind a proxy has certificates of its own.
     cp /etc/ssl/certs/ca-certificates.crt "$root/etc/certificates_of_the_host.crt"
     if [ "$1" = user ]; then

@@ -22,7 +22,7 @@ source "$GPR20_ROOT/scripts/setup_debian.sh"
 
 PYTHON=/usr/bin/python3
 # What they take on the disk [MB], rounded up: docs/bare_debian.md.
-PACKAGES_MB=1500
+PACKAGES_MB=1600
 PYTHON_MB=1000
 
 DEBIAN_PACKAGES=(
@@ -85,6 +85,9 @@ check_place() {
         fail "$GPR20_WORKSPACE/src/gpr20 is no link to the folder launch: this copy has lost its" \
             "symbolic links; clone the repository with git on a file system that has them"
     [ -e /proc/self ] || fail "/proc is not mounted; run as root: mount -t proc proc /proc"
+    getent hosts localhost >/dev/null ||
+        fail "localhost has no address here, which ROS needs; run as root:" \
+            "echo 127.0.0.1 localhost >>/etc/hosts"
     [ "$mode" = install ] || return 0
     for folder in "$GPR20_ROOT" "$GPR20_WORKSPACE" "$GPR20_WORKSPACE/src" "$GPR20_VENV" \
         "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"; do

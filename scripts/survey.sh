@@ -36,6 +36,16 @@ shut_down() {
 }
 trap shut_down EXIT
 
+# The first start on a machine is slow: nothing is compiled yet.
+until (: <"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do
+    if ! kill -0 "$launch" 2>/dev/null; then
+        tail -n 20 "$log" >&2
+        echo "the simulated robot did not start; the whole log of the nodes is $log" >&2
+        exit 1
+    fi
+    sleep 0.1
+done
+
 # Around both targets of the scene, 40 mm from stop to stop.
 area=(--x-start-mm 90 --x-stop-mm 330 --x-points 7 --y-start-mm 80 --y-stop-mm 320 --y-points 7)
 # A survey that exists has its own.
