@@ -73,7 +73,7 @@ report="$survey.html"
 write_report() {
     local permittivity
     if ! python -c 'import gpr20_analysis.report.build' 2>"$logs/report.log"; then
-        echo "No report: the packages of the analysis are missing here (scripts/setup.sh --analysis)."
+        echo "No report: the packages of the analysis are missing; run scripts/setup.sh."
         return 1
     fi
     echo "writing the report (about 6 s)"

@@ -69,8 +69,7 @@ class Computer:
                 **self.environment,
             },
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             text=True,
             timeout=LIMIT_S,
             check=False,
@@ -109,8 +108,9 @@ def computer(tmp_path):
     made.stub("df", "echo head; echo disk 999999 1 999999 1% /")
     made.stub(
         "catkin_make",
-        f'mkdir -p "$2/build"; echo "CMAKE_HOME_DIRECTORY:INTERNAL=$2/src" >"$2/build/CMakeCache.txt"'
-        f'\necho "SOURCED_ROS=$SOURCED_ROS" >>{tmp_path}/calls',
+        'mkdir -p "$2/build"\n'
+        'echo "CMAKE_HOME_DIRECTORY:INTERNAL=$2/src" >"$2/build/CMakeCache.txt"\n'
+        f'echo "SOURCED_ROS=$SOURCED_ROS" >>{tmp_path}/calls',
     )
     venv = made.checkout / ".venv"
     made.stub("python", "", folder="gpr20/.venv/bin")
