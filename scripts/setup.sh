@@ -20,7 +20,7 @@ source "$GPR20_ROOT/scripts/setup_steps.sh"
 # shellcheck source=scripts/setup_debian.sh
 source "$GPR20_ROOT/scripts/setup_debian.sh"
 
-PYTHON=/usr/bin/python3
+PYTHON="${GPR20_SYSTEM_PYTHON:-/usr/bin/python3}"
 # What they take on the disk [MB], rounded up: docs/bare_debian.md.
 PACKAGES_MB=1600
 PYTHON_MB=1000
@@ -132,6 +132,7 @@ install_python_packages() {
             rm -rf "$GPR20_VENV"
             run_logged "the virtual environment $GPR20_VENV" \
                 "$PYTHON" -m venv --system-site-packages "$GPR20_VENV"
+            update_old_pip
         fi
         venv_is_new=yes
     fi
@@ -157,6 +158,15 @@ install_python_packages() {
         "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --progress-bar off \
         --constraint "$pins" "${arguments[@]}"
     for list in "${inputs[@]}"; do cat "$list" "$pins" >"$(stamp_of "$list")"; done
+}
+
+# That of Ubuntu 20.04, 20.0.2, cannot install what has only a pyproject.toml as editable.
+update_old_pip() {
+    local version
+    version="$("$GPR20_VENV/bin/python" -m pip --version | grep -oE '[0-9]+' | head -n 1)"
+    [ "$version" -lt 22 ] || return 0
+    run_logged "the update of pip" \
+        "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --upgrade pip
 }
 
 # What was installed last because of a list.

@@ -217,6 +217,20 @@ def test_pip_that_fails_shows_the_end_of_what_it_printed(computer):
     assert "\n1\n2\n3\n" in computer.log
 
 
+@pytest.mark.parametrize(("version", "updated"), [("20.0.2", True), ("23.0.1", False)])
+def test_a_pip_that_is_too_old_for_a_pyproject_is_updated_first(computer, version, updated):
+    (computer.checkout / ".venv/bin/activate").unlink()
+    computer.environment["GPR20_SYSTEM_PYTHON"] = str(computer.place / "bin/python_of_the_system")
+    python = 'case "$*" in -c*) echo 3.8 ;; *--version) echo "pip {0} from /x" ;; -m?venv*) '
+    python += 'mkdir -p "${{@: -1}}/bin"; cp "$0" "${{@: -1}}/bin/python" ;; esac'
+    computer.stub("python_of_the_system", python.format(version))
+    ended = computer.run()
+    assert ended.returncode == 0, ended.stderr
+    calls = [line for line in computer.calls.splitlines() if " -m pip install " in line]
+    assert calls[0].endswith("--upgrade pip") == updated
+    assert "requirements/python3.8.txt" in calls[-1]
+
+
 def test_a_full_disk_is_refused_before_anything_is_installed(computer):
     computer.stub("df", "echo head; echo disk 999999 1 10 1% /")
     ended = computer.run()
