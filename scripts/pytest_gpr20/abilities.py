@@ -114,5 +114,6 @@ def _run(*command: str) -> None:
     except OSError as error:
         raise NotAllowedError(f"{command[0]}: {error.strerror}") from error
     if ended.returncode:
+        # The first line: after it, mount suggests to read the kernel's log.
         printed = ended.stderr.decode(errors="replace").strip().splitlines()
-        raise NotAllowedError(printed[-1] if printed else f"status {ended.returncode}")
+        raise NotAllowedError(printed[0] if printed else f"status {ended.returncode}")

@@ -21,8 +21,8 @@ def test_twice(): pass
 # What iproute2 prints in a chroot: its root is no mount point.
 FAILING = """#!/bin/sh
 echo "$@" >>"{calls}"
-echo 'something before' >&2
 echo '{said}' >&2
+echo '       dmesg(1) may have more information.' >&2
 exit 1
 """
 
@@ -59,6 +59,13 @@ def test_what_is_not_allowed_is_tried_once_and_the_reason_is_in_the_last_line(
     reason = f"no {ability} here: {said}"
     assert ended.outlines[-1] == f"0 passed, 0 failed, 2 skipped (2 x {reason}), 0 rerun"
     assert len(calls.read_text().splitlines()) == 1
+
+
+def test_the_last_line_is_one_line_whatever_the_reason_is(pytester, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ['PYTHONPATH']}")
+    pytester.makepyfile("import pytest\ndef test_no(): pytest.skip('not\\n    here')")
+    ended = pytester.runpytest_subprocess("-p", "pytest_gpr20.last_line")
+    assert ended.outlines[-1] == "0 passed, 0 failed, 1 skipped (1 x not here), 0 rerun"
 
 
 def test_a_missing_program_is_a_reason(run, tmp_path, monkeypatch):
