@@ -38,7 +38,7 @@ ROS_PACKAGES=(
     python3-visualization-msgs:visualization_msgs rosbash:rosbash
 )
 DEBIAN_DEV_PACKAGES=(
-    gettext iproute2 nftables openbox procps python3-psutil xdotool xvfb
+    gettext iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
 dev=no robot=no analysis=no scikit_rf=no mode=install
@@ -117,7 +117,7 @@ install_debian_packages() {
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
     local lists=(nodes.in) arguments=() inputs=() version list venv_is_new=no
-    [ "$dev" = no ] || lists+=(test.in lint.in scikit_rf.in)
+    [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
     [ -x "$PYTHON" ] || { may_change "missing: $PYTHON" || return 0; }
