@@ -214,7 +214,7 @@ make_workspace() {
         set +u
         # shellcheck disable=SC1090
         [ -z "$ros" ] || source "$ros"
-        catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
+        catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python3" \
             -DCATKIN_ENABLE_TESTING=OFF
     )
 }

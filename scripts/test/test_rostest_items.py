@@ -27,7 +27,7 @@ rosunit.unitrun("trial", "trial", Trial)
 def run(pytester, monkeypatch):
     """Run a rostest whose test case has this body; return how pytest ended."""
 
-    def made(body, *options, limit_s=60):
+    def made(body, *options, limit_s=60, launch=LAUNCH):
         monkeypatch.setenv("ROS_PACKAGE_PATH", f"{pytester.path}:{os.environ['ROS_PACKAGE_PATH']}")
         monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ['PYTHONPATH']}")
         # Of a failed rostest the logs are kept.
@@ -37,7 +37,7 @@ def run(pytester, monkeypatch):
         script = pytester.path / "trial.py"
         script.write_text(SCRIPT.format(body=body))
         script.chmod(0o755)
-        (pytester.path / "trial.test").write_text(LAUNCH)
+        (pytester.path / "trial.test").write_text(launch)
         plugins = "last_line", "rostest_items", "abilities", "real_time", "order"
         loaded = [word for one in plugins for word in ("-p", f"pytest_gpr20.{one}")]
         return pytester.runpytest_subprocess(*loaded, *options, "trial.test")
@@ -49,6 +49,18 @@ def test_a_rostest_that_passes_passes(run):
     ended = run("def test_good(self): pass")
     ended.stdout.fnmatch_lines(["* s  trial.test::rostest: 1 tests"])
     assert (ended.ret, ended.outlines[-1]) == (0, "1 passed, 0 failed, 0 skipped, 0 rerun")
+
+
+def test_a_rostest_that_needs_what_the_machine_does_not_allow_is_skipped(
+    run, pytester, monkeypatch
+):
+    pytester.makefile("", mount="#!/bin/sh\necho must be superuser >&2\nexit 1")
+    (pytester.path / "mount").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{pytester.path}:{os.environ['PATH']}")
+    launch = LAUNCH.replace("<launch>", '<launch><arg name="needs" value="mounts"/>')
+    ended = run("def test_not_run(self): self.fail()", launch=launch)
+    reason = "no mounts here: must be superuser"
+    assert ended.outlines[-1] == f"0 passed, 0 failed, 1 skipped (1 x {reason}), 0 rerun"
 
 
 def test_a_rostest_chooses_its_screen_itself(run, monkeypatch):
