@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import string
 from pathlib import Path
-from typing import Iterator, List
+from typing import Iterator, List, Set
 
 from gpr20_common.message import Message
 
@@ -23,7 +23,7 @@ PACKAGES = (
 
 def fault_templates() -> List[str]:
     """Return the templates, in alphabetical order."""
-    found = set()
+    found: Set[str] = set()
     for package in PACKAGES:
         for path in sorted((SOURCES / package / "src").rglob("*.py")):
             found.update(_templates_of_errors(ast.parse(path.read_text("utf-8"))))

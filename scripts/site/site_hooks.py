@@ -23,9 +23,12 @@ SOURCES = {site: source for source, site in PAGES.items()}
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Give headings the anchors that they have on GitHub."""
+    """Give headings the anchors that they have on GitHub, and list the packages."""
     toc: Dict[str, Any] = config.mdx_configs.setdefault("toc", {})
     toc["slugify"] = heading_anchor
+    packages = [page for page in PAGES.values() if page.startswith("packages/")]
+    listed = [page for page in packages if page != PAGES[INTERFACES]]
+    config.nav = [*config.nav[:-1], {"Packages": listed}, *config.nav[-1:]]
     return config
 
 
