@@ -13,7 +13,7 @@ pytestmark = pytest.mark.takes(60)
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = ROOT / "catkin_ws/src/gpr20_analysis"
-SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys"
+SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
 VENVS = [".venv38", ".venv313"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
