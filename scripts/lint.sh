@@ -13,9 +13,10 @@ ruff format --check . "${nodes[@]}"
 # The messages are those that the build made.
 messages=catkin_ws/devel/lib/python3/dist-packages
 packages=(catkin_ws/src/*/src)
-MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)$messages" \
+MYPYPATH="$(printf '%s:' "${packages[@]}" scripts scripts/pictures benchmarks)$messages" \
     mypy --no-error-summary --scripts-are-modules "${packages[@]}" catkin_ws/src/*/nodes/* \
-    benchmarks/*.py conftest.py deploy/*.py scripts/*.py scripts/crash_matrix scripts/pytest_gpr20
+    benchmarks/*.py conftest.py deploy/*.py scripts/*.py scripts/pictures scripts/crash_matrix \
+    scripts/pytest_gpr20
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
 scripts/translations.sh --check

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The documentation as one site; open index.html of its folder. A link that leads nowhere is an error.
+# The documentation as one site; open its index.html. A link that leads nowhere is an error.
 #   scripts/site.sh           into site/
 #   scripts/site.sh FOLDER    into another folder, which is replaced
 set -euo pipefail

@@ -18,14 +18,19 @@ from site_markdown import heading_anchor, indent_lists, relative_link, rewrite_l
 
 STATES = "![States of a survey](images/states.svg)"
 API = '\n<a href="api/gpr20_analysis.html">The complete reference</a>\n'
+# A drawing with small words can be opened alone.
+DRAWING = re.compile(r"^(!\[[^\]]*\]\((\S+\.svg)\))$", re.MULTILINE)
 PAGES = outside_pages()
 SOURCES = {site: source for source, site in PAGES.items()}
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Give headings the anchors that they have on GitHub."""
+    """Give headings the anchors that they have on GitHub, and list the packages."""
     toc: Dict[str, Any] = config.mdx_configs.setdefault("toc", {})
     toc["slugify"] = heading_anchor
+    packages = [page for page in PAGES.values() if page.startswith("packages/")]
+    listed = [page for page in packages if page != PAGES[INTERFACES]]
+    config.nav = [*config.nav[:-1], {"Packages": listed}, *config.nav[-1:]]
     return config
 
 
@@ -58,7 +63,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
             raise PluginError(f"{source} links to {target}, which is not on the site")
         return relative_link(here, site, anchor)
 
-    return indent_lists(rewrite_links(_without_mermaid(markdown), change))
+    drawn = DRAWING.sub(r"[\1](\2)", _without_mermaid(markdown))
+    return indent_lists(rewrite_links(drawn, change))
 
 
 def _without_mermaid(markdown: str) -> str:

@@ -1,0 +1,45 @@
+"""The pins of docs/wiring.md and its picture are those of the robot's default configuration."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = (ROOT / "docs/wiring.md").read_text(encoding="utf-8")
+PICTURE = (ROOT / "docs/images/wiring.svg").read_text(encoding="utf-8")
+AXES = yaml.safe_load((ROOT / "catkin_ws/src/gpr20_launch/config/axes.yaml").read_text())
+SIGNALS = {"direction": "dir_pin", "step": "step_pin", "endstop": "sensor_pin"}
+
+
+def configured_pins():
+    return {
+        f"{axis.upper()} {signal}": values[key]
+        for axis, values in AXES.items()
+        for signal, key in SIGNALS.items()
+        if key in values
+    }
+
+
+def test_the_table_has_the_pins_of_every_axis():
+    rows = re.findall(r"^\| (\d+) \| ([XYZ] \w+) \|", PAGE, re.MULTILINE)
+    assert {signal: int(pin) for pin, signal in rows} == configured_pins()
+
+
+@pytest.mark.parametrize(("signal", "pin"), configured_pins().items())
+def test_the_picture_has_the_pins_of_every_axis(signal, pin):
+    assert f">{signal} {pin}<" in PICTURE
+
+
+def test_the_converter_is_on_the_pins_of_the_configured_bus():
+    parameters = HeightParameters()
+    assert (parameters.spi_bus, parameters.spi_device, parameters.channel) == (0, 0, 0)
+    # CE0 of SPI0 is pin 24 of the header of a Raspberry Pi.
+    assert "| 24 | SPI0 CE0 | CS of the MCP3008 |" in PAGE
+    assert "output to CH0" in PICTURE
+    assert parameters.reference_voltage_v == 3.3
