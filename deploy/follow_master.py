@@ -1,7 +1,6 @@
 """Run a command on a ROS master, and again when another master has taken its place.
 
-follow_master.py COMMAND ...               restarts the command for each new master
-follow_master.py --start-only COMMAND ...  waits for a master, then becomes the command
+follow_master.py COMMAND ...
 
 The robot's nodes outlive the master when the PC restarts, but the new master does not know them.
 SIGINT and SIGTERM end the command with SIGINT, as Ctrl-C does.
@@ -22,7 +21,6 @@ POLL_S = 1.0
 ANSWER_LIMIT_S = 3.0
 # roslaunch kills a node that does not end within 17 s.
 END_LIMIT_S = 60.0
-START_ONLY = "--start-only"
 NAME = "/gpr20_follow_master"
 EXIT_NOT_ENDED = 1
 
@@ -59,7 +57,7 @@ class Follower:
         """End the command and `follow`."""
         self._stop.set()
 
-    def wait_for_master(self) -> Optional[str]:
+    def _wait_for_master(self) -> Optional[str]:
         """Return the id of the master's run as soon as there is one; None when stopped."""
         run = self._run_id()
         if run is None:
@@ -71,7 +69,7 @@ class Follower:
     def follow(self) -> int:
         """Run the command until it ends by itself or `stop` is called; return its status."""
         while True:
-            run = self.wait_for_master()
+            run = self._wait_for_master()
             if run is None or self._stop.is_set():
                 return 0
             # A session of its own: Ctrl-C in a terminal reaches it once, through this process.
@@ -107,9 +105,6 @@ class Follower:
 def main() -> int:
     """Follow the master of ROS_MASTER_URI with the command of the command line."""
     command = sys.argv[1:]
-    start_only = command[:1] == [START_ONLY]
-    if start_only:
-        del command[0]
     if not command:
         print(__doc__, file=sys.stderr)
         return 2
@@ -117,11 +112,7 @@ def main() -> int:
     follower = Follower(command, lambda: read_run_id(uri), lambda text: print(text, flush=True))
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: follower.stop())
-    if not start_only:
-        return follower.follow()
-    if follower.wait_for_master() is None:
-        return 0
-    os.execvp(command[0], command)
+    return follower.follow()
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 #   deploy/run.sh server    the PC's part and the ROS master
 #   deploy/run.sh robot     the robot's part, once the server's master runs
 #   deploy/run.sh survey    both, on one machine
-#   deploy/run.sh window    the window, in the X session that calls this
+#   deploy/run.sh screen    in an X session: what is missing, then the window
+#   deploy/run.sh window    the window, on the screen of DISPLAY
 # The environment is that of /etc/gpr20/environment:
 #   GPR20_ROBOT, GPR20_SERVER   addresses of the two machines; both empty: one machine
 #   GPR20_DATA, GPR20_CONFIG    folders of the surveys and of the configuration
@@ -16,10 +17,11 @@ source "$(dirname "${BASH_SOURCE[0]}")/../scripts/environment.sh"
 part="${1-}" address=
 case "$part" in
     server) address="${GPR20_SERVER-}" ;;
-    robot | window) address="${GPR20_ROBOT-}" ;;
-    survey) ;;
+    robot) address="${GPR20_ROBOT-}" ;;
+    # They say on the screen that the link is missing.
+    survey | screen | window) ;;
     *)
-        echo "run.sh: '$part' is not one of server, robot, survey, window" >&2
+        echo "run.sh: '$part' is not one of server, robot, survey, screen, window" >&2
         exit 2
         ;;
 esac
@@ -40,16 +42,17 @@ wait_for_address() {
 if [ -n "$address" ] && [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then wait_for_address "$address"; fi
 gpr20_use_workspace
 read -ra launch_arguments <<<"robot:=gpr20 ${GPR20_LAUNCH_ARGUMENTS-}"
-read -ra window_arguments <<<"_full_screen:=true ${GPR20_WINDOW_ARGUMENTS-}"
+read -ra window_arguments <<<"--wait-for-display _full_screen:=true ${GPR20_WINDOW_ARGUMENTS-}"
 follow="$GPR20_ROOT/deploy/follow_master.py"
 
 case "$part" in
     server) exec roslaunch gpr20 server.launch "${launch_arguments[@]}" ;;
     survey) exec roslaunch gpr20 survey.launch "${launch_arguments[@]}" ui:=false ;;
     robot) exec python "$follow" roslaunch gpr20 robot.launch "${launch_arguments[@]}" ui:=false ;;
-    window)
+    screen)
         openbox &
-        exec python "$follow" --start-only \
-            rosrun gpr20_user_interface user_interface --wait-for-display "${window_arguments[@]}"
+        # Once more, because the link decides where the nodes listen.
+        exec python "$GPR20_ROOT/deploy/waiting_screen.py" "$GPR20_ROOT/deploy/run.sh" window
         ;;
+    window) exec rosrun gpr20_user_interface user_interface "${window_arguments[@]}" ;;
 esac

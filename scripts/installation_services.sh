@@ -157,7 +157,7 @@ finish() {
 uninstall() {
     local records line kind path value unit
     if [ ! -f "$root$MANIFEST" ]; then echo "already gone: nothing is installed"; return; fi
-    mapfile -t records < <(tac "$root$MANIFEST")
+    mapfile -t records < <(tac "$root$MANIFEST" | awk -F '\t' '!seen[$1, $2]++')
     if systemd_runs; then
         for unit in gpr20-window gpr20-robot gpr20-server gpr20-firewall; do
             if systemctl is-active -q "$unit"; then step "stop $unit" systemctl stop "$unit"; fi

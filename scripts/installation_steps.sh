@@ -29,22 +29,16 @@ system_step() {
     if is_real; then step "$@"; else echo "not with --root: $1"; fi
 }
 
-# recorded KIND [PATH]: the value of a record (without PATH: of the first of its kind).
+# recorded KIND [PATH]: the value of the last such record (without PATH: its path).
 recorded() {
     [ -f "$root$MANIFEST" ] || return 0
     awk -F '\t' -v kind="$1" -v path="${2-}" \
-        '$1 == kind && (path == "" || $2 == path) { print path == "" ? $2 : $3; exit }' \
-        "$root$MANIFEST"
+        '$1 == kind && (path == "" || $2 == path) { found = path == "" ? $2 : $3 }
+        END { print found }' "$root$MANIFEST"
 }
 
-# record KIND PATH [VALUE]: once for each KIND and PATH.
-record() {
-    local kept
-    kept="$(awk -F '\t' -v kind="$1" -v path="$2" '!($1 == kind && $2 == path)' \
-        "$root$MANIFEST" 2>/dev/null || true)"
-    printf '%s%s\t%s\t%s\n' "${kept:+$kept$'\n'}" "$1" "$2" "${3-}" |
-        write_file "$root$MANIFEST" 644
-}
+# record KIND PATH [VALUE]: the last of a KIND and PATH counts.
+record() { printf '%s\t%s\t%s\n' "$1" "$2" "${3-}" >>"$root$MANIFEST"; }
 
 # begin_records ROLE: what this machine is; everything that follows is recorded.
 begin_records() {
@@ -56,7 +50,7 @@ begin_records() {
 write_file() {
     cat >"$1.gpr20-new"
     chmod "$2" "$1.gpr20-new"
-    sync "$1.gpr20-new"
+    if is_real; then sync "$1.gpr20-new"; fi
     mv -f "$1.gpr20-new" "$1"
 }
 
@@ -81,7 +75,13 @@ make_folder() {
 ensure_file() {
     local path="$1" file="$root$1"
     ensure_folder "$(dirname "$path")"
-    if [ -f "$file" ] && [ "$2" = "$(cat "$file")" ]; then there "$path"; return; fi
+    if [ -f "$file" ] && [ "$2" = "$(<"$file")" ]; then
+        there "$path"
+        # A run that was interrupted may have written it without a record.
+        [ "$dry" = yes ] || [ -n "$(recorded file "$path")" ] ||
+            record file "$path" "$(sum_of "$file")"
+        return
+    fi
     if [ -e "$file" ] && [ "$(sum_of "$file")" != "$(recorded file "$path")" ]; then
         echo "left: $path was written or changed by hand; remove it to get the new one"
         return
@@ -131,8 +131,8 @@ put_block() {
 # template NAME: a file of deploy/ with the values of this installation.
 template() {
     local text
-    text="$(cat "$DEPLOY/$1")"
-    text="${text//@HARDENING@/$(cat "$DEPLOY/systemd/hardening.conf")}"
+    text="$(<"$DEPLOY/$1")"
+    text="${text//@HARDENING@/$(<"$DEPLOY/systemd/hardening.conf")}"
     text="${text//@CHECKOUT@/$GPR20_ROOT}"
     text="${text//@USER@/$user}"
     text="${text//@ROBOT@/$robot}"

@@ -20,7 +20,7 @@ messages_page() {
 }
 
 mapfile -d '' -t sources < <(git ls-files --cached --others --exclude-standard -z \
-    'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*')
+    'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' 'deploy/*.py')
 /usr/bin/python3 scripts/literal_templates.py "${sources[@]}"
 
 # Templates are the first argument of Message(...) and of tr(...).

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import threading
 
 import pytest
-from user_shell import ROOT
+from deploy_module import imported
 
-spec = importlib.util.spec_from_file_location("follow_master", ROOT / "deploy/follow_master.py")
-follow_master = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(follow_master)
+follow_master = imported("follow_master")
 
 # Writes a line when it starts and one when Ctrl-C ends it.
 COMMAND = """

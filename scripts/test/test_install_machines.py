@@ -100,6 +100,21 @@ def test_a_file_that_was_changed_by_hand_is_not_overwritten(robot):
     assert unit.read_text() == "mine"
 
 
+def test_a_run_that_was_interrupted_is_completed_by_the_next_one(robot):
+    before = robot.contents()
+    robot.install()
+    manifest = robot.folder / "etc/gpr20/installed"
+    # The last file was written, but not recorded; the links of its unit are missing.
+    lines = manifest.read_text().splitlines(keepends=True)
+    manifest.write_text("".join(one for one in lines if "gpr20-window.service" not in one))
+    (robot.folder / "etc/systemd/system/multi-user.target.wants/gpr20-window.service").unlink()
+    assert CHANGE.findall(robot.install()) == [
+        "link /etc/systemd/system/multi-user.target.wants/gpr20-window.service"
+    ]
+    robot.uninstall()
+    assert robot.contents() == before
+
+
 def test_other_addresses_are_set_in_the_settings_and_the_rest_of_them_stays(robot):
     robot.install("--data", "/srv/surveys")
     file = robot.folder / "etc/gpr20/environment"

@@ -1,0 +1,98 @@
+"""What the robot's screen says before there is a window: deploy/waiting_screen.py."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+from deploy_module import imported
+from user_shell import ROOT
+
+from gpr20_common.catalogue import Language
+
+waiting_screen = imported("waiting_screen")
+TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
+MASTER = {"ROS_MASTER_URI": "http://127.0.0.1:9"}
+
+
+def missing(environment, own=True, run=None):
+    """Return what is missing, in English, and the addresses that were looked for."""
+    looked = []
+    found = waiting_screen.missing(
+        {**MASTER, **environment},
+        lambda address: looked.append(address) or own,
+        lambda uri: looked.append(uri) or run,
+    )
+    return str(found), looked
+
+
+def test_nothing_is_missing_when_the_master_answers():
+    assert missing(TWO, run="a") == ("None", ["10.20.0.1", "http://127.0.0.1:9"])
+
+
+def test_the_link_is_named_first_then_the_pc():
+    assert "does not have the address 10.20.0.1" in missing(TWO, own=False, run="a")[0]
+    assert "Waiting for the PC 10.20.0.2" in missing(TWO)[0]
+
+
+def test_on_one_machine_the_programs_are_starting():
+    assert missing({"GPR20_ROBOT": "", "GPR20_SERVER": ""}, own=False)[0].startswith("The robot's")
+
+
+def test_an_address_that_was_exported_counts_and_one_that_was_set_by_itself_does_not():
+    assert "PC" in missing({**TWO, "ROS_IP": "127.0.0.3"}, own=False)[0]
+    own = {"ROS_IP": "127.0.0.1", "GPR20_SET_ROS_IP": "127.0.0.1"}
+    assert "the address 10.20.0.1" in missing({**TWO, **own}, own=False)[0]
+
+
+def test_it_knows_the_addresses_of_this_computer():
+    assert waiting_screen.has_address("127.0.0.1")
+    assert not waiting_screen.has_address("203.0.113.9")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "remembered", "language"),
+    [
+        ("", "language: es", Language.SPANISH),
+        ("_language:=es", "", Language.SPANISH),
+        ("_language:=auto", "language: es", Language.SPANISH),
+        ("", "", Language.ENGLISH),
+        ("_language:=xx", "", Language.ENGLISH),
+    ],
+)
+def test_it_has_the_language_of_the_window(tmp_path, arguments, remembered, language):
+    (tmp_path / "window.yaml").write_text(remembered)
+    found = waiting_screen.language_of(
+        {"GPR20_WINDOW_ARGUMENTS": arguments}, tmp_path / "window.yaml"
+    )
+    assert found is language
+
+
+SHOW = """
+import sys
+from PyQt5.QtWidgets import QApplication
+import waiting_screen
+answers = iter([waiting_screen.Message("Waiting for the PC {address}. Switch it on, and check "
+    "the cable.", address="10.20.0.2"), None])
+waiting_screen.POLL_S = 0.5
+application = QApplication(sys.argv[:1])
+screen = waiting_screen.WaitingScreen(lambda: next(answers), waiting_screen.Language.SPANISH)
+screen.show()
+application.exec_()
+print(screen.label.text())
+"""
+
+
+def test_it_shows_the_sentence_and_ends_when_nothing_is_missing():
+    done = subprocess.run(
+        [sys.executable, "-c", SHOW],
+        cwd=ROOT / "deploy",
+        env={**os.environ, "QT_QPA_PLATFORM": "offscreen"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stdout == "Esperando al PC 10.20.0.2. Enciéndalo y revise el cable.\n"
