@@ -30,7 +30,7 @@ def test_every_survey_is_imaged_and_a_damaged_one_is_named(tmp_path):
         command = [sys.executable, str(program), str(data), cluster.scheduler_address, str(output)]
         ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert ended.returncode == 0, ended.stderr
-    assert sorted(file.name for file in output.iterdir()) == ["first.nc", "second.nc"]
+    assert sorted(file.name for file in output.iterdir()) == ["first.nc", "second.nc"], ended.stderr
     assert (load_survey(output / "first.nc").image.values.max()) > 0.0
     (named,) = [line for line in ended.stderr.splitlines() if str(data) in line]
     assert "damaged" in named
