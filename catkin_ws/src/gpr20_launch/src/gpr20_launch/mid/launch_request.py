@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Dict, Tuple
 
+from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
@@ -16,6 +17,7 @@ from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configur
 from gpr20_simulator.mid.scene import read_scene
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
@@ -99,13 +101,23 @@ class LaunchRequest:
         sections = read_configuration(self._folder(), built_axes)
         if self.robot == SIMULATED:
             self._simulate(sections)
-        elif not sections["z_axis"].get("sensor_pin"):
-            rotation_file = str(Path(ROTATION_FILE).expanduser())
-            sections["z_axis"].setdefault("memory_file", rotation_file)
+        else:
+            self._complete_axes(sections)
         if self.part in (SERVER, SURVEY):
             sections["storage"]["data"] = str(self._data_folder(sections))
             sections["imaging"] = {"data": sections["storage"]["data"]}
         return sections
+
+    def _complete_axes(self, sections: Sections) -> None:
+        for axis_id in AxisId:
+            section = f"{axis_id.value}_axis"
+            parameters = record_from(AxisParameters, sections[section], section)
+            # Its package is installed where the axes are.
+            if parameters.controller and self.part in (ROBOT, SURVEY):
+                _check_controller(section, parameters)
+            if axis_id is AxisId.Z and not parameters.finds_zero:
+                rotation_file = str(Path(ROTATION_FILE).expanduser())
+                sections[section].setdefault("memory_file", rotation_file)
 
     def _folder(self) -> Path:
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
@@ -131,6 +143,10 @@ class LaunchRequest:
         except Gpr20Error as error:
             raise LaunchRefusedError(error.message) from error
         sections["simulator"] = {**simulator, "scene": str(scene)}
+        # Its carriage has motors with pins.
+        for axis_id in AxisId:
+            for key in ("controller", "controller_options"):
+                sections[f"{axis_id.value}_axis"].pop(key, None)
         # The instrument of the configuration is a real one, perhaps of another kind.
         analyzer = sections["vna_acquisition"]
         if analyzer.get("analyzer", SIMULATED_ANALYZER) != SIMULATED_ANALYZER:
@@ -154,3 +170,12 @@ class LaunchRequest:
                 )
             ) from error
         return folder
+
+
+def _check_controller(section: str, parameters: AxisParameters) -> None:
+    try:
+        check_controller(parameters)
+    except Gpr20Error as error:
+        raise LaunchRefusedError(
+            Message("{section}: {reason}", section=section, reason=error.message)
+        ) from error
