@@ -18,6 +18,12 @@ cd "$GPR20_ROOT"
 folder=catkin_ws/src/gpr20_common/src/gpr20_common/translations
 # The project translates everything into this language; others may have gaps, which are English.
 complete=$folder/es.po
+code="$(basename "$given" .po)"
+if [ "$mode" = new ] && { [ -e "$given" ] || [ -z "$name" ] ||
+    ! [[ "$code" =~ ^[a-z]{2,3}(_[A-Z]{2})?$ ]]; }; then
+    echo "translations.sh: name a new file and its language: --new pt.po Português" >&2
+    exit 1
+fi
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
 
@@ -59,13 +65,7 @@ update() {
 }
 
 begin() {
-    local catalogue="$1" code
-    code="$(basename "$catalogue" .po)"
-    if [ -e "$catalogue" ] || [ -z "$name" ] ||
-        ! [[ "$code" =~ ^[a-z]{2,3}(_[A-Z]{2})?$ ]]; then
-        echo "translations.sh: name a new file and its language: --new pt.po Português" >&2
-        exit 1
-    fi
+    local catalogue="$1"
     mkdir -p "$(dirname "$catalogue")"
     printf 'msgid ""\nmsgstr ""\n' >"$catalogue"
     printf '"%s\\n"\n' "Project-Id-Version: gpr20" "Language: $code" "X-Language-Name: $name" \
