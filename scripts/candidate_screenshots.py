@@ -88,7 +88,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     sheet.permittivity.setText(PERMITTIVITY)
     window.show()
     sheet.show_survey(chosen)
-    for language in languages():
+    for language in catalogue_file.languages():
         languages.use(language)
         sheet.find_button.click()
         run_until(lambda: bool(ended), "the search ends", LIMIT_S)

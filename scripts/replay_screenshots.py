@@ -30,7 +30,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     window = interface.window
     with running("rosrun", "gpr20_analysis", "replay", str(survey)):
         run_until(lambda: window.traces.live.radar.count >= SHOWN, "traces are shown", LIMIT_S)
-        for language in languages():
+        for language in catalogue_file.languages():
             languages.use(language)
             window.show_tab(TabName.STATUS)
             run_events(1.0)

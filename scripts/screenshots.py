@@ -39,7 +39,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     interface.begin()
     window = interface.window
     run_until(lambda: window.survey.snapshot.can_start, "the robot is ready", LIMIT_S)
-    for language in languages():
+    for language in catalogue_file.languages():
         languages.use(language)
         keep(window, folder / f"plan_{language.value}.png")
     operator = Operator()
@@ -51,7 +51,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     run_until(lambda: live.radar.count >= wanted, "the survey shows both targets", LIMIT_S)
     window.map.select_stop(TARGET_STOP)
     window.radar.depth_slider.setValue(SLICE_STEPS)
-    for language in languages():
+    for language in catalogue_file.languages():
         languages.use(language)
         for tab in TabName:
             window.show_tab(tab)
@@ -62,7 +62,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     window.show_tab(TabName.RADAR)
     window.radar.source.click()
     run_until(lambda: window.radar.presenter.image is not None, "an image is focused", LIMIT_S)
-    for language in languages():
+    for language in catalogue_file.languages():
         languages.use(language)
         keep(window, folder / f"focused_{language.value}.png")
     operator.stop()

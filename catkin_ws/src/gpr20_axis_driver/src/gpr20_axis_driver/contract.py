@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import threading
 import time
@@ -98,7 +99,7 @@ class AxisContract(ABC):
         start, step = self.true_steps(), self.parameters.step_size
         low, high = self.parameters.min_coord - step, self.parameters.max_coord + step
         for target in (low, high, math.nan, math.inf):
-            _refused(TravelError, lambda target=target: self.axis.move_to_coordinate(target))
+            _refused(TravelError, functools.partial(self.axis.move_to_coordinate, target))
         assert self.true_steps() == start
 
     def test_a_stopped_move_rests_before_its_target_with_an_exact_coordinate(self) -> None:
