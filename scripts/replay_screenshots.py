@@ -14,6 +14,7 @@ from robot_kit import free_port, running
 from window_kit import new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
 

@@ -14,6 +14,7 @@ from gpr20_analysis.commands.image_command import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import step_from_text
 from gpr20_analysis.report.build import report_of
 from gpr20_analysis.report.pdf_pages import pages_of
+from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import read_catalogue
 
 PERMITTIVITY = 5.0

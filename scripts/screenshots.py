@@ -11,6 +11,7 @@ from robot_kit import simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.views.main_window import TabName

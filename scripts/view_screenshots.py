@@ -22,6 +22,7 @@ from gpr20_analysis.viewer.views.application import utc_now
 from gpr20_analysis.viewer.views.main_window import SIZE_PX, MainWindow
 from gpr20_analysis.viewer.views.pick_desk import PickDesk
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import read_catalogue
 
 LOOK_MS = 50
