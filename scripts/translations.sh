@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # The catalogues of every sentence that people read, kept with GNU gettext.
-#   scripts/translations.sh                     update each: new templates have an empty msgstr
+#   scripts/translations.sh                     update each: new templates have an empty msgstr; run
+#                                               it again after writing them, for docs/messages.md
 #   scripts/translations.sh --check             fail on a template without Spanish, on an entry that
-#                                               has no template, on other {values} than its template
+#                                               has no template, on other {values} than its template,
+#                                               or if docs/messages.md is not up to date
 #   scripts/translations.sh --new FILE.po NAME  begin a catalogue; FILE is the code of its language
 #   scripts/translations.sh FILE.po             update a catalogue of another folder
 #   scripts/translations.sh --check FILE.po     check it; entries may be missing
@@ -26,6 +28,12 @@ if [ "$mode" = new ] && { [ -e "$given" ] || [ -z "$name" ] ||
 fi
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
+
+# docs/messages.md, from the catalogue.
+messages_page() {
+    PYTHONPATH="$(printf '%s:' "$GPR20_WORKSPACE"/src/gpr20_*/src)" \
+        "$GPR20_VENV/bin/python" scripts/messages_page.py "$@"
+}
 
 mapfile -d '' -t sources < <(git ls-files --cached --others --exclude-standard -z \
     'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*')
@@ -83,3 +91,10 @@ for catalogue in "${catalogues[@]}"; do
     update) update "$catalogue" ;;
     esac
 done
+# The page is about the project's own catalogue.
+if [ -z "$given" ]; then
+    case "$mode" in
+    check) messages_page --check ;;
+    update) messages_page ;;
+    esac
+fi
